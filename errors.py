@@ -1,0 +1,20 @@
+"""The one exception that a user's mistake raises, and the hint that goes with a wrong name."""
+
+import difflib
+from collections.abc import Iterable
+
+
+class InputError(ValueError):
+    """Something the user gave cannot be used: a file, an argument, a parameter, an action.
+
+    The message is one sentence that names the value, the allowed range and the fix. The command
+    line prints it without a traceback and exits with code 2.
+    """
+
+
+def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:
+    """Returns the error for a name that is none of `allowed`, with the closest one as a hint."""
+    allowed = sorted(allowed)
+    close = difflib.get_close_matches(name, allowed, n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    return InputError(f"unknown {kind} {name!r}: use one of {', '.join(allowed)}{hint}")

@@ -1,0 +1,308 @@
+"""What MuJoCo calls: the Jiles-Atherton joint as an engine plugin, compiled to C callbacks.
+
+An instance keeps parameters and memory in `mjData.plugin_state`, so they are part of the physics
+state: saved, restored, copied and batched by MuJoCo itself. `compute` only reads the memory (it
+may run any number of times per step, at trial positions); `advance` commits it once per step.
+"""
+
+import math
+from typing import Any
+
+from numba import cfunc, njit, types
+
+from .. import _jiles_atherton_kernels as kernels
+from ._layout import Layout
+from ._memory import (
+    character_at,
+    doubles,
+    int32_at,
+    name2id,
+    parse_double,
+    pointer_at,
+    warn,
+)
+
+# Config keys, in the order in which MuJoCo stores their values.
+ATTRIBUTES = (
+    "joint",
+    "Ms",
+    "a",
+    "alpha",
+    "c",
+    "k",
+    "angle_unit",
+    "start_angle",
+    "start_torque",
+    "allow_uncertified",
+)
+UNIT, START_ANGLE, START_TORQUE, ALLOW = 6, 7, 8, 9
+
+# Slots of an instance's state; parameters are in radians.
+QPOS, DOF, TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 0, 1, 2, 3, 4
+MS, A, ALPHA, C, K, STEP_LIMIT = 5, 6, 7, 8, 9, 10
+ANGLE, TORQUE, LOSS, FAULT = 11, 12, 13, 14
+STATE_SIZE = 15
+
+DEGREE = math.pi / 180
+
+
+@njit(cache=True)
+def state_of(m, d, instance, at):
+    """Returns the view of an instance's state in mjData `d`."""
+    address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
+    return doubles(pointer_at(d + at.d_plugin_state) + 8 * address, STATE_SIZE)
+
+
+@njit(cache=True)
+def config(m, instance, index, at):
+    """Returns the address of the config value number `index`, a C string ("" if not given)."""
+    text = pointer_at(m + at.m_plugin_attr) + int32_at(
+        pointer_at(m + at.m_plugin_attradr), instance
+    )
+    for _ in range(index):
+        while character_at(text) != 0:
+            text += 1
+        text += 1
+    return text
+
+
+@njit(cache=True)
+def ends_with(text, ending):
+    """Returns whether the C string at `text` ends with the bytes `ending`."""
+    length = 0
+    while character_at(text + length) != 0:
+        length += 1
+    if length < len(ending):
+        return False
+    for i in range(len(ending)):
+        if character_at(text + length - len(ending) + i) != ending[i]:
+            return False
+    return True
+
+
+@njit(cache=True)
+def sensor_slot(name):
+    """Returns the state slot of what a sensor's name says it measures, or -1."""
+    if ends_with(name, b"torque"):
+        return TORQUE_SENSOR
+    if ends_with(name, b"stiffness"):
+        return STIFFNESS_SENSOR
+    if ends_with(name, b"energy"):
+        return ENERGY_SENSOR
+    return -1
+
+
+@njit(cache=True)
+def stored_energy(state, angle, torque):
+    """Returns what a motion from here could still get back of the path part of the work [J]."""
+    return kernels.recoverable_energy(
+        angle, torque, state[MS], state[A], state[ALPHA], state[C], state[K], state[STEP_LIMIT]
+    )
+
+
+@njit(cache=True)
+def certified(state):
+    """Mirrors `JilesAtherton.certificate` and the start's memory bound."""
+    chi = state[MS] / (3 * state[A])
+    spread = abs(state[C] - 1)
+    alpha = state[ALPHA]
+    top = alpha * (spread + max(state[C], 0.0)) * chi
+    bottom = -alpha * (spread + max(-state[C], 0.0)) * chi
+    man = state[MS] * kernels.langevin((state[ANGLE] + alpha * state[TORQUE]) / state[A])[0]
+    inside = abs(state[TORQUE] - man) <= state[K] * spread * chi
+    return top < 1 and bottom < 1 and state[C] >= 1 and inside
+
+
+@njit(cache=True)
+def configure(m, instance, state, at, loud):
+    """Fills the state from the config; returns False, after a warning if `loud`, where it cannot."""
+    joint_name = config(m, instance, 0, at)
+    joint = name2id(m, at.object_joint, joint_name)
+    if joint < 0:
+        if loud:
+            warn("activesuit.jiles_atherton: the model has no joint '%s'; check config joint", joint_name)
+        return False
+    joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
+    if joint_type not in (at.joint_slide, at.joint_hinge):
+        if loud:
+            warn("activesuit.jiles_atherton: joint '%s' is not a hinge or a slide", joint_name)
+        return False
+    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
+    state[QPOS] = qpos
+    state[DOF] = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
+    for i in range(5):
+        value, number = parse_double(config(m, instance, 1 + i, at))
+        if not (number and math.isfinite(value)):
+            if loud:
+                warn(
+                    "activesuit.jiles_atherton: joint '%s' needs a finite number for each of "
+                    "Ms, a, alpha, c, k",
+                    joint_name,
+                )
+            return False
+        state[MS + i] = value
+    if not (state[MS] > 0 and state[A] > 0 and state[K] > 0):
+        if loud:
+            warn("activesuit.jiles_atherton: joint '%s' needs Ms, a and k above 0", joint_name)
+        return False
+    unit = character_at(config(m, instance, UNIT, at))
+    if unit == ord("d"):
+        state[A] *= DEGREE
+        state[ALPHA] *= DEGREE
+        state[K] *= DEGREE
+    elif unit != ord("r"):
+        if loud:
+            warn("activesuit.jiles_atherton: joint '%s' needs angle_unit rad or deg", joint_name)
+        return False
+    state[STEP_LIMIT] = kernels.field_step_limit(
+        state[MS], state[A], state[ALPHA], state[C], state[K]
+    )
+    state[ANGLE] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
+    state[TORQUE] = 0.0
+    for slot, key in ((ANGLE, START_ANGLE), (TORQUE, START_TORQUE)):
+        text = config(m, instance, key, at)
+        if character_at(text) != 0:
+            value, number = parse_double(text)
+            if not (number and math.isfinite(value)):
+                if loud:
+                    warn(
+                        "activesuit.jiles_atherton: joint '%s' needs finite numbers for "
+                        "start_angle (rad) and start_torque (N m)",
+                        joint_name,
+                    )
+                return False
+            state[slot] = value
+    if character_at(config(m, instance, ALLOW, at)) != ord("t") and not certified(state):
+        if loud:
+            warn(
+                "activesuit.jiles_atherton: the parameters of joint '%s' have no certificate "
+                "(a motion could meet infinite torque); set allow_uncertified to true to run anyway",
+                joint_name,
+            )
+        return False
+    state[LOSS] = stored_energy(state, state[ANGLE], state[TORQUE])
+    state[FAULT] = 0.0
+    state[TORQUE_SENSOR] = state[STIFFNESS_SENSOR] = state[ENERGY_SENSOR] = -1.0
+    for i in range(pointer_at(m + at.m_nsensor)):
+        if (
+            int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin
+            and int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
+        ):
+            name = pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), i)
+            slot = sensor_slot(name)
+            if slot < 0:
+                if loud:
+                    warn(
+                        "activesuit.jiles_atherton: the name of sensor '%s' must end in torque, "
+                        "stiffness or energy, which is what it measures",
+                        name,
+                    )
+                return False
+            state[slot] = int32_at(pointer_at(m + at.m_sensor_adr), i)
+    return True
+
+
+@njit(cache=True)
+def move(state, angle):
+    """Returns torque and loss after a motion from the committed memory to `angle`."""
+    return kernels.advance(
+        state[ANGLE],
+        state[TORQUE],
+        angle,
+        state[MS],
+        state[A],
+        state[ALPHA],
+        state[C],
+        state[K],
+        state[STEP_LIMIT],
+    )
+
+
+@njit(cache=True)
+def evaluate(m, d, instance, capability, at):
+    """Adds the torque at the current position, or writes the sensors; changes no memory."""
+    state = state_of(m, d, instance, at)
+    index = int(state[QPOS])
+    angle = doubles(pointer_at(d + at.d_qpos), index + 1)[index]
+    torque, loss = state[TORQUE], 0.0
+    if state[FAULT] == 0:
+        moved, loss = move(state, angle)
+        if math.isnan(moved):
+            angle, loss = state[ANGLE], 0.0
+        else:
+            torque = moved
+    dof = int(state[DOF])
+    if capability == at.passive:
+        doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= torque
+        return
+    sensordata = pointer_at(d + at.d_sensordata)
+    if state[TORQUE_SENSOR] >= 0:
+        doubles(sensordata + 8 * int(state[TORQUE_SENSOR]), 1)[0] = -torque
+    if state[STIFFNESS_SENSOR] >= 0:
+        velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
+        stiffness = kernels.tangent_stiffness(
+            angle,
+            torque,
+            math.copysign(1.0, velocity),
+            state[MS],
+            state[A],
+            state[ALPHA],
+            state[C],
+            state[K],
+        )
+        doubles(sensordata + 8 * int(state[STIFFNESS_SENSOR]), 1)[0] = stiffness
+    if state[ENERGY_SENSOR] >= 0:
+        energy = state[LOSS] + loss - stored_energy(state, angle, torque)
+        doubles(sensordata + 8 * int(state[ENERGY_SENSOR]), 1)[0] = energy
+
+
+@njit(cache=True)
+def commit(m, d, instance, at):
+    """Moves the memory to the new position; at a pole the torque is held and the fault flag set."""
+    state = state_of(m, d, instance, at)
+    index = int(state[QPOS])
+    angle = doubles(pointer_at(d + at.d_qpos), index + 1)[index]
+    if state[FAULT] != 0 or angle == state[ANGLE] or not math.isfinite(angle):
+        return
+    torque, loss = move(state, angle)
+    if math.isnan(torque):
+        state[FAULT] = 1.0
+        warn(
+            "activesuit.jiles_atherton: the torque of joint '%s' met its pole; it is held at its "
+            "last valid value, and the fault flag is set",
+            config(m, instance, 0, at),
+        )
+        return
+    state[ANGLE], state[TORQUE] = angle, torque
+    state[LOSS] += loss
+
+
+def build(at: Layout) -> dict[str, Any]:
+    """Compiles the callbacks for one layout of MuJoCo's structs (cached on disk per layout)."""
+
+    @cfunc(types.int32(types.intp, types.int32), cache=True)
+    def nstate(m, instance):  # noqa: ARG001
+        return STATE_SIZE
+
+    @cfunc(types.int32(types.intp, types.int32, types.int32), cache=True)
+    def nsensordata(m, instance, sensor):  # noqa: ARG001
+        return 1
+
+    @cfunc(types.int32(types.intp, types.intp, types.int32), cache=True)
+    def init(m, d, instance):
+        return 0 if configure(m, instance, state_of(m, d, instance, at), at, True) else -1
+
+    @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
+    def reset(m, plugin_state, plugin_data, instance):  # noqa: ARG001
+        configure(m, instance, doubles(plugin_state, STATE_SIZE), at, False)
+
+    @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
+    def compute(m, d, instance, capability):
+        evaluate(m, d, instance, capability, at)
+
+    @cfunc(types.void(types.intp, types.intp, types.int32), cache=True)
+    def advance(m, d, instance):
+        commit(m, d, instance, at)
+
+    callbacks = (nstate, nsensordata, init, reset, compute, advance)
+    return {callback.__name__: callback for callback in callbacks}
