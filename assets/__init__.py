@@ -1,0 +1,31 @@
+"""Files that ship with the package (MJCF, suits, curves) and the loader of suit files."""
+
+from pathlib import Path
+
+from .suits import GRADES, JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
+
+FOLDER = Path(__file__).parent
+SCENE = FOLDER / "mjcf" / "scene.xml"
+
+# Name of the shipped curve file -> joint it was measured on.
+CURVES = {"shoulder": "shoulder_flexion", "elbow": "elbow_flexion"}
+
+
+def curves_path(name: str) -> Path:
+    """Returns the path of a curve file that ships with the package: "shoulder" or "elbow"."""
+    return FOLDER / "curves" / f"{name}.csv"
+
+
+__all__ = [
+    "CURVES",
+    "FOLDER",
+    "GRADES",
+    "JOINTS",
+    "SCENE",
+    "Suit",
+    "SuitJoint",
+    "curves_path",
+    "load_suit",
+    "save_suit",
+    "suit_names",
+]

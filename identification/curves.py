@@ -1,0 +1,150 @@
+"""Measured angle-torque curves: the file format, its checks, and the container."""
+
+import csv
+import math
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..files import write_text
+
+Role = Literal["fit", "predict"]
+RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One measured motion of a joint.
+
+    Attributes:
+        angle: joint angle in the order of measurement [rad], shape (n,), n >= 2.
+        torque: resistance, positive against positive motion [N·m], shape (n,).
+        name: label, unique in its file.
+        role: "fit" for identification, "predict" for a curve that is kept to test the model.
+    """
+
+    angle: NDArray[np.float64]
+    torque: NDArray[np.float64]
+    name: str
+    role: Role = "fit"
+
+    def __post_init__(self) -> None:
+        if self.angle.ndim != 1 or self.angle.shape != self.torque.shape:
+            raise InputError(
+                f"curve {self.name!r} has angles of shape {self.angle.shape} and torques of shape "
+                f"{self.torque.shape}: give two series of equal length"
+            )
+        if self.angle.size < 2:
+            raise InputError(
+                f"curve {self.name!r} has {self.angle.size} sample: a curve needs at least 2"
+            )
+        if not (np.isfinite(self.angle).all() and np.isfinite(self.torque).all()):
+            raise InputError(f"curve {self.name!r} has a value that is not finite: remove that sample")
+        if np.ptp(self.angle) == 0:
+            raise InputError(
+                f"curve {self.name!r} stays at the angle {self.angle[0]:g} rad: without motion there "
+                "is no hysteresis to identify"
+            )
+        if self.role not in get_args(Role):
+            raise InputError(f"curve {self.name!r} has role {self.role!r}: use 'fit' or 'predict'")
+
+
+def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
+    """Reads curves from a CSV file.
+
+    The header is `curve,angle_rad,torque_nm` (or `angle_deg`), with an optional column `role`
+    (`fit` or `predict`). Rows of one curve are in the order of measurement. Empty lines and lines
+    that begin with `#` are skipped.
+
+    Raises:
+        InputError: the file is missing or holds anything that is not a usable curve; the message
+            names the line.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"
+        raise InputError(f"cannot read the curves {str(path)!r}: {reason}") from error
+    try:
+        rows = list(_rows(text))
+    except csv.Error as error:
+        raise InputError(f"{path}: not a CSV file ({error})") from error
+    if not rows:
+        raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
+    (_, header), *rows = rows
+    header = [name.strip() for name in header]
+    angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
+    for column in ("curve", angle_column, "torque_nm"):
+        if column not in header:
+            raise InputError(
+                f"{path} has no column {column!r}: the header must be 'curve,angle_rad,torque_nm' "
+                f"(or angle_deg), and it is {','.join(header)!r}"
+            )
+    samples: dict[str, list[tuple[float, float]]] = {}
+    roles: dict[str, str] = {}
+    for line, row in rows:
+        if len(row) != len(header):
+            raise InputError(
+                f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
+            )
+        cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
+        name, role = cells["curve"], cells.get("role", "fit")
+        if not name:
+            raise InputError(f"{path}, line {line}: the cell 'curve' is empty: name the curve")
+        if roles.setdefault(name, role) != role:
+            raise InputError(f"{path}, line {line}: curve {name!r} changes its role to {role!r}")
+        angle = _number(cells, angle_column, path, line)
+        if angle_column == "angle_deg":
+            angle = math.radians(angle)
+        elif abs(angle) > RADIANS_AT_MOST:
+            raise InputError(
+                f"{path}, line {line}: angle_rad is {angle:g}, more than a full turn: if these are "
+                "degrees, name the column angle_deg"
+            )
+        samples.setdefault(name, []).append((angle, _number(cells, "torque_nm", path, line)))
+    if not samples:
+        raise InputError(f"{path} has a header but no samples")
+    try:
+        return [
+            Curve(*np.array(pairs).T.copy(), name=name, role=roles[name])  # type: ignore[arg-type]
+            for name, pairs in samples.items()
+        ]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def save_curves(
+    path: str | os.PathLike[str], curves: Sequence[Curve], comments: Sequence[str] = ()
+) -> None:
+    """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m)."""
+    lines = [f"# {comment}" for comment in comments]
+    lines.append("curve,role,angle_rad,torque_nm")
+    for curve in curves:
+        lines.extend(
+            f"{curve.name},{curve.role},{angle:.6f},{torque:.6f}"
+            for angle, torque in zip(curve.angle, curve.torque, strict=True)
+        )
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            yield number, next(csv.reader([line], strict=True))
+
+
+def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:
+    try:
+        value = float(cells[column])
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number")
+    return value

@@ -1,0 +1,183 @@
+"""`identify`: from measured curves to a model, by a named method and several seeded trials."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+
+from ..errors import InputError, unknown_name
+from ..hysteresis import JilesAtherton
+from .certified import certified_fit
+from .curves import Curve
+from .mpso import mpso
+from .objective import CurveObjective
+from .pso import pso
+from .sa_pso import sa_pso
+
+# Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
+PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))
+SWARMS = {"pso": pso, "sa-pso": sa_pso, "mpso": mpso}
+METHODS = ("certified", *SWARMS)
+MODELS = ("jiles-atherton",)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One independent run of a method.
+
+    Attributes:
+        index: its number, which fixes its random numbers.
+        parameters: Ms, a, alpha, c, k in degrees.
+        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        evaluations: how often the model was evaluated on all curves.
+        history: best score so far, per iteration (eq. (7) for the swarms, NRMSE for "certified").
+    """
+
+    index: int
+    parameters: tuple[float, ...]
+    nrmse: float
+    evaluations: int
+    history: tuple[float, ...] = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """What `identify` found.
+
+    Attributes:
+        model: the best trial's model.
+        method: the name it was found by.
+        fitness: eq. (7) of Li et al. 2022 on the fitted curves.
+        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        prediction_errors: largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity where
+            the model meets its pole.
+        trials: every finished trial, by index.
+        interrupted: whether Ctrl-C ended it before all trials were done.
+    """
+
+    model: JilesAtherton
+    method: str
+    fitness: float
+    nrmse: float
+    prediction_errors: dict[str, float]
+    trials: tuple[Trial, ...]
+    interrupted: bool = False
+
+    @property
+    def evaluations(self) -> int:
+        """Model evaluations of all trials together."""
+        return sum(trial.evaluations for trial in self.trials)
+
+
+def identify(
+    curves: Sequence[Curve],
+    *,
+    model: str = "jiles-atherton",
+    method: str = "certified",
+    trials: int | None = None,
+    seed: int = 0,
+    workers: int = -1,
+    on_trial: Callable[[Trial], None] | None = None,
+    **options: Any,
+) -> Fit:
+    """Identifies a hysteresis model from first-order transition curves.
+
+    Trials are independent, run in parallel on all cores, and depend only on `seed` and their
+    index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
+
+    Args:
+        curves: the measurements; those with role "predict" are kept out of the fit and tested.
+        model: "jiles-atherton".
+        method: "certified" (ours: least squares, can only return certified models), or a swarm as
+            published: "pso", "sa-pso", "mpso", on the paper's Table 1 bounds.
+        trials: number of runs from different random numbers; by default 1 for "certified" and 30,
+            as in the paper, for a swarm.
+        seed: fixes all random numbers.
+        workers: threads; -1 uses all cores.
+        on_trial: called with each trial as it finishes, in any order.
+        **options: passed to the method (`swarm_size`, `temperature`, `budget`, ...).
+
+    Raises:
+        InputError: unknown model or method, no curve to fit, or wrong options.
+    """
+    if model not in MODELS:
+        raise unknown_name("model", model, MODELS)
+    if method not in METHODS:
+        raise unknown_name("method", method, METHODS)
+    if trials is None:
+        trials = 1 if method == "certified" else 30
+    if trials < 1:
+        raise InputError(f"trials is {trials}: use at least 1")
+    measured = [curve for curve in curves if curve.role == "fit"]
+    CurveObjective(measured)  # reports unusable data before any thread starts
+    run = partial(_run_trial, measured, method, options)
+    seeds = np.random.SeedSequence(seed).spawn(trials)
+    finished: list[Trial] = []
+    interrupted = False
+    try:
+        jobs = (delayed(run)(index, child) for index, child in enumerate(seeds))
+        # Threads: nearly all the time is spent in kernels that release the GIL.
+        parallel = Parallel(n_jobs=workers, prefer="threads", return_as="generator_unordered")
+        for trial in parallel(jobs):
+            finished.append(trial)
+            if on_trial is not None:
+                on_trial(trial)
+    except KeyboardInterrupt:
+        if not finished:
+            raise
+        interrupted = True
+    return _best(curves, method, finished, interrupted)
+
+
+def paper_model(parameters: Sequence[float] | NDArray[np.float64]) -> JilesAtherton:
+    """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
+    Ms, a, alpha, c, k = (float(value) for value in parameters)
+    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)
+
+
+def _run_trial(
+    curves: Sequence[Curve],
+    method: str,
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    rng = np.random.default_rng(seed)
+    if method == "certified":
+        fit = certified_fit(curves, rng=rng, **options)
+        parameters, evaluations, history = fit.parameters, fit.evaluations, fit.history
+    else:
+        objective = CurveObjective(curves)
+        result = SWARMS[method](objective, PAPER_BOUNDS, rng=rng, **options)
+        parameters, evaluations, history = result.x, objective.evaluations, result.history
+    return Trial(
+        index=index,
+        parameters=tuple(map(float, parameters)),
+        nrmse=float(CurveObjective(curves).nrmse(parameters)[0]),
+        evaluations=evaluations,
+        history=tuple(map(float, history)),
+    )
+
+
+def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted: bool) -> Fit:
+    best = min(trials, key=lambda trial: (trial.nrmse, trial.index))
+    errors: dict[str, float] = {}
+    for curve in curves:
+        if curve.role == "predict":
+            predicted = CurveObjective([curve]).responses(best.parameters)[0]
+            worst = float(np.abs(predicted - curve.torque).max())
+            errors[curve.name] = worst if np.isfinite(worst) else float("inf")
+    samples = sum(curve.angle.size for curve in curves if curve.role == "fit")
+    return Fit(
+        model=paper_model(best.parameters),
+        method=method,
+        fitness=best.nrmse / float(np.sqrt(samples)),
+        nrmse=best.nrmse,
+        prediction_errors=errors,
+        trials=tuple(sorted(trials, key=lambda trial: trial.index)),
+        interrupted=interrupted,
+    )

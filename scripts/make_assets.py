@@ -1,0 +1,159 @@
+"""Remakes the shipped curves and suits: `python -m activesuit.scripts.make_assets`.
+
+The paper's measurements are not public. The curves are therefore synthetic: responses of the
+published parameters (Table 2, SA-PSO) along the paper's first-order transition curves, plus noise.
+"""
+
+import argparse
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from ..assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
+from ..assets.suits import Parameters
+from ..hysteresis import JilesAtherton
+from ..identification import Curve, Fit, identify, load_curves, save_curves
+
+SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
+PUBLISHED = {
+    "shoulder": JilesAtherton(
+        Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg"
+    ),
+    "elbow": JilesAtherton(
+        Ms=11.4488, a=128.97, alpha=-0.0515, c=6.4043, k=23.0945, angle_unit="deg"
+    ),
+}
+LOWEST = {"shoulder": 0.35, "elbow": 0.52}  # rad, sections 3.1 and 5.1
+TURNS = {"shoulder": (0.52, 0.70, 0.87, 1.05, 1.22), "elbow": (0.87, 1.05, 1.22, 1.40, 1.57)}
+PREDICTED = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}  # section 5.3
+ANGLE_STEP = 0.004  # rad between samples: 785 and 1051 samples in the fitted curves
+NOISE = 0.01  # standard deviation, as a fraction of the family's largest torque
+SEED = 2022
+
+# Nothing is published for these two; the factors scale the torque of a known joint.
+ASSUMED = {
+    "shoulder_abduction": (
+        "shoulder",
+        0.8,
+        (0.0, 1.22),
+        "assumed: the shoulder flexion model, 0.8 times its torque: the same fabric section bends "
+        "about the orthogonal axis, with a little less material on the outside",
+    ),
+    "wrist_flexion": (
+        "elbow",
+        0.4,
+        (-0.7, 0.7),
+        "assumed: the elbow model, 0.4 times its torque, which gives about 2 N·m at 40 degrees, "
+        "the middle of the 1-3 N·m that spacesuit wrists are said to need",
+    ),
+}
+LABEL = "SYNTHETIC: generated from the published parameters, not measured."
+
+
+def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
+    """Returns the noisy first-order transition curves of "shoulder" or "elbow"."""
+    angles = []
+    for turn in TURNS[joint]:
+        count = round((turn - LOWEST[joint]) / ANGLE_STEP) + 1
+        up = np.linspace(LOWEST[joint], turn, count)
+        angles.append(np.concatenate([up, up[-2::-1]]))
+    torques = [PUBLISHED[joint].response(angle) for angle in angles]
+    noise = NOISE * max(np.abs(torque).max() for torque in torques)
+    return [
+        Curve(
+            angle=angle,
+            torque=torque + noise * rng.standard_normal(torque.size),
+            name=f"{turn:.2f}",
+            role="predict" if turn in PREDICTED[joint] else "fit",
+        )
+        for turn, angle, torque in zip(TURNS[joint], angles, torques, strict=True)
+    ]
+
+
+def suit_joint(model: JilesAtherton, **provenance: object) -> SuitJoint:
+    """Returns the suit-file entry of a model."""
+    parameters = Parameters(Ms=model.Ms, a=model.a, alpha=model.alpha, c=model.c, k=model.k)
+    return SuitJoint(
+        model="jiles-atherton",
+        parameters=parameters,
+        angle_unit=model.angle_unit,
+        certificate_margin=model.certificate().margin,
+        **provenance,  # type: ignore[arg-type]
+    )
+
+
+def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
+    """Returns the entries of the joints without published data, scaled from known ones."""
+    return {
+        joint: suit_joint(
+            models[known].scaled(torque=factor),
+            range=span,
+            start_angle=0.0,
+            grade="assumed",
+            source=reason,
+        )
+        for joint, (known, factor, span, reason) in ASSUMED.items()
+    }
+
+
+def main(folder: Path = FOLDER) -> None:
+    """Writes curves and suits into `folder`."""
+    rng = np.random.default_rng(SEED)
+    published, identified, fits = {}, {}, {}
+    for name, joint in CURVES.items():
+        path = folder / "curves" / f"{name}.csv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        save_curves(
+            path,
+            curve_family(name, rng),
+            comments=(
+                f"First-order transition curves of the {name}. {LABEL}",
+                f"Parameters: {SOURCE}; noise: {NOISE:.0%} of the largest torque, seed {SEED}.",
+                "Made by: python -m activesuit.scripts.make_assets",
+            ),
+        )
+        span = {"range": (LOWEST[name], TURNS[name][-1]), "start_angle": LOWEST[name]}
+        published[joint] = suit_joint(PUBLISHED[name], grade="published", source=SOURCE, **span)
+        fit = _refit(path)
+        fits[name] = fit.model
+        identified[joint] = suit_joint(
+            fit.model,
+            grade="identified",
+            source=f"certified fit of all curves in curves/{name}.csv. {LABEL}",
+            data_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+            fit_nrmse=fit.nrmse,
+            **span,
+        )
+    (folder / "suits").mkdir(exist_ok=True)
+    save_suit(
+        Suit(
+            schema_version=1,
+            name="published-2022",
+            description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 rad "
+            "it can meet infinite torque. Abduction and wrist are assumptions.",
+            joints=published | assumed_joints(PUBLISHED),
+        ),
+        folder / "suits" / "published-2022.json",
+    )
+    save_suit(
+        Suit(
+            schema_version=1,
+            name="mock-suit",
+            description="The mock spacesuit of Li et al. 2022, re-identified with certified models "
+            f"over each joint's whole range. {LABEL} Abduction and wrist are assumptions.",
+            joints=identified | assumed_joints(fits),
+        ),
+        folder / "suits" / "mock-suit.json",
+    )
+
+
+def _refit(path: Path) -> Fit:
+    whole = [Curve(c.angle, c.torque, c.name) for c in load_curves(path)]
+    return identify(whole, method="certified", seed=SEED)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=FOLDER, help="folder to write into")
+    main(parser.parse_args().out)
