@@ -1,3 +1,20 @@
-"""ActiveSuit: hysteretic spacesuit joints, an exoskeleton that cancels them, and the tools between."""
+"""ActiveSuit: hysteretic spacesuit joints, an exoskeleton that cancels them, and the tools between.
+
+Importing this package registers the environments `ActiveSuit/...` with Gymnasium; everything else
+loads when it is first imported.
+"""
+
+import gymnasium
 
 __version__ = "0.1.0"
+
+EPISODE_STEPS = 1000  # 10 s at 100 Hz
+TASKS = ("ShoulderFlexion", "ElbowFlexion", "ArmTracking")
+
+for _task in TASKS:
+    if f"ActiveSuit/{_task}-v0" not in gymnasium.registry:
+        gymnasium.register(
+            f"ActiveSuit/{_task}-v0",
+            entry_point=f"activesuit.envs.tasks:{_task}Env",
+            max_episode_steps=EPISODE_STEPS,
+        )

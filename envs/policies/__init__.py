@@ -1,0 +1,20 @@
+"""Assist policies: from what the environment shows to an action."""
+
+from .base import Policy
+from .build import POLICIES, make_policy
+from .feedforward import HysteresisFeedforward
+from .gravity import GravityCompensation
+from .no_assist import NoAssist
+from .oracle import Oracle
+from .trained import TrainedPolicy
+
+__all__ = [
+    "POLICIES",
+    "GravityCompensation",
+    "HysteresisFeedforward",
+    "NoAssist",
+    "Oracle",
+    "Policy",
+    "TrainedPolicy",
+    "make_policy",
+]

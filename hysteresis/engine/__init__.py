@@ -19,9 +19,9 @@ Optional keys are `start_angle` (rad), `start_torque` (N·m) and `allow_uncertif
 name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 """
 
-from ._attach import attach, faulted
+from ._attach import attach, fault_slots
 from ._registration import PLUGIN_NAME, register
 
-__all__ = ["PLUGIN_NAME", "attach", "faulted", "register"]
+__all__ = ["PLUGIN_NAME", "attach", "fault_slots", "register"]
 
 register()

@@ -1,8 +1,8 @@
 """Puts a hysteresis model on a joint of any MuJoCo model."""
 
-import math
-
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
 from ..certificate import UncertifiedModelError
@@ -77,14 +77,14 @@ def attach(
         sensor.plugin = plugin
 
 
-def faulted(model: mujoco.MjModel, data: mujoco.MjData) -> list[str]:
-    """Returns the names of the plugin instances whose torque has met a pole and is being held."""
-    return [
-        mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_PLUGIN, i) or f"instance {i}"
-        for i in range(model.nplugin)
-        if model.plugin[i] == register()
-        and data.plugin_state[model.plugin_stateadr[i] + slots.FAULT]
-    ]
+def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
+    """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
+
+    A flag is 1 from the moment a motion met the model's pole, until the next reset; the joint's
+    torque is held meanwhile. Certified models never set it.
+    """
+    ours = np.flatnonzero(model.plugin == register())
+    return model.plugin_stateadr[ours].astype(np.int64) + slots.FAULT
 
 
 def _require_certificate(model: JilesAtherton, start, joint: str) -> None:

@@ -1,0 +1,352 @@
+"""The Gymnasium environment: a suited arm follows an intention, the agent drives the exoskeleton."""
+
+import math
+from typing import Any, ClassVar, Literal
+
+import gymnasium
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets import JOINTS
+from ..errors import InputError
+from ..hysteresis.engine import fault_slots
+from .composition import ASSISTED, ArmConfig, bare_arm, compose, joint_indices, peak_torque
+from .reference import Reference, follow, random_moves
+from .rendering import Renderer
+
+Array = NDArray[np.float64]
+ENERGIES = ("assist_energy", "human_energy", "dissipated_energy")
+PREVIEW = (0.02, 0.1, 0.25)  # s ahead of now at which the observation shows the target, nearest first
+EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
+ERROR_SCALE = 0.1  # rad that cost 1
+SMOOTHNESS = 0.1
+LOST = 1.0  # rad of tracking error at which an episode ends
+ANGLE_LIMIT, RATE_LIMIT, SUIT_TORQUE_LIMIT = math.pi, 20.0, 100.0  # of the observation space
+
+
+class ArmEnv(gymnasium.Env):
+    """Base of the tasks: physics, observation, reward, state; a task adds only its motion.
+
+    The wearer tracks a minimum-jerk intention with engine-native PID actuators whose torque is
+    limited to human strength. The suit resists every joint inside the physics. The agent sets the
+    assist torque of shoulder and elbow.
+
+    Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
+    motors' peak (40 and 25 N·m). What lies outside is clipped and counted in
+    `info["clipped_actions"]`.
+
+    Observation: `Box` of float32, the parts of `layout` one after the other: joint angles [rad] and
+    rates [rad/s] of the four encoders, motor torque over peak, target angles of shoulder and elbow
+    0.02, 0.1 and 0.25 s ahead [rad], previous action; with `observe="oracle"` also the suit
+    torque [N·m] of the four joints. It is taken after the position stage, never stale.
+
+    Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness.
+
+    Args:
+        suit: name of a shipped suit, or path of a suit file.
+        gravity: "earth", "mars", "moon" or "microgravity".
+        observe: "sensors" (what an exoskeleton can measure) or "oracle" (with the suit torque).
+        control_dt: time between actions [s], a multiple of `sim_dt`.
+        sim_dt: physics step [s].
+        allow_uncertified: accept suits whose torque could become infinite in some motion.
+        render_mode: None, "rgb_array" or "human".
+        camera: name of the camera to render from.
+        width: picture width [pixels].
+        height: picture height [pixels].
+
+    Raises:
+        InputError: an argument is out of its range; the message names it.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}
+
+    span: ClassVar[dict[str, tuple[float, float]]]  # rad, of the joints that move
+    hold: ClassVar[dict[str, tuple[float, float]]]  # rad, of joints held at a random angle
+    duration: ClassVar[float] = 10.0  # s
+    move_time: ClassVar[tuple[float, float]] = (1.2, 2.4)  # s
+    dwell_time: ClassVar[tuple[float, float]] = (0.0, 0.5)  # s
+
+    def __init__(
+        self,
+        *,
+        suit: str = "mock-suit",
+        gravity: str = "earth",
+        observe: Literal["sensors", "oracle"] = "sensors",
+        control_dt: float = 0.01,
+        sim_dt: float = 0.002,
+        allow_uncertified: bool = False,
+        render_mode: str | None = None,
+        camera: str = "overview",
+        width: int = 640,
+        height: int = 480,
+    ) -> None:
+        if observe not in ("sensors", "oracle"):
+            raise InputError(f"observe is {observe!r}: use 'sensors' or 'oracle'")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
+        self.config = ArmConfig(
+            suit=suit, gravity=gravity, sim_dt=sim_dt, allow_uncertified=allow_uncertified
+        )
+        self.model = compose(self.config)
+        self.substeps = round(control_dt / sim_dt)
+        if self.substeps < 1 or abs(self.substeps * sim_dt - control_dt) > 1e-9:
+            raise InputError(
+                f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
+            )
+        self.control_dt = control_dt
+        self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
+        self.data = mujoco.MjData(self.model)
+        self.render_mode = render_mode
+        self.renderer = Renderer(camera=camera, width=width, height=height)
+        self.observe = observe
+        self.peak_torque = np.array(peak_torque(self.model))
+        self._bare_arm = bare_arm(gravity)
+        self._address()
+        self.layout = self._layout()
+        self.observation_space = self._observation_space()
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(ASSISTED),), np.float32)
+
+    # --- Gymnasium ----------------------------------------------------------------------------
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins an episode with a new intention; the suit's memory begins at its start angle.
+
+        No `options` are known; any is an error.
+        """
+        super().reset(seed=seed)
+        if options:
+            raise InputError(f"reset got the options {sorted(options)}: it knows none")
+        mujoco.mj_resetData(self.model, self.data)
+        self.reference = self._new_reference(self.np_random)
+        self._step = 0
+        self._clipped = 0
+        self._energy = dict.fromkeys(ENERGIES[:2], 0.0)
+        self._previous_action = np.zeros(len(ASSISTED))
+        self.data.qpos[self._joints] = self.reference.angle[0]
+        self._intend()
+        mujoco.mj_forward(self.model, self.data)
+        self._dissipated_at_reset = float(self.data.sensordata[self._dissipated].sum())
+        if self.render_mode == "human":
+            self.render()
+        return self._observation(), self._info(self._reward_terms(np.zeros(len(ASSISTED))))
+
+    def step(
+        self, action: NDArray[np.floating[Any]]
+    ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """Applies `action` for one control period.
+
+        Raises:
+            InputError: the action has the wrong shape or is not finite.
+        """
+        command = self._checked(action)
+        self.data.ctrl[self._motors] = command
+        self._intend()
+        # mj_step1 of the last substep comes last: positions, velocities and the forces that
+        # depend on them are then those of the new state.
+        mujoco.mj_step2(self.model, self.data)
+        if self.substeps > 1:
+            mujoco.mj_step(self.model, self.data, self.substeps - 1)
+        mujoco.mj_step1(self.model, self.data)
+        self._step += 1
+        rate = self.data.qvel[self._joints]
+        human, assist = self.data.actuator_force[self._human], self.data.actuator_force[self._assist]
+        self._energy["human_energy"] += float(np.abs(human * rate).sum()) * self.control_dt
+        self._energy["assist_energy"] += (
+            float(np.abs(assist * rate[self._assisted]).sum()) * self.control_dt
+        )
+        terms = self._reward_terms(command - self._previous_action)
+        self._previous_action = command
+        terminated = self._failed()
+        if self.render_mode == "human":
+            self.render()
+        info = self._info(terms)
+        return self._observation(), float(sum(terms.values())), terminated, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """Returns a picture (height, width, 3) in mode "rgb_array"; updates the window in "human"."""
+        if self.render_mode is None:
+            raise InputError("render_mode is None: make the environment with render_mode='rgb_array'")
+        if self.render_mode == "human":
+            return self.renderer.show(self.model, self.data)
+        return self.renderer.picture(self.model, self.data)
+
+    def close(self) -> None:
+        """Frees the renderer; may be called any number of times."""
+        self.renderer.close()
+
+    # --- State --------------------------------------------------------------------------------
+
+    def get_state(self) -> dict[str, Any]:
+        """Returns everything that the future depends on, to branch from or to save.
+
+        It holds the physics with the suit's memory, the intention, the counters and the random
+        generator, as arrays and plain values (picklable).
+        """
+        signature = mujoco.mjtState.mjSTATE_INTEGRATION
+        physics = np.empty(mujoco.mj_stateSize(self.model, signature))
+        mujoco.mj_getState(self.model, self.data, physics, signature)
+        return {
+            "physics": physics,
+            "reference": self.reference,
+            "step": self._step,
+            "clipped_actions": self._clipped,
+            "energy": dict(self._energy),
+            "dissipated_at_reset": self._dissipated_at_reset,
+            "previous_action": self._previous_action.copy(),
+            "random": self.np_random.bit_generator.state,
+        }
+
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Continues from what `get_state` returned, bit for bit."""
+        signature = mujoco.mjtState.mjSTATE_INTEGRATION
+        size = mujoco.mj_stateSize(self.model, signature)
+        if np.shape(state["physics"]) != (size,):
+            raise InputError(
+                f"the state has {np.size(state['physics'])} numbers and this model needs {size}: it "
+                "comes from another model"
+            )
+        mujoco.mj_setState(self.model, self.data, state["physics"], signature)
+        self.reference = state["reference"]
+        self._step = state["step"]
+        self._clipped = state["clipped_actions"]
+        self._energy = dict(state["energy"])
+        self._dissipated_at_reset = state["dissipated_at_reset"]
+        self._previous_action = state["previous_action"].copy()
+        self.np_random.bit_generator.state = state["random"]
+        mujoco.mj_step1(self.model, self.data)
+
+    # --- Parts --------------------------------------------------------------------------------
+
+    def _address(self) -> None:
+        """Looks up where this model keeps joints, controls, forces and sensors."""
+        model = self.model
+        index = joint_indices(model)
+        self._joints = np.array([index[joint] for joint in JOINTS])
+        self._assisted = np.array([JOINTS.index(joint) for joint in ASSISTED])
+        human = [model.actuator(f"human_{joint}").id for joint in JOINTS]
+        assist = [model.actuator(f"assist_{joint}").id for joint in ASSISTED]
+        self._human, self._assist = np.array(human), np.array(assist)
+        self._motors = np.array([model.actuator_ctrladr[i] for i in assist])
+        # Per wearer actuator: intended position, velocity, feed-forward.
+        self._intention = np.array([model.actuator_ctrladr[i] + np.arange(3) for i in human])
+        sensors = {model.sensor(i).name: int(model.sensor_adr[i]) for i in range(model.nsensor)}
+        self._suited = np.array([i for i, j in enumerate(JOINTS) if f"{j}_suit_torque" in sensors])
+        names = [JOINTS[i] for i in self._suited]
+        self._torques = np.array([sensors[f"{j}_suit_torque"] for j in names], dtype=int)
+        self._dissipated = np.array(
+            [sensors[f"{j}_suit_dissipated_energy"] for j in names], dtype=int
+        )
+        self._faults = fault_slots(model)
+        self._preview = np.array([round(ahead / self.control_dt) for ahead in PREVIEW])
+
+    def _layout(self) -> dict[str, slice]:
+        sizes = {
+            "angle": len(JOINTS),
+            "rate": len(JOINTS),
+            "motor_torque": len(ASSISTED),
+            "target": len(PREVIEW) * len(ASSISTED),
+            "previous_action": len(ASSISTED),
+        }
+        if self.observe == "oracle":
+            sizes["suit_torque"] = len(JOINTS)
+        ends = np.cumsum(list(sizes.values()))
+        return {
+            name: slice(int(end) - size, int(end))
+            for (name, size), end in zip(sizes.items(), ends, strict=True)
+        }
+
+    def _observation_space(self) -> gymnasium.spaces.Box:
+        limit = np.ones(max(part.stop for part in self.layout.values()), dtype=np.float32)
+        limit[self.layout["angle"]] = limit[self.layout["target"]] = ANGLE_LIMIT
+        limit[self.layout["rate"]] = RATE_LIMIT
+        limit[self.layout.get("suit_torque", slice(0))] = SUIT_TORQUE_LIMIT
+        return gymnasium.spaces.Box(-limit, limit, dtype=np.float32)
+
+    def _new_reference(self, rng: np.random.Generator) -> Reference:
+        samples = round(self.duration / self.control_dt) + 1
+        motion = np.zeros((3, samples, len(JOINTS)))
+        for joint, span in self.span.items():
+            motion[:, :, JOINTS.index(joint)] = random_moves(
+                rng, span, samples, self.control_dt, self.move_time, self.dwell_time
+            )
+        for joint, span in self.hold.items():
+            motion[0, :, JOINTS.index(joint)] = rng.uniform(*span)
+        return follow(self._bare_arm, self._joints, (motion[0], motion[1], motion[2]))
+
+    def _at(self, step: int) -> int:
+        return min(step, len(self.reference.angle) - 1)
+
+    def _intend(self) -> None:
+        """Gives the wearer the intention of the end of the coming control period."""
+        i = self._at(self._step + 1)
+        ctrl, where = self.data.ctrl, self._intention
+        ctrl[where[:, 0]] = self.reference.angle[i]
+        ctrl[where[:, 1]] = self.reference.rate[i]
+        ctrl[where[:, 2]] = self.reference.feedforward[i]
+
+    def _checked(self, action: NDArray[np.floating[Any]]) -> Array:
+        command = np.asarray(action, dtype=np.float64)
+        if command.shape != (len(ASSISTED),):
+            raise InputError(
+                f"action has shape {command.shape}: give ({len(ASSISTED)},), shoulder and elbow"
+            )
+        if not np.isfinite(command).all():
+            raise InputError(f"action is {command.tolist()}: give finite numbers from -1 to 1")
+        clipped = np.clip(command, -1.0, 1.0)
+        self._clipped += bool((clipped != command).any())
+        return clipped
+
+    def _suit_torque(self) -> Array:
+        torque = np.zeros(len(JOINTS))
+        torque[self._suited] = self.data.sensordata[self._torques]
+        return torque
+
+    def _tracking_error(self) -> Array:
+        angle = self.data.qpos[self._joints[self._assisted]]
+        return angle - self.reference.angle[self._at(self._step), self._assisted]
+
+    def _reward_terms(self, change: Array) -> dict[str, float]:
+        effort = self.data.actuator_force[self._human[self._assisted]] / EFFORT_SCALE
+        error = self._tracking_error() / ERROR_SCALE
+        return {
+            "effort": -float(effort @ effort),
+            "tracking": -float(error @ error),
+            "smoothness": -SMOOTHNESS * float(change @ change),
+        }
+
+    def _failed(self) -> bool:
+        broken = self.data.warning.number.any() or self.data.plugin_state[self._faults].any()
+        return bool(broken or np.abs(self._tracking_error()).max() > LOST)
+
+    def _observation(self) -> NDArray[np.float32]:
+        data, layout = self.data, self.layout
+        observation = np.empty(self.observation_space.shape or (), dtype=np.float32)
+        observation[layout["angle"]] = data.qpos[self._joints]
+        observation[layout["rate"]] = data.qvel[self._joints]
+        observation[layout["motor_torque"]] = data.actuator_force[self._assist] / self.peak_torque
+        ahead = np.minimum(self._step + self._preview, len(self.reference.angle) - 1)
+        observation[layout["target"]] = self.reference.angle[ahead][:, self._assisted].ravel()
+        observation[layout["previous_action"]] = self._previous_action
+        if self.observe == "oracle":
+            observation[layout["suit_torque"]] = self._suit_torque()
+        box = self.observation_space
+        return np.clip(observation, box.low, box.high, out=observation)  # type: ignore[attr-defined]
+
+    def _info(self, terms: dict[str, float]) -> dict[str, Any]:
+        data = self.data
+        dissipated = float(data.sensordata[self._dissipated].sum()) - self._dissipated_at_reset
+        return {
+            "time": float(data.time),
+            "angle": data.qpos[self._joints].copy(),
+            "target_angle": self.reference.angle[self._at(self._step)].copy(),
+            "human_torque": data.actuator_force[self._human].copy(),
+            "suit_torque": self._suit_torque(),
+            "assist_torque": data.actuator_force[self._assist].copy(),
+            **self._energy,
+            "dissipated_energy": dissipated,
+            "clipped_actions": self._clipped,
+            "reward_terms": terms,
+        }

@@ -1,0 +1,98 @@
+"""From the plain MJCF files and a suit file to a MuJoCo model with the suit inside the physics."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+
+from ..assets import JOINTS, SCENE, Suit, load_suit
+from ..errors import InputError, unknown_name
+from ..hysteresis import JilesAtherton
+from ..hysteresis.engine import attach
+
+GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62, "microgravity": 0.0}  # m/s^2
+ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
+SIM_DT_RANGE = (1e-5, 0.01)  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmConfig:
+    """What to compose. All fields are plain values, so a config converts to JSON.
+
+    Attributes:
+        suit: name of a shipped suit, or path of a suit file.
+        gravity: "earth", "mars", "moon" or "microgravity".
+        sim_dt: physics step [s].
+        allow_uncertified: accept suits whose torque could become infinite in some motion.
+    """
+
+    suit: str = "mock-suit"
+    gravity: str = "earth"
+    sim_dt: float = 0.002
+    allow_uncertified: bool = False
+
+
+def compose(config: ArmConfig) -> mujoco.MjModel:
+    """Builds the arm, suit and exoskeleton of `config`.
+
+    Raises:
+        InputError: an unknown gravity or suit, or a step outside 1e-5 to 0.01 s.
+        UncertifiedModelError: the suit is not certified and `allow_uncertified` is not set.
+    """
+    if config.gravity not in GRAVITY:
+        raise unknown_name("gravity", config.gravity, GRAVITY)
+    low, high = SIM_DT_RANGE
+    if not low <= config.sim_dt <= high:
+        raise InputError(f"sim_dt is {config.sim_dt}: use a step from {low:g} to {high:g} s")
+    suit = load_suit(config.suit)
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    spec.option.timestep = config.sim_dt
+    spec.option.gravity = [0, 0, -GRAVITY[config.gravity]]
+    for joint, model in joint_models(suit).items():
+        attach(
+            spec,
+            joint,
+            model,
+            start_angle=suit.joints[joint].start_angle,
+            allow_uncertified=config.allow_uncertified,
+        )
+    return spec.compile()
+
+
+def joint_models(suit: Suit) -> dict[str, JilesAtherton]:
+    """Returns the hysteresis model of each joint that a suit resists."""
+    return {
+        joint: JilesAtherton(
+            **entry.parameters.model_dump(),
+            angle_unit=entry.angle_unit,
+            allow_active=entry.parameters.c < 1,
+        )
+        for joint, entry in suit.joints.items()
+    }
+
+
+def bare_arm(gravity: str) -> mujoco.MjModel:
+    """Returns the wearer's arm alone: no suit, no exoskeleton, no motor friction or inertia."""
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    spec.option.gravity = [0, 0, -GRAVITY[gravity]]
+    for key in list(spec.keys):
+        spec.delete(key)
+    for body in [b for b in spec.bodies if b.name.startswith(("suit_", "exo_"))]:
+        spec.delete(body)
+    for joint in spec.joints:
+        joint.armature = joint.frictionloss = 0.0
+    # The body between the two shoulder axes only carries the motor: next to nothing remains.
+    spec.compiler.boundmass = spec.compiler.boundinertia = 1e-6
+    return spec.compile()
+
+
+def joint_indices(model: mujoco.MjModel) -> Mapping[str, int]:
+    """Returns each arm joint's index in qpos and qvel, which agree as all joints are hinges."""
+    return {joint: int(model.joint(joint).qposadr[0]) for joint in JOINTS}
+
+
+def peak_torque(model: mujoco.MjModel) -> list[float]:
+    """Returns the assist torque [N·m] at action 1, for the assisted joints."""
+    gains = (model.actuator(f"assist_{joint}") for joint in ASSISTED)
+    return [math.fabs(float(actuator.gainprm[0] * actuator.gear[0])) for actuator in gains]

@@ -1,0 +1,192 @@
+"""Closed-loop evaluation: the same intentions under several policies, and what the wearer pays."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets import JOINTS
+from ..errors import InputError, unknown_name
+from .arm_env import ArmEnv
+from .composition import ASSISTED
+from .policies import Policy, make_policy
+
+Array = NDArray[np.float64]
+ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """One episode, sampled after every control period.
+
+    Attributes:
+        time: [s], shape (n,).
+        angle: joint angles [rad], shape (n, 4), columns as `JOINTS`.
+        target_angle: intended angles [rad], shape (n, 4).
+        human_torque: the wearer's torque [N·m], shape (n, 4).
+        suit_torque: the suit's torque on the joints [N·m], shape (n, 4).
+        assist_torque: the motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
+        assist_energy: sum over the motors of the integral of |torque x rate| [J].
+        rewards: reward of each period, shape (n,).
+        terminated: whether it ended by failure.
+    """
+
+    time: Array
+    angle: Array
+    target_angle: Array
+    human_torque: Array
+    suit_torque: Array
+    assist_torque: Array
+    assist_energy: float
+    rewards: Array
+    terminated: bool
+
+
+SERIES = ("time", "angle", "target_angle", "human_torque", "suit_torque", "assist_torque")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """What a policy achieved over some episodes; per joint: shoulder and elbow flexion.
+
+    Attributes:
+        policy: its name.
+        human_rms: root mean square of the wearer's torque [N·m] by joint.
+        human_peak: largest |torque| of the wearer [N·m] by joint.
+        tracking_rmse: tracking error [rad] by joint.
+        assist_energy: mean over episodes [J].
+        mean_return: mean over episodes of the sum of rewards.
+        failures: episodes that ended early.
+        reduction: 1 - human_rms / human_rms of "none", by joint; None if "none" was not run.
+    """
+
+    policy: str
+    human_rms: dict[str, float]
+    human_peak: dict[str, float]
+    tracking_rmse: dict[str, float]
+    assist_energy: float
+    mean_return: float
+    failures: int
+    reduction: dict[str, float] | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns it as plain values."""
+        return asdict(self)
+
+
+def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
+    """Runs one episode of `env` under `policy`, from a reset with `seed` to its end."""
+    observation, info = env.reset(seed=seed)
+    policy.reset()
+    infos, rewards = [], []
+    ended = terminated = False
+    while not ended:
+        observation, reward, terminated, truncated, info = env.step(policy.act(observation, info))
+        infos.append(info)
+        rewards.append(float(reward))
+        ended = terminated or truncated
+    series = {name: np.array([info[name] for info in infos]) for name in SERIES}
+    return Trace(
+        **series,
+        assist_energy=info["assist_energy"],
+        rewards=np.array(rewards),
+        terminated=terminated,
+    )
+
+
+def score(policy: str, traces: Sequence[Trace]) -> Score:
+    """Summarizes the episodes of one policy."""
+    human = np.concatenate([trace.human_torque for trace in traces])[:, ASSISTED_COLUMNS]
+    error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
+    return Score(
+        policy=policy,
+        human_rms=_by_joint(np.sqrt(np.mean(human**2, axis=0))),
+        human_peak=_by_joint(np.abs(human).max(axis=0)),
+        tracking_rmse=_by_joint(np.sqrt(np.mean(error[:, ASSISTED_COLUMNS] ** 2, axis=0))),
+        assist_energy=float(np.mean([trace.assist_energy for trace in traces])),
+        mean_return=float(np.mean([trace.rewards.sum() for trace in traces])),
+        failures=sum(trace.terminated for trace in traces),
+    )
+
+
+def evaluate(
+    env_id: str,
+    policies: Sequence[str],
+    *,
+    episodes: int = 5,
+    seed: int = 0,
+    believed_suit: str | None = None,
+    on_episode: Callable[[str, int, Trace], None] | None = None,
+    **env_options: Any,
+) -> list[Score]:
+    """Runs every policy on the same `episodes` intentions and scores it.
+
+    Args:
+        env_id: a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
+        policies: names that `make_policy` knows.
+        episodes: episodes per policy; episode i is reset with seed + i.
+        seed: of the first episode.
+        believed_suit: what "feedforward" believes; by default the simulated suit.
+        on_episode: called with policy, episode number and trace after each episode.
+        **env_options: passed to the environment (`suit`, `gravity`, ...).
+
+    Raises:
+        InputError: no such environment or policy, or fewer than one episode.
+    """
+    if episodes < 1:
+        raise InputError(f"episodes is {episodes}: use at least 1")
+    if not policies:
+        raise InputError("no policy given: name at least one")
+    env = make_env(env_id, **env_options)
+    try:
+        arm = env.unwrapped
+        assert isinstance(arm, ArmEnv)
+        built = {
+            name: make_policy(name, arm, believed_suit=believed_suit)
+            for name in dict.fromkeys(policies)
+        }
+        scores = []
+        for name, policy in built.items():
+            traces = []
+            for episode in range(episodes):
+                traces.append(run_episode(env, policy, seed + episode))
+                if on_episode is not None:
+                    on_episode(name, episode, traces[-1])
+            scores.append(score(name, traces))
+    finally:
+        env.close()
+    return _with_reduction(scores)
+
+
+def make_env(env_id: str, **options: Any) -> gymnasium.Env:
+    """Makes a registered ActiveSuit environment.
+
+    Raises:
+        InputError: the id is unknown, or not one of ours.
+    """
+    known = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
+    if env_id.removeprefix("activesuit:") not in known:
+        raise unknown_name("environment", env_id, known)
+    return gymnasium.make(env_id, **options)
+
+
+def _with_reduction(scores: list[Score]) -> list[Score]:
+    base = next((s for s in scores if s.policy == "none"), None)
+    if base is None:
+        return scores
+    return [
+        Score(
+            **{
+                **asdict(s),
+                "reduction": {j: 1 - s.human_rms[j] / base.human_rms[j] for j in ASSISTED},
+            }
+        )
+        for s in scores
+    ]
+
+
+def _by_joint(values: Array) -> dict[str, float]:
+    return dict(zip(ASSISTED, map(float, values), strict=True))

@@ -1,0 +1,17 @@
+"""The protocol of a policy."""
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Policy(Protocol):
+    """Anything that assists: its memory, if any, lasts from `reset` to `reset`."""
+
+    def reset(self) -> None:
+        """Forgets the last episode."""
+
+    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+        """Returns the action in [-1, 1] per assisted joint for what `reset` or `step` returned."""
+        ...

@@ -1,0 +1,58 @@
+"""Hysteresis feed-forward: the motors cancel the suit torque that an identified model predicts."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...assets import JOINTS, Suit
+from ...errors import InputError
+from ..arm_env import ArmEnv
+from ..composition import ASSISTED, joint_models
+
+
+class HysteresisFeedforward:
+    """Predicts the suit torque with its own copy of the memory.
+
+    The memory follows the measured angle. The command is the model's torque one preview ahead,
+    at the measured angle plus the change of the target until then: it covers the delay of the
+    motors, and it knows about a coming reversal.
+
+    Args:
+        env: the environment to act in.
+        suit: what the controller believes the suit to be. It need not be the simulated one.
+
+    Raises:
+        InputError: the suit has no model for an assisted joint.
+    """
+
+    def __init__(self, env: ArmEnv, suit: Suit) -> None:
+        models = joint_models(suit)
+        for joint in ASSISTED:
+            if joint not in models:
+                raise InputError(f"suit {suit.name!r} has no model of {joint!r}: identify one first")
+        self._models = [models[joint] for joint in ASSISTED]
+        self._starts = [
+            model.start(suit.joints[joint].start_angle)
+            for joint, model in zip(ASSISTED, self._models, strict=True)
+        ]
+        angle, target = env.layout["angle"], env.layout["target"]
+        self._measured = [angle.start + JOINTS.index(joint) for joint in ASSISTED]
+        self._target = [target.start + i for i in range(len(ASSISTED))]  # the nearest preview
+        self._columns = [JOINTS.index(joint) for joint in ASSISTED]
+        self._peak = env.peak_torque
+        self.reset()
+
+    def reset(self) -> None:
+        """Puts the memory back to where the suit's begins."""
+        self._states = list(self._starts)
+
+    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+        """Returns the predicted resistance over the peak, clipped to [-1, 1]."""
+        torque = np.empty(len(self._models))
+        for i, model in enumerate(self._models):
+            measured = float(observation[self._measured[i]])
+            change = float(observation[self._target[i]]) - float(info["target_angle"][self._columns[i]])
+            self._states[i], _ = model.step(self._states[i], measured)
+            _, torque[i] = model.step(self._states[i], measured + change)
+        return np.clip(torque / self._peak, -1, 1)

@@ -1,0 +1,69 @@
+"""A policy trained by `activesuit train` (needs the extra `train`)."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+
+ALGORITHMS = ("ppo", "sac")
+
+
+def algorithm_class(name: str) -> Any:
+    """Returns Stable-Baselines3's class for "ppo" or "sac".
+
+    Raises:
+        InputError: Stable-Baselines3 is not installed.
+    """
+    try:
+        import stable_baselines3  # noqa: PLC0415
+    except ImportError as error:
+        raise InputError(
+            "training and trained policies need Stable-Baselines3: pip install 'activesuit[train]'"
+        ) from error
+    return getattr(stable_baselines3, name.upper())
+
+
+class TrainedPolicy:
+    """Acts by the mean of a trained network.
+
+    Args:
+        folder: a run folder of `activesuit train`, with `config.json` and `model.zip`.
+        observation_size: what the environment to act in observes; it must fit the network.
+
+    Raises:
+        InputError: the folder holds no finished checkpoint, or the network does not fit.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], observation_size: int) -> None:
+        folder = Path(folder)
+        try:
+            config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+            algorithm = config["algo"]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(
+                f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has no "
+                "readable config.json"
+            ) from error
+        if not (folder / "model.zip").is_file():
+            raise InputError(f"{str(folder)!r} has no model.zip: train it first, or with --resume")
+        self._network = algorithm_class(algorithm).load(folder / "model.zip", device="cpu")
+        size = self._network.observation_space.shape[0]
+        if size != observation_size:
+            raise InputError(
+                f"the policy in {str(folder)!r} observes {size} numbers and the environment shows "
+                f"{observation_size}: evaluate it with the options it was trained with"
+            )
+
+    def reset(self) -> None:
+        """Does nothing: the network has no memory."""
+
+    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+        """Returns the network's mean action."""
+        del info
+        action, _ = self._network.predict(observation, deterministic=True)
+        return np.asarray(action, dtype=np.float64)

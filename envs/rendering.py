@@ -1,0 +1,79 @@
+"""Pictures and windows, made lazily: an environment that never renders never touches OpenGL."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, unknown_name
+
+
+class RenderingUnavailableError(RuntimeError):
+    """This machine cannot render: there is no usable OpenGL."""
+
+
+class Renderer:
+    """Renders one model from one camera; holds OpenGL objects only while in use, never pickles them.
+
+    Args:
+        camera: name of a camera of the model.
+        width: picture width [pixels].
+        height: picture height [pixels].
+    """
+
+    def __init__(self, *, camera: str, width: int, height: int) -> None:
+        if width < 1 or height < 1:
+            raise InputError(f"the picture size is {width} x {height}: use at least 1 x 1 pixel")
+        self.camera, self.width, self.height = camera, width, height
+        self._offscreen: Any = None
+        self._window: Any = None
+
+    def picture(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.uint8]:
+        """Returns the scene as (height, width, 3).
+
+        Raises:
+            RenderingUnavailableError: there is no OpenGL here.
+            InputError: the model has no such camera.
+        """
+        cameras = [model.camera(i).name for i in range(model.ncam)]
+        if self.camera not in cameras:
+            raise unknown_name("camera", self.camera, cameras)
+        if self._offscreen is None:
+            try:
+                self._offscreen = mujoco.Renderer(model, self.height, self.width)
+            except Exception as error:  # the GL back ends raise whatever they like
+                raise RenderingUnavailableError(
+                    f"no OpenGL context ({type(error).__name__}: {error}): on a machine without a "
+                    "display install libegl1 and set MUJOCO_GL=egl before Python starts"
+                ) from error
+        self._offscreen.update_scene(data, camera=self.camera)
+        return self._offscreen.render().copy()
+
+    def show(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Opens a window at the first call, and updates it.
+
+        Raises:
+            RenderingUnavailableError: no window can be opened here.
+        """
+        if self._window is None:
+            import mujoco.viewer  # noqa: PLC0415
+
+            try:
+                self._window = mujoco.viewer.launch_passive(model, data)
+            except Exception as error:
+                raise RenderingUnavailableError(
+                    f"no window can be opened ({error}): use render_mode='rgb_array' on a machine "
+                    "without a display"
+                ) from error
+        self._window.sync()
+
+    def close(self) -> None:
+        """Frees the OpenGL objects; idempotent."""
+        for part in (self._offscreen, self._window):
+            if part is not None:
+                part.close()
+        self._offscreen = self._window = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_offscreen": None, "_window": None}
