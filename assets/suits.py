@@ -61,7 +61,9 @@ class SuitJoint(_Strict):
     @model_validator(mode="after")
     def _range_ascends(self) -> "SuitJoint":
         if not self.range[0] < self.range[1]:
-            raise ValueError(f"range is {list(self.range)}: the first angle must be the smaller one")
+            raise ValueError(
+                f"range is {list(self.range)}: the first angle must be the smaller one"
+            )
         return self
 
 

@@ -17,7 +17,11 @@ from .rendering import Renderer
 
 Array = NDArray[np.float64]
 ENERGIES = ("assist_energy", "human_energy", "dissipated_energy")
-PREVIEW = (0.02, 0.1, 0.25)  # s ahead of now at which the observation shows the target, nearest first
+PREVIEW = (
+    0.02,
+    0.1,
+    0.25,
+)  # s ahead of now at which the observation shows the target, nearest first
 EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
 ERROR_SCALE = 0.1  # rad that cost 1
 SMOOTHNESS = 0.1
@@ -104,7 +108,8 @@ class ArmEnv(gymnasium.Env):
         self._bare_arm = bare_arm(gravity)
         self._address()
         self.layout = self._layout()
-        self.observation_space = self._observation_space()
+        self._limit = self._observation_limit()
+        self.observation_space = gymnasium.spaces.Box(-self._limit, self._limit, dtype=np.float32)
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(ASSISTED),), np.float32)
 
     # --- Gymnasium ----------------------------------------------------------------------------
@@ -131,7 +136,9 @@ class ArmEnv(gymnasium.Env):
         self._dissipated_at_reset = float(self.data.sensordata[self._dissipated].sum())
         if self.render_mode == "human":
             self.render()
-        return self._observation(), self._info(self._reward_terms(np.zeros(len(ASSISTED))))
+        return self._observation(), self._info(
+            self._reward_terms(self._tracking_error(), np.zeros(len(ASSISTED)))
+        )
 
     def step(
         self, action: NDArray[np.floating[Any]]
@@ -151,15 +158,18 @@ class ArmEnv(gymnasium.Env):
             mujoco.mj_step(self.model, self.data, self.substeps - 1)
         mujoco.mj_step1(self.model, self.data)
         self._step += 1
-        rate = self.data.qvel[self._joints]
-        human, assist = self.data.actuator_force[self._human], self.data.actuator_force[self._assist]
-        self._energy["human_energy"] += float(np.abs(human * rate).sum()) * self.control_dt
-        self._energy["assist_energy"] += (
-            float(np.abs(assist * rate[self._assisted]).sum()) * self.control_dt
+        rate = np.abs(self.data.qvel[self._joints])
+        force = np.abs(self.data.actuator_force)
+        human_power, assist_power = (
+            force[self._human] @ rate,
+            force[self._assist] @ rate[self._assisted],
         )
-        terms = self._reward_terms(command - self._previous_action)
+        self._energy["human_energy"] += float(human_power) * self.control_dt
+        self._energy["assist_energy"] += float(assist_power) * self.control_dt
+        error = self._tracking_error()
+        terms = self._reward_terms(error, command - self._previous_action)
         self._previous_action = command
-        terminated = self._failed()
+        terminated = self._failed(error)
         if self.render_mode == "human":
             self.render()
         info = self._info(terms)
@@ -168,7 +178,9 @@ class ArmEnv(gymnasium.Env):
     def render(self) -> NDArray[np.uint8] | None:
         """Returns a picture (height, width, 3) in mode "rgb_array"; updates the window in "human"."""
         if self.render_mode is None:
-            raise InputError("render_mode is None: make the environment with render_mode='rgb_array'")
+            raise InputError(
+                "render_mode is None: make the environment with render_mode='rgb_array'"
+            )
         if self.render_mode == "human":
             return self.renderer.show(self.model, self.data)
         return self.renderer.picture(self.model, self.data)
@@ -258,12 +270,12 @@ class ArmEnv(gymnasium.Env):
             for (name, size), end in zip(sizes.items(), ends, strict=True)
         }
 
-    def _observation_space(self) -> gymnasium.spaces.Box:
+    def _observation_limit(self) -> NDArray[np.float32]:
         limit = np.ones(max(part.stop for part in self.layout.values()), dtype=np.float32)
         limit[self.layout["angle"]] = limit[self.layout["target"]] = ANGLE_LIMIT
         limit[self.layout["rate"]] = RATE_LIMIT
         limit[self.layout.get("suit_torque", slice(0))] = SUIT_TORQUE_LIMIT
-        return gymnasium.spaces.Box(-limit, limit, dtype=np.float32)
+        return limit
 
     def _new_reference(self, rng: np.random.Generator) -> Reference:
         samples = round(self.duration / self.control_dt) + 1
@@ -295,9 +307,10 @@ class ArmEnv(gymnasium.Env):
             )
         if not np.isfinite(command).all():
             raise InputError(f"action is {command.tolist()}: give finite numbers from -1 to 1")
-        clipped = np.clip(command, -1.0, 1.0)
-        self._clipped += bool((clipped != command).any())
-        return clipped
+        if np.abs(command).max() > 1.0:
+            self._clipped += 1
+            command = np.clip(command, -1.0, 1.0)
+        return command
 
     def _suit_torque(self) -> Array:
         torque = np.zeros(len(JOINTS))
@@ -308,22 +321,22 @@ class ArmEnv(gymnasium.Env):
         angle = self.data.qpos[self._joints[self._assisted]]
         return angle - self.reference.angle[self._at(self._step), self._assisted]
 
-    def _reward_terms(self, change: Array) -> dict[str, float]:
+    def _reward_terms(self, error: Array, change: Array) -> dict[str, float]:
         effort = self.data.actuator_force[self._human[self._assisted]] / EFFORT_SCALE
-        error = self._tracking_error() / ERROR_SCALE
+        error = error / ERROR_SCALE
         return {
             "effort": -float(effort @ effort),
             "tracking": -float(error @ error),
             "smoothness": -SMOOTHNESS * float(change @ change),
         }
 
-    def _failed(self) -> bool:
-        broken = self.data.warning.number.any() or self.data.plugin_state[self._faults].any()
-        return bool(broken or np.abs(self._tracking_error()).max() > LOST)
+    def _failed(self, error: Array) -> bool:
+        followed = np.abs(error).max() <= LOST  # false where the physics has become NaN
+        return not followed or bool(self.data.plugin_state[self._faults].any())
 
     def _observation(self) -> NDArray[np.float32]:
         data, layout = self.data, self.layout
-        observation = np.empty(self.observation_space.shape or (), dtype=np.float32)
+        observation = np.empty_like(self._limit)
         observation[layout["angle"]] = data.qpos[self._joints]
         observation[layout["rate"]] = data.qvel[self._joints]
         observation[layout["motor_torque"]] = data.actuator_force[self._assist] / self.peak_torque
@@ -332,8 +345,8 @@ class ArmEnv(gymnasium.Env):
         observation[layout["previous_action"]] = self._previous_action
         if self.observe == "oracle":
             observation[layout["suit_torque"]] = self._suit_torque()
-        box = self.observation_space
-        return np.clip(observation, box.low, box.high, out=observation)  # type: ignore[attr-defined]
+        np.minimum(observation, self._limit, out=observation)
+        return np.maximum(observation, -self._limit, out=observation)
 
     def _info(self, terms: dict[str, float]) -> dict[str, Any]:
         data = self.data

@@ -57,7 +57,7 @@ class Renderer:
             RenderingUnavailableError: no window can be opened here.
         """
         if self._window is None:
-            import mujoco.viewer  # noqa: PLC0415
+            import mujoco.viewer
 
             try:
                 self._window = mujoco.viewer.launch_passive(model, data)

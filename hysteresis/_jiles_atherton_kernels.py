@@ -12,8 +12,7 @@ error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
 
 import math
 
-import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from ._langevin import langevin
 
@@ -22,6 +21,7 @@ LOCAL_TOLERANCE = 1e-9  # of Ms, per step in He
 NEWTON_TOLERANCE = 1e-6  # of min(a, k); the remainder enters to second order, about 1e-12 c Ms
 NEWTON_LIMIT = 60
 MARCH_LIMIT = 10_000
+RECOVERY_TOLERANCE = 1e-4  # of min(a, k); the energy is stationary there, so this is plenty
 P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
 
 
@@ -173,7 +173,7 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
         u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
         newton = -u1 / ((c - 1) * slope1 - u1 * per_k)
         dx += newton
-        if abs(newton) <= NEWTON_TOLERANCE * min(a, k):
+        if abs(newton) <= RECOVERY_TOLERANCE * min(a, k):
             man = man1 - man + slope1 * newton
             return gained - delta * k * (u + (c - 1) * man)
     return gained

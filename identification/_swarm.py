@@ -17,12 +17,12 @@ Coefficients = Callable[[int, int], tuple[float, float, float]]
 Leader = Callable[[Array, int, np.random.Generator], int]
 
 
-def best_particle(fitness: Array, iteration: int, rng: np.random.Generator) -> int:  # noqa: ARG001
+def best_particle(fitness: Array, iteration: int, rng: np.random.Generator) -> int:
     """Follows the best personal best, as the basic swarm does."""
     return int(np.argmin(fitness))
 
 
-def run_swarm(  # noqa: PLR0915
+def run_swarm(
     objective: Objective,
     bounds: Sequence[tuple[float, float]],
     *,
@@ -110,7 +110,9 @@ def checked_bounds(bounds: Sequence[tuple[float, float]]) -> tuple[Array, Array]
     """
     pairs = np.asarray(bounds, dtype=np.float64)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.size == 0:
-        raise InputError(f"bounds have shape {pairs.shape}: give one pair (low, high) per parameter")
+        raise InputError(
+            f"bounds have shape {pairs.shape}: give one pair (low, high) per parameter"
+        )
     for index, (low, high) in enumerate(pairs):
         if not (np.isfinite(low) and np.isfinite(high) and low < high):
             raise InputError(

@@ -45,7 +45,9 @@ class Curve:
                 f"curve {self.name!r} has {self.angle.size} sample: a curve needs at least 2"
             )
         if not (np.isfinite(self.angle).all() and np.isfinite(self.torque).all()):
-            raise InputError(f"curve {self.name!r} has a value that is not finite: remove that sample")
+            raise InputError(
+                f"curve {self.name!r} has a value that is not finite: remove that sample"
+            )
         if np.ptp(self.angle) == 0:
             raise InputError(
                 f"curve {self.name!r} stays at the angle {self.angle[0]:g} rad: without motion there "
@@ -146,5 +148,7 @@ def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InputError(f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number")
+        raise InputError(
+            f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number"
+        )
     return value

@@ -68,7 +68,9 @@ def sa_pso(
 
 def annealed_leader(temperature: Temperature) -> Leader:
     """Returns the roulette of eq. (11) and (12), which cools by 0.95 in every iteration."""
-    divisor = DIVISORS.get(temperature, temperature) if isinstance(temperature, str) else temperature
+    divisor = (
+        DIVISORS.get(temperature, temperature) if isinstance(temperature, str) else temperature
+    )
     if isinstance(divisor, str) or not (math.isfinite(divisor) and divisor > 0):
         raise InputError(f"temperature is {temperature!r}: use 'paper', 'ln5' or a divisor above 0")
     first = 0.0

@@ -5,15 +5,14 @@ published parameters (Table 2, SA-PSO) along the paper's first-order transition 
 """
 
 import argparse
-import hashlib
 from pathlib import Path
 
 import numpy as np
 
 from ..assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
-from ..assets.suits import Parameters
 from ..hysteresis import JilesAtherton
-from ..identification import Curve, Fit, identify, load_curves, save_curves
+from ..identification import Curve, identify, load_curves, save_curves
+from .suit_export import fitted_joint, suit_joint
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
 PUBLISHED = {
@@ -44,8 +43,8 @@ ASSUMED = {
         "elbow",
         0.4,
         (-0.7, 0.7),
-        "assumed: the elbow model, 0.4 times its torque, which gives about 2 N·m at 40 degrees, "
-        "the middle of the 1-3 N·m that spacesuit wrists are said to need",
+        "assumed: the elbow model, 0.4 times its torque, which gives 1.7 N·m at 40 degrees, "
+        "inside the 1-3 N·m that spacesuit wrists are said to need",
     ),
 }
 LABEL = "SYNTHETIC: generated from the published parameters, not measured."
@@ -69,18 +68,6 @@ def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
         )
         for turn, angle, torque in zip(TURNS[joint], angles, torques, strict=True)
     ]
-
-
-def suit_joint(model: JilesAtherton, **provenance: object) -> SuitJoint:
-    """Returns the suit-file entry of a model."""
-    parameters = Parameters(Ms=model.Ms, a=model.a, alpha=model.alpha, c=model.c, k=model.k)
-    return SuitJoint(
-        model="jiles-atherton",
-        parameters=parameters,
-        angle_unit=model.angle_unit,
-        certificate_margin=model.certificate().margin,
-        **provenance,  # type: ignore[arg-type]
-    )
 
 
 def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
@@ -113,18 +100,17 @@ def main(folder: Path = FOLDER) -> None:
                 "Made by: python -m activesuit.scripts.make_assets",
             ),
         )
-        span = {"range": (LOWEST[name], TURNS[name][-1]), "start_angle": LOWEST[name]}
-        published[joint] = suit_joint(PUBLISHED[name], grade="published", source=SOURCE, **span)
-        fit = _refit(path)
-        fits[name] = fit.model
-        identified[joint] = suit_joint(
-            fit.model,
-            grade="identified",
-            source=f"certified fit of all curves in curves/{name}.csv. {LABEL}",
-            data_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
-            fit_nrmse=fit.nrmse,
-            **span,
+        published[joint] = suit_joint(
+            PUBLISHED[name],
+            range=(LOWEST[name], TURNS[name][-1]),
+            start_angle=LOWEST[name],
+            grade="published",
+            source=SOURCE,
         )
+        whole = [Curve(curve.angle, curve.torque, curve.name) for curve in load_curves(path)]
+        fit = identify(whole, method="certified", seed=SEED)
+        fits[name] = fit.model
+        identified[joint] = fitted_joint(fit, whole, path, LABEL)
     (folder / "suits").mkdir(exist_ok=True)
     save_suit(
         Suit(
@@ -146,11 +132,6 @@ def main(folder: Path = FOLDER) -> None:
         ),
         folder / "suits" / "mock-suit.json",
     )
-
-
-def _refit(path: Path) -> Fit:
-    whole = [Curve(c.angle, c.torque, c.name) for c in load_curves(path)]
-    return identify(whole, method="certified", seed=SEED)
 
 
 if __name__ == "__main__":

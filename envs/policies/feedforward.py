@@ -30,7 +30,9 @@ class HysteresisFeedforward:
         models = joint_models(suit)
         for joint in ASSISTED:
             if joint not in models:
-                raise InputError(f"suit {suit.name!r} has no model of {joint!r}: identify one first")
+                raise InputError(
+                    f"suit {suit.name!r} has no model of {joint!r}: identify one first"
+                )
         self._models = [models[joint] for joint in ASSISTED]
         self._starts = [
             model.start(suit.joints[joint].start_angle)
@@ -52,7 +54,9 @@ class HysteresisFeedforward:
         torque = np.empty(len(self._models))
         for i, model in enumerate(self._models):
             measured = float(observation[self._measured[i]])
-            change = float(observation[self._target[i]]) - float(info["target_angle"][self._columns[i]])
+            change = float(observation[self._target[i]]) - float(
+                info["target_angle"][self._columns[i]]
+            )
             self._states[i], _ = model.step(self._states[i], measured)
             _, torque[i] = model.step(self._states[i], measured + change)
         return np.clip(torque / self._peak, -1, 1)

@@ -20,7 +20,7 @@ def algorithm_class(name: str) -> Any:
         InputError: Stable-Baselines3 is not installed.
     """
     try:
-        import stable_baselines3  # noqa: PLC0415
+        import stable_baselines3
     except ImportError as error:
         raise InputError(
             "training and trained policies need Stable-Baselines3: pip install 'activesuit[train]'"

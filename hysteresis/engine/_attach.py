@@ -71,9 +71,7 @@ def attach(
     plugin = spec.add_plugin(name=instance, plugin_name=PLUGIN_NAME, active=True)
     plugin.config = config
     for quantity in SENSORS if sensors else ():
-        sensor = spec.add_sensor(
-            name=f"{instance}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN
-        )
+        sensor = spec.add_sensor(name=f"{instance}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
         sensor.plugin = plugin
 
 

@@ -120,7 +120,10 @@ def configure(m, instance, state, at, loud):
     joint = name2id(m, at.object_joint, joint_name)
     if joint < 0:
         if loud:
-            warn("activesuit.jiles_atherton: the model has no joint '%s'; check config joint", joint_name)
+            warn(
+                "activesuit.jiles_atherton: the model has no joint '%s'; check config joint",
+                joint_name,
+            )
         return False
     joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
     if joint_type not in (at.joint_slide, at.joint_hinge):
@@ -281,11 +284,11 @@ def build(at: Layout) -> dict[str, Any]:
     """Compiles the callbacks for one layout of MuJoCo's structs (cached on disk per layout)."""
 
     @cfunc(types.int32(types.intp, types.int32), cache=True)
-    def nstate(m, instance):  # noqa: ARG001
+    def nstate(m, instance):
         return STATE_SIZE
 
     @cfunc(types.int32(types.intp, types.int32, types.int32), cache=True)
-    def nsensordata(m, instance, sensor):  # noqa: ARG001
+    def nsensordata(m, instance, sensor):
         return 1
 
     @cfunc(types.int32(types.intp, types.intp, types.int32), cache=True)
@@ -293,7 +296,7 @@ def build(at: Layout) -> dict[str, Any]:
         return 0 if configure(m, instance, state_of(m, d, instance, at), at, True) else -1
 
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
-    def reset(m, plugin_state, plugin_data, instance):  # noqa: ARG001
+    def reset(m, plugin_state, plugin_data, instance):
         configure(m, instance, doubles(plugin_state, STATE_SIZE), at, False)
 
     @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)

@@ -51,8 +51,8 @@ name2id = types.ExternalFunction(
 
 
 @intrinsic
-def _pointer(typing_context, address):  # noqa: ARG001
-    def codegen(context, builder, signature, arguments):  # noqa: ARG001
+def _pointer(typing_context, address):
+    def codegen(context, builder, signature, arguments):
         return builder.inttoptr(arguments[0], cgutils.voidptr_t)
 
     return types.voidptr(types.intp), codegen
@@ -83,10 +83,10 @@ def character_at(address):
 
 
 @intrinsic
-def parse_double(typing_context, text):  # noqa: ARG001
+def parse_double(typing_context, text):
     """Parses the C string at address `text`; returns (value, whether all of it was a number)."""
 
-    def codegen(context, builder, signature, arguments):  # noqa: ARG001
+    def codegen(context, builder, signature, arguments):
         integer = arguments[0].type
         end = cgutils.alloca_once(builder, integer)
         function = cgutils.get_or_insert_function(
@@ -107,7 +107,7 @@ def parse_double(typing_context, text):  # noqa: ARG001
 
 
 @intrinsic(prefer_literal=True)
-def warn(typing_context, message, name):  # noqa: ARG001
+def warn(typing_context, message, name):
     """Issues `message`, a literal with one %s, as a MuJoCo warning about the C string `name`."""
 
     def codegen(context, builder, signature, arguments):

@@ -18,7 +18,7 @@ _slot = -1
 class _Plugin(ctypes.Structure):
     """The C struct mjpPlugin of mujoco/mjplugin.h."""
 
-    _fields_ = [  # noqa: RUF012
+    _fields_ = [
         ("name", ctypes.c_char_p),
         ("nattribute", ctypes.c_int),
         ("attributes", ctypes.POINTER(ctypes.c_char_p)),

@@ -1,0 +1,101 @@
+"""Figures of simulated motions. A figure function takes data and returns the figure."""
+
+from collections.abc import Mapping
+
+from matplotlib.figure import Figure
+
+from ..assets import JOINTS
+from .composition import ASSISTED
+from .evaluation import ASSISTED_COLUMNS, Trace
+
+COLORS = {
+    "none": "#555555",
+    "gravity": "#cc79a7",
+    "feedforward": "#0072b2",
+    "oracle": "#009e73",
+}
+OTHERS = ("#d55e00", "#e69f00", "#56b4e9")
+STYLES = {"oracle": "--"}
+
+
+def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
+    """Draws intended and actual angles of the assisted joints over time, one line per policy."""
+    figure = Figure(figsize=(10, 5), layout="constrained")
+    axes = figure.subplots(len(ASSISTED), 1, sharex=True)
+    first = next(iter(traces.values()))
+    for ax, joint, column in zip(axes, ASSISTED, ASSISTED_COLUMNS, strict=True):
+        ax.plot(first.time, first.target_angle[:, column], color="0.8", lw=4, label="intended")
+        for policy, color in _colors(traces).items():
+            angle = traces[policy].angle[:, column]
+            ax.plot(
+                traces[policy].time, angle, color=color, lw=1.2, ls=_style(policy), label=policy
+            )
+        ax.set_ylabel(f"{joint.replace('_', ' ')}\n[rad]")
+        ax.grid(alpha=0.25)
+    axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def torques_figure(traces: Mapping[str, Trace]) -> Figure:
+    """Draws human, suit and assist torque of the assisted joints over time, one line per policy."""
+    figure = Figure(figsize=(11, 7), layout="constrained")
+    rows = ("human torque", "suit torque", "assist torque")
+    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True, sharey="col")
+    for policy, color in _colors(traces).items():
+        trace = traces[policy]
+        series = (
+            trace.human_torque[:, ASSISTED_COLUMNS],
+            trace.suit_torque[:, ASSISTED_COLUMNS],
+            trace.assist_torque,
+        )
+        for axes, values in zip(grid, series, strict=True):
+            for ax, torque in zip(axes, values.T, strict=True):
+                ax.plot(trace.time, torque, color=color, lw=1.2, ls=_style(policy), label=policy)
+    for axes, row in zip(grid, rows, strict=True):
+        axes[0].set_ylabel(f"{row} [N·m]")
+        for ax in axes:
+            ax.axhline(0, color="0.6", lw=0.6)
+            ax.grid(alpha=0.25)
+    for ax, joint in zip(grid[0], ASSISTED, strict=True):
+        ax.set_title(joint.replace("_", " "), loc="left")
+    for ax in grid[-1]:
+        ax.set_xlabel("time [s]")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
+    return figure
+
+
+def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
+    """Draws the suit's resistance and the wearer's torque over the joint angle, one line per policy."""
+    figure = Figure(figsize=(10, 7.6), layout="constrained")
+    grid = figure.subplots(2, len(ASSISTED), sharex="col")
+    for policy, color in _colors(traces).items():
+        trace = traces[policy]
+        for axes, values in zip(grid, (-trace.suit_torque, trace.human_torque), strict=True):
+            for ax, joint in zip(axes, ASSISTED, strict=True):
+                column = JOINTS.index(joint)
+                style = _style(policy)
+                angle, torque = trace.angle[:, column], values[:, column]
+                ax.plot(angle, torque, color=color, lw=1.0, ls=style, label=policy)
+    for ax, joint in zip(grid[0], ASSISTED, strict=True):
+        ax.set_title(joint.replace("_", " "), loc="left")
+    for ax in grid[-1]:
+        ax.set_xlabel("angle [rad]")
+    for ax in grid.flat:
+        ax.axhline(0, color="0.6", lw=0.6)
+        ax.grid(alpha=0.25)
+    grid[0][0].set_ylabel("suit resistance [N·m]")
+    grid[1][0].set_ylabel("human torque [N·m]")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
+    return figure
+
+
+def _colors(traces: Mapping[str, Trace]) -> dict[str, str]:
+    others = iter(OTHERS * len(traces))
+    return {policy: COLORS.get(policy) or next(others) for policy in traces}
+
+
+def _style(policy: str) -> str:
+    return STYLES.get(policy, "-")

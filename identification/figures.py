@@ -1,0 +1,82 @@
+"""Figures of measured and modeled loops. A figure function takes data and returns the figure."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..hysteresis import JilesAtherton, PoleError
+from .curves import Curve
+
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
+STYLES = ("-", "--", ":", "-.")
+
+
+def loops_figure(
+    families: Mapping[str, Sequence[Curve]], models: Mapping[str, Mapping[str, JilesAtherton]]
+) -> Figure:
+    """Draws the measured loops of each joint and what each model makes of them.
+
+    Args:
+        families: curves by joint name; fitted and predicted ones get a column each.
+        models: joint name -> label -> model.
+
+    Returns:
+        One row per joint: fitted curves on the left, predicted ones on the right.
+    """
+    figure = Figure(figsize=(10, 3.8 * len(families)), layout="constrained")
+    grid = figure.subplots(len(families), 2, squeeze=False, sharey="row")
+    for axes, (joint, curves) in zip(grid, families.items(), strict=True):
+        for ax, role, title in zip(axes, ("fit", "predict"), ("fitted", "predicted"), strict=True):
+            drawn = [curve for curve in curves if curve.role == role]
+            _draw_loops(ax, drawn, models[joint])
+            ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
+            ax.set_xlabel("angle [rad]")
+        axes[0].set_ylabel("resistance [N·m]")
+    grid[0][0].legend(loc="upper left", frameon=False)
+    return figure
+
+
+def _draw_loops(ax, curves: Sequence[Curve], models: Mapping[str, JilesAtherton]) -> None:
+    for i, curve in enumerate(curves):
+        ax.plot(
+            curve.angle,
+            curve.torque,
+            ".",
+            color="0.75",
+            markersize=3,
+            label="curves" if i == 0 else None,
+            zorder=0,
+        )
+        for (label, model), color, style in zip(models.items(), COLORS, STYLES, strict=False):
+            try:
+                torque = model.response(curve.angle)
+            except PoleError:
+                continue
+            ax.plot(
+                curve.angle, torque, style, color=color, lw=1.4, label=label if i == 0 else None
+            )
+    ax.axhline(0, color="0.6", lw=0.6)
+    ax.grid(alpha=0.25)
+
+
+def convergence_figure(histories: Mapping[str, Mapping[str, Sequence[Sequence[float]]]]) -> Figure:
+    """Draws the best fitness over iterations: median of the trials, and their quartiles.
+
+    Args:
+        histories: joint name -> method -> one history per trial.
+    """
+    figure = Figure(figsize=(10, 3.6), layout="constrained")
+    for ax, (joint, methods) in zip(
+        figure.subplots(1, len(histories), squeeze=False)[0], histories.items(), strict=True
+    ):
+        for (label, runs), color in zip(methods.items(), COLORS, strict=False):
+            quartiles = np.percentile(np.array(runs), [25, 50, 75], axis=0)
+            iteration = np.arange(quartiles.shape[1])
+            ax.fill_between(iteration, quartiles[0], quartiles[2], color=color, alpha=0.2, lw=0)
+            ax.plot(iteration, quartiles[1], color=color, label=label)
+        ax.set(yscale="log", xlabel="iteration", title=joint.replace("_", " "))
+        ax.set_ylabel("fitness, eq. (7)")
+        ax.grid(alpha=0.25, which="both")
+        ax.legend(frameon=False)
+    return figure

@@ -1,0 +1,73 @@
+"""`activesuit evaluate`: policies side by side on the same motions."""
+
+from pathlib import Path
+
+from ..envs.evaluation import Score, Trace
+from ..envs.evaluation import evaluate as evaluate_policies
+from ..envs.policies import POLICIES
+from .output import RunFolder, console, progress, table, to_json
+from .tables import score_table
+
+
+def evaluate(
+    env: str = "ActiveSuit/ArmTracking-v0",
+    policies: tuple[str, ...] = POLICIES,
+    episodes: int = 5,
+    seed: int = 0,
+    suit: str = "mock-suit",
+    gravity: str = "earth",
+    out: Path | None = None,
+    allow_uncertified: bool = False,
+    json: bool = False,
+) -> None:
+    """Compare assist policies by what the wearer has to do.
+
+    Args:
+        env: which task.
+        policies: none, gravity, feedforward, oracle, or folders of training runs.
+        episodes: motions per policy; the same for all.
+        seed: fixes the motions.
+        suit: name of a shipped suit, or a suit file.
+        gravity: earth, mars, moon or microgravity.
+        out: folder for result.json.
+        allow_uncertified: accept a suit whose torque could become infinite in some motion.
+        json: print the result as JSON.
+    """
+    folder = RunFolder(out) if out else None
+    options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
+    scores = run(env, policies, episodes, seed, **options)
+    result = {
+        "env": env,
+        "episodes": episodes,
+        "seed": seed,
+        **options,
+        "policies": [score.to_dict() for score in scores],
+    }
+    if folder:
+        folder.json("result.json", result)
+    if json:
+        print(to_json(result))
+    else:
+        table(f"{env}, {gravity}, suit {suit}, {episodes} episodes", *score_table(scores))
+        if folder:
+            console.print(f"wrote {folder.path}/result.json")
+
+
+def run(
+    env: str, policies: tuple[str, ...], episodes: int, seed: int, **options: object
+) -> list[Score]:
+    """Evaluates with a progress bar."""
+    with progress(env, max(1, len(policies) * episodes)) as bar:
+
+        def report(policy: str, episode: int, trace: Trace) -> None:
+            del policy, episode, trace
+            bar.advance()
+
+        return evaluate_policies(
+            env,
+            policies,
+            episodes=episodes,
+            seed=seed,
+            on_episode=report,
+            **options,  # type: ignore[arg-type]
+        )

@@ -1,0 +1,115 @@
+"""`activesuit identify`: a model from a file of measured curves."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from ..assets import Suit, save_suit
+from ..identification import Fit, Trial, load_curves
+from ..identification import identify as identify_curves
+from ..identification.figures import loops_figure
+from .output import RunFolder, console, messages, progress, table, to_json
+from .suit_export import fitted_joint, joint_of
+from .tables import parameter_table, quality_table
+
+
+def identify(
+    curves: Annotated[Path, tyro.conf.Positional],
+    /,
+    method: Literal["certified", "sa-pso", "mpso", "pso"] = "certified",
+    trials: int | None = None,
+    seed: int = 0,
+    workers: int = -1,
+    joint: str | None = None,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Identify a Jiles-Atherton model from measured angle-torque curves.
+
+    Curves with role "predict" are kept out of the fit and used to test it.
+
+    Args:
+        curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
+            optionally role (fit or predict).
+        method: certified (ours: only returns models that are safe to simulate), or a swarm of the
+            papers.
+        trials: independent runs, of which the best counts; by default 1 for certified, 30 for a
+            swarm.
+        seed: fixes all random numbers.
+        workers: threads; -1 uses all cores.
+        joint: which joint the curves belong to; by default the file name tells.
+        out: folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
+        json: print the result as JSON.
+    """
+    family = load_curves(curves)
+    folder = RunFolder(out) if out else None
+    joint_name = joint_of(curves, joint) if folder else None
+    total = trials or (1 if method == "certified" else 30)
+    with progress(f"{method} on {curves.name}", total) as bar:
+
+        def report(trial: Trial) -> None:
+            del trial
+            bar.advance()
+
+        fit = identify_curves(
+            family, method=method, trials=trials, seed=seed, workers=workers, on_trial=report
+        )
+    if fit.interrupted:
+        messages.print(f"interrupted: the best of the {len(fit.trials)} finished trials is kept")
+    result = fit_summary(fit, seed)
+    if json:
+        print(to_json(result))
+    else:
+        table(curves.name, *parameter_table({curves.stem: {method: fit}}))
+        table("quality", *quality_table({curves.stem: {method: fit}}))
+    if folder and joint_name:
+        suit = Suit(
+            schema_version=1,
+            name=curves.stem,
+            description=f"Identified from {curves.name} by {method}, seed {seed}.",
+            joints={joint_name: fitted_joint(fit, family, curves)},
+        )
+        save_suit(suit, folder / "suit.json")
+        folder.json("result.json", result)
+        write_trials(folder, "trials.csv", {curves.stem: {method: fit}})
+        folder.figure(
+            "loops", loops_figure({joint_name: family}, {joint_name: {method: fit.model}})
+        )
+        if not json:
+            console.print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
+
+
+def fit_summary(fit: Fit, seed: int) -> dict:
+    """Returns a fit as plain values for JSON."""
+    certificate = fit.model.certificate()
+    return {
+        "method": fit.method,
+        "seed": seed,
+        "model": "jiles-atherton",
+        "parameters": {name: getattr(fit.model, name) for name in ("Ms", "a", "alpha", "c", "k")},
+        "angle_unit": fit.model.angle_unit,
+        "fitness": fit.fitness,
+        "nrmse": fit.nrmse,
+        "prediction_max_error": fit.prediction_errors,
+        "evaluations": fit.evaluations,
+        "trials": len(fit.trials),
+        "interrupted": fit.interrupted,
+        "certificate": {**asdict(certificate), "certified": certificate.certified},
+    }
+
+
+def write_trials(folder: RunFolder, name: str, fits: dict[str, dict[str, Fit]]) -> None:
+    """Writes every trial of every fit as one CSV row."""
+    header = ["curves", "method", "trial", "Ms", "a", "alpha", "c", "k", "nrmse", "evaluations"]
+    folder.csv(
+        name,
+        header,
+        (
+            [curves, method, trial.index, *trial.parameters, trial.nrmse, trial.evaluations]
+            for curves, methods in fits.items()
+            for method, fit in methods.items()
+            for trial in fit.trials
+        ),
+    )

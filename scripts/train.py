@@ -1,0 +1,147 @@
+"""`activesuit train`: a policy by reinforcement learning (needs the extra `train`)."""
+
+import json as jsonlib
+from pathlib import Path
+from typing import Any, Literal
+
+from ..envs.evaluation import make_env
+from ..envs.policies.trained import algorithm_class
+from ..errors import InputError
+from ..files import replacing
+from .output import Bar, RunFolder, console, messages, progress
+
+# Short horizon: effort answers an action at once. The start is gentle (log_std) and the
+# networks small, as the task is nearly a function of angle, rate and target.
+PPO_OPTIONS: dict[str, Any] = {
+    "n_steps": 256,
+    "batch_size": 256,
+    "gamma": 0.9,
+    "gae_lambda": 0.9,
+    "learning_rate": 1e-3,
+    "policy_kwargs": {"log_std_init": -1.0},
+}
+SAC_OPTIONS: dict[str, Any] = {"gamma": 0.9, "buffer_size": 100_000, "learning_starts": 1000}
+PARALLEL = {"ppo": 8, "sac": 1}
+CHECKPOINTS = 10  # per run
+
+
+def train(
+    env: str = "ActiveSuit/ElbowFlexion-v0",
+    algo: Literal["ppo", "sac"] = "ppo",
+    steps: int = 100_000,
+    seed: int = 0,
+    suit: str = "mock-suit",
+    gravity: str = "earth",
+    out: Path = Path("runs/train"),
+    resume: bool = False,
+) -> None:
+    """Train an assist policy with Stable-Baselines3.
+
+    The folder gets config.json, model.zip (written at every checkpoint) and TensorBoard logs.
+    Ctrl-C keeps what was learned; --resume goes on from there.
+
+    Args:
+        env: which task.
+        algo: ppo or sac.
+        steps: environment steps in total, including those before a resume.
+        seed: fixes initial networks and motions.
+        suit: name of a shipped suit, or a suit file.
+        gravity: earth, mars, moon or microgravity.
+        out: folder of the run.
+        resume: go on with the run in that folder.
+    """
+    if steps < 1:
+        raise InputError(f"steps is {steps}: use at least 1")
+    algorithm = algorithm_class(algo)
+    make_env(env, suit=suit, gravity=gravity).close()
+    config = {"env": env, "algo": algo, "seed": seed, "suit": suit, "gravity": gravity}
+    _check_folder(out, config, resume)
+    folder = RunFolder(out)
+    folder.json("config.json", config)
+
+    from stable_baselines3.common.env_util import make_vec_env
+
+    environments = make_vec_env(
+        f"activesuit:{env.removeprefix('activesuit:')}",
+        n_envs=PARALLEL[algo],
+        seed=seed,
+        env_kwargs={"suit": suit, "gravity": gravity},
+    )
+    if resume:
+        learner = algorithm.load(folder / "model.zip", env=environments, device="cpu")
+        if (folder / "replay.pkl").exists():
+            learner.load_replay_buffer(folder / "replay.pkl")
+    else:
+        options = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
+        logs = str(folder / "tensorboard")
+        learner = algorithm(
+            "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **options
+        )
+    done = learner.num_timesteps
+    if done >= steps:
+        raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+    interrupted = False
+    with progress(f"{algo} on {env}", steps) as bar:
+        try:
+            learner.learn(
+                steps - done,
+                callback=_callback(learner, folder, bar, steps),
+                reset_num_timesteps=not resume,
+                tb_log_name=algo,
+            )
+        except KeyboardInterrupt:
+            interrupted = True
+    _save(learner, folder)
+    environments.close()
+    if interrupted:
+        messages.print(f"interrupted: {learner.num_timesteps} steps are kept; go on with --resume")
+        raise KeyboardInterrupt
+    console.print(
+        f"trained {learner.num_timesteps} steps; compare with: activesuit evaluate --env {env} "
+        f"--policies none {folder.path}"
+    )
+
+
+def _check_folder(out: Path, config: dict[str, Any], resume: bool) -> None:
+    present = (out / "model.zip").exists()
+    if present and not resume:
+        raise InputError(f"{str(out)!r} holds a trained run: add --resume, or choose another --out")
+    if resume and not present:
+        raise InputError(f"{str(out)!r} holds no model.zip to resume: train without --resume first")
+    if resume:
+        try:
+            before = jsonlib.loads((out / "config.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise InputError(f"{str(out / 'config.json')!r} cannot be read: restore it") from error
+        for key, value in config.items():
+            if before.get(key) != value:
+                raise InputError(
+                    f"the run in {str(out)!r} has {key} {before.get(key)!r}, not {value!r}: resume "
+                    "it with the options it was started with"
+                )
+
+
+def _save(learner: Any, folder: RunFolder) -> None:
+    with replacing(folder / "model.zip") as scratch:
+        learner.save(scratch)
+    if hasattr(learner, "save_replay_buffer"):
+        with replacing(folder / "replay.pkl") as scratch:
+            learner.save_replay_buffer(scratch)
+
+
+def _callback(learner: Any, folder: RunFolder, bar: Bar, steps: int) -> Any:
+    from stable_baselines3.common.callbacks import BaseCallback
+
+    class Checkpoints(BaseCallback):
+        """Saves ten times per run and moves the progress bar."""
+
+        next_save = learner.num_timesteps + steps // CHECKPOINTS
+
+        def _on_step(self) -> bool:
+            bar.move_to(self.num_timesteps)
+            if self.num_timesteps >= self.next_save:
+                self.next_save = self.num_timesteps + steps // CHECKPOINTS
+                _save(learner, folder)
+            return True
+
+    return Checkpoints()
