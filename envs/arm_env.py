@@ -1,4 +1,4 @@
-"""The Gymnasium environment: a suited arm follows an intention, the agent drives the exoskeleton."""
+"""The Gymnasium environment: a suited arm follows an intention, the agent drives the motors."""
 
 import math
 from typing import Any, ClassVar, Literal
@@ -25,6 +25,7 @@ PREVIEW = (
 EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
 ERROR_SCALE = 0.1  # rad that cost 1
 SMOOTHNESS = 0.1
+SETTLING_ITERATIONS = 8  # each one shrinks the error by stiffness of suit and weight over kp
 LOST = 1.0  # rad of tracking error at which an episode ends
 ANGLE_LIMIT, RATE_LIMIT, SUIT_TORQUE_LIMIT = math.pi, 20.0, 100.0  # of the observation space
 
@@ -63,7 +64,7 @@ class ArmEnv(gymnasium.Env):
         InputError: an argument is out of its range; the message names it.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}  # noqa: RUF012
 
     span: ClassVar[dict[str, tuple[float, float]]]  # rad, of the joints that move
     hold: ClassVar[dict[str, tuple[float, float]]]  # rad, of joints held at a random angle
@@ -130,9 +131,8 @@ class ArmEnv(gymnasium.Env):
         self._clipped = 0
         self._energy = dict.fromkeys(ENERGIES[:2], 0.0)
         self._previous_action = np.zeros(len(ASSISTED))
-        self.data.qpos[self._joints] = self.reference.angle[0]
         self._intend()
-        mujoco.mj_forward(self.model, self.data)
+        self._settle()
         self._dissipated_at_reset = float(self.data.sensordata[self._dissipated].sum())
         if self.render_mode == "human":
             self.render()
@@ -176,7 +176,7 @@ class ArmEnv(gymnasium.Env):
         return self._observation(), float(sum(terms.values())), terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Returns a picture (height, width, 3) in mode "rgb_array"; updates the window in "human"."""
+        """Returns a picture (height, width, 3) for "rgb_array"; updates the window for "human"."""
         if self.render_mode is None:
             raise InputError(
                 "render_mode is None: make the environment with render_mode='rgb_array'"
@@ -217,8 +217,8 @@ class ArmEnv(gymnasium.Env):
         size = mujoco.mj_stateSize(self.model, signature)
         if np.shape(state["physics"]) != (size,):
             raise InputError(
-                f"the state has {np.size(state['physics'])} numbers and this model needs {size}: it "
-                "comes from another model"
+                f"the state has {np.size(state['physics'])} numbers and this model needs {size}: "
+                "it comes from another model"
             )
         mujoco.mj_setState(self.model, self.data, state["physics"], signature)
         self.reference = state["reference"]
@@ -241,6 +241,7 @@ class ArmEnv(gymnasium.Env):
         human = [model.actuator(f"human_{joint}").id for joint in JOINTS]
         assist = [model.actuator(f"assist_{joint}").id for joint in ASSISTED]
         self._human, self._assist = np.array(human), np.array(assist)
+        self._stiffness = np.array([-model.actuator_biasprm[i][1] for i in human])  # kp
         self._motors = np.array([model.actuator_ctrladr[i] for i in assist])
         # Per wearer actuator: intended position, velocity, feed-forward.
         self._intention = np.array([model.actuator_ctrladr[i] + np.arange(3) for i in human])
@@ -298,6 +299,19 @@ class ArmEnv(gymnasium.Env):
         ctrl[where[:, 0]] = self.reference.angle[i]
         ctrl[where[:, 1]] = self.reference.rate[i]
         ctrl[where[:, 2]] = self.reference.feedforward[i]
+
+    def _settle(self) -> None:
+        """Puts the arm where the wearer holds it at rest: feedback carries what is not foreseen."""
+        data, joints = self.data, self._joints
+        intended, feedforward = self.reference.angle[0], self.reference.feedforward[0]
+        angle = intended
+        for _ in range(SETTLING_ITERATIONS):
+            data.qpos[joints] = angle
+            mujoco.mj_forward(self.model, data)
+            load = data.qfrc_bias[joints] - data.qfrc_passive[joints]
+            angle = intended - (load - feedforward) / self._stiffness
+        data.qpos[joints] = angle
+        mujoco.mj_forward(self.model, data)
 
     def _checked(self, action: NDArray[np.floating[Any]]) -> Array:
         command = np.asarray(action, dtype=np.float64)

@@ -15,6 +15,7 @@ from .composition import ASSISTED
 from .policies import Policy, make_policy
 
 Array = NDArray[np.float64]
+TAKEOVER = 0.5  # s
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 
 
@@ -98,14 +99,20 @@ def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
 
 
 def score(policy: str, traces: Sequence[Trace]) -> Score:
-    """Summarizes the episodes of one policy."""
-    human = np.concatenate([trace.human_torque for trace in traces])[:, ASSISTED_COLUMNS]
-    error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
+    """Summarizes the episodes of one policy.
+
+    Torque and tracking are scored after the first half second: at the start the wearer carries
+    everything, whatever the policy, and the motors take over.
+    """
+    # An episode that fails before is scored whole.
+    late = [trace.time > (TAKEOVER if trace.time[-1] > TAKEOVER else 0.0) for trace in traces]
+    human = _stack([trace.human_torque for trace in traces], late)
+    error = _stack([trace.angle - trace.target_angle for trace in traces], late)
     return Score(
         policy=policy,
         human_rms=_by_joint(np.sqrt(np.mean(human**2, axis=0))),
         human_peak=_by_joint(np.abs(human).max(axis=0)),
-        tracking_rmse=_by_joint(np.sqrt(np.mean(error[:, ASSISTED_COLUMNS] ** 2, axis=0))),
+        tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
         assist_energy=float(np.mean([trace.assist_energy for trace in traces])),
         mean_return=float(np.mean([trace.rewards.sum() for trace in traces])),
         failures=sum(trace.terminated for trace in traces),
@@ -186,6 +193,11 @@ def _with_reduction(scores: list[Score]) -> list[Score]:
         )
         for s in scores
     ]
+
+
+def _stack(series: Sequence[Array], parts: Sequence[NDArray[np.bool_]]) -> Array:
+    rows = [values[part] for values, part in zip(series, parts, strict=True)]
+    return np.concatenate(rows)[:, ASSISTED_COLUMNS]
 
 
 def _by_joint(values: Array) -> dict[str, float]:

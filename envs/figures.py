@@ -15,7 +15,7 @@ COLORS = {
     "oracle": "#009e73",
 }
 OTHERS = ("#d55e00", "#e69f00", "#56b4e9")
-STYLES = {"oracle": "--"}
+STYLES = {"oracle": "--", "gravity": "-."}
 
 
 def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
@@ -41,7 +41,7 @@ def torques_figure(traces: Mapping[str, Trace]) -> Figure:
     """Draws human, suit and assist torque of the assisted joints over time, one line per policy."""
     figure = Figure(figsize=(11, 7), layout="constrained")
     rows = ("human torque", "suit torque", "assist torque")
-    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True, sharey="col")
+    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True)
     for policy, color in _colors(traces).items():
         trace = traces[policy]
         series = (
@@ -67,7 +67,7 @@ def torques_figure(traces: Mapping[str, Trace]) -> Figure:
 
 
 def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws the suit's resistance and the wearer's torque over the joint angle, one line per policy."""
+    """Draws suit resistance and human torque over the joint angle, one line per policy."""
     figure = Figure(figsize=(10, 7.6), layout="constrained")
     grid = figure.subplots(2, len(ASSISTED), sharex="col")
     for policy, color in _colors(traces).items():

@@ -1,6 +1,5 @@
 """Intended motions: minimum-jerk moves between random targets, and the wearer's feed-forward."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -69,7 +68,7 @@ def random_moves(
 
 
 def follow(
-    arm: mujoco.MjModel, indices: Sequence[int], motion: tuple[Array, Array, Array]
+    arm: mujoco.MjModel, indices: NDArray[np.int64], motion: tuple[Array, Array, Array]
 ) -> Reference:
     """Returns the reference for a motion (angle, rate, acceleration), shape (samples, joints).
 
@@ -79,10 +78,9 @@ def follow(
     angle, rate, acceleration = motion
     data = mujoco.MjData(arm)
     torque = np.empty_like(angle)
-    columns = list(indices)
     for i in range(len(angle)):
-        data.qpos[columns], data.qvel[columns] = angle[i], rate[i]
-        data.qacc[columns] = acceleration[i]
+        data.qpos[indices], data.qvel[indices] = angle[i], rate[i]
+        data.qacc[indices] = acceleration[i]
         mujoco.mj_inverse(arm, data)
-        torque[i] = data.qfrc_inverse[columns]
+        torque[i] = data.qfrc_inverse[indices]
     return Reference(angle, rate, torque)

@@ -14,7 +14,7 @@ class RenderingUnavailableError(RuntimeError):
 
 
 class Renderer:
-    """Renders one model from one camera; holds OpenGL objects only while in use, never pickles them.
+    """Renders one model from one camera; its OpenGL objects are made late and never pickled.
 
     Args:
         camera: name of a camera of the model.

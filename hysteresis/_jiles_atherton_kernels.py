@@ -56,7 +56,7 @@ def decay_weights(z: float) -> tuple[float, float, float, float]:
 
 @njit(inline="always", error_model="numpy")
 def step_field(dx, u0, man0, slope0, man1, slope1, c, per_k):
-    """Returns u after the effective field moved by `dx` from (u0, man0, slope0) to (man1, slope1)."""
+    """Returns u after He moved by `dx`, from (u0, man0, slope0) to (man1, slope1)."""
     decay, phi1, phi2, phi3 = decay_weights(abs(dx * per_k))
     integral = dx * (slope0 * (phi1 - 4 * phi2 + 6 * phi3) + slope1 * (6 * phi3 - 2 * phi2)) + (
         man1 - man0
@@ -175,7 +175,7 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
         dx += newton
         if abs(newton) <= RECOVERY_TOLERANCE * min(a, k):
             man = man1 - man + slope1 * newton
-            return gained - delta * k * (u + (c - 1) * man)
+            return max(gained - delta * k * (u + (c - 1) * man), 0.0)
     return gained
 
 
@@ -191,7 +191,7 @@ def response(H, M0, Ms, a, alpha, c, k, dx_max, M):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def population_response(H, starts, M0, parameters, M):
-    """Fills M (n, samples) with the torque of n parameter rows along several curves laid end to end.
+    """Fills M with the torque of n parameter rows along several curves laid end to end.
 
     Args:
         H: angles of all curves (samples,).

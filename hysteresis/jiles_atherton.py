@@ -132,7 +132,7 @@ class JilesAtherton:
         return JilesAthertonState(float(angle), torque), torque
 
     def tangent(self, state: JilesAthertonState, direction: float) -> float:
-        """Returns the stiffness dM/dH [N·m/rad] of a motion that goes on in `direction` (its sign)."""
+        """Returns the stiffness dM/dH [N·m/rad] of a motion that goes on with sign `direction`."""
         delta = math.copysign(1.0, direction)
         return kernels.tangent_stiffness(*state, delta, *self.kernel_arguments[:5])
 
@@ -197,9 +197,9 @@ class JilesAtherton:
 
     def _pole(self, start: float, end: float, where: str = "") -> PoleError:
         return PoleError(
-            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; the model's "
-            f"certificate margin is {self.certificate().margin:.3g} and must be above 0 for "
-            "arbitrary motions"
+            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; the "
+            f"model's certificate margin is {self.certificate().margin:.3g} and must be above 0 "
+            "for arbitrary motions"
         )
 
 

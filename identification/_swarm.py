@@ -1,4 +1,4 @@
-"""The particle swarm that every variant here shares; a variant is its coefficients and its leader."""
+"""The particle swarm that all variants share; a variant is its coefficients and its leader."""
 
 from collections.abc import Callable, Sequence
 
@@ -35,7 +35,7 @@ def run_swarm(
     rng: int | np.random.Generator | None,
     callback: Callback | None,
 ) -> OptimizeResult:
-    """Minimizes by eq. (5), (6), (8), (9) of Li et al. 2022 and steps 2-4 and 9-12 of their section 4.3.
+    """Minimizes by eq. (5), (6), (8), (9) and steps 2-4, 9-12 of Li et al. 2022, section 4.3.
 
     A position or velocity that leaves its limits is set back to the limit. Values that are not
     finite count as infinitely bad. The result is the best point ever evaluated, whatever particle

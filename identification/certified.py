@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
+from ..errors import InputError
 from .curves import Curve
 from .objective import CurveObjective
 
@@ -55,7 +56,12 @@ def certified_fit(
 
     Returns:
         The best parameters found, their NRMSE and how many evaluations they took.
+
+    Raises:
+        InputError: `budget` is too small, or the curves are unusable.
     """
+    if budget <= SCREENED:
+        raise InputError(f"budget is {budget}: use at least {SCREENED + 1} model evaluations")
     objective = CurveObjective(curves)
     projection = _Projection(objective, budget)
     low, high = _box(curves)

@@ -3,7 +3,7 @@
 import csv
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
@@ -50,8 +50,8 @@ class Curve:
             )
         if np.ptp(self.angle) == 0:
             raise InputError(
-                f"curve {self.name!r} stays at the angle {self.angle[0]:g} rad: without motion there "
-                "is no hysteresis to identify"
+                f"curve {self.name!r} stays at the angle {self.angle[0]:g} rad: without motion "
+                "there is no hysteresis to identify"
             )
         if self.role not in get_args(Role):
             raise InputError(f"curve {self.name!r} has role {self.role!r}: use 'fit' or 'predict'")
@@ -69,18 +69,7 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
             names the line.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"
-        raise InputError(f"cannot read the curves {str(path)!r}: {reason}") from error
-    try:
-        rows = list(_rows(text))
-    except csv.Error as error:
-        raise InputError(f"{path}: not a CSV file ({error})") from error
-    if not rows:
-        raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
-    (_, header), *rows = rows
+    (_, header), *rows = _rows(path)
     header = [name.strip() for name in header]
     angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
     for column in ("curve", angle_column, "torque_nm"):
@@ -136,10 +125,23 @@ def save_curves(
     write_text(path, "\n".join(lines) + "\n")
 
 
-def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    for number, line in enumerate(text.splitlines(), start=1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield number, next(csv.reader([line], strict=True))
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Returns line number and cells of every line that is neither empty nor a remark."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+        rows = [
+            (number, next(csv.reader([line], strict=True)))
+            for number, line in enumerate(lines, start=1)
+            if line.strip() and not line.lstrip().startswith("#")
+        ]
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"
+        raise InputError(f"cannot read the curves {str(path)!r}: {reason}") from error
+    except csv.Error as error:
+        raise InputError(f"{path}: not a CSV file ({error})") from error
+    if not rows:
+        raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
+    return rows
 
 
 def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:

@@ -67,16 +67,15 @@ def convergence_figure(histories: Mapping[str, Mapping[str, Sequence[Sequence[fl
         histories: joint name -> method -> one history per trial.
     """
     figure = Figure(figsize=(10, 3.6), layout="constrained")
-    for ax, (joint, methods) in zip(
-        figure.subplots(1, len(histories), squeeze=False)[0], histories.items(), strict=True
-    ):
+    axes = figure.subplots(1, len(histories), squeeze=False, sharey=True)[0]
+    for ax, (joint, methods) in zip(axes, histories.items(), strict=True):
         for (label, runs), color in zip(methods.items(), COLORS, strict=False):
             quartiles = np.percentile(np.array(runs), [25, 50, 75], axis=0)
             iteration = np.arange(quartiles.shape[1])
             ax.fill_between(iteration, quartiles[0], quartiles[2], color=color, alpha=0.2, lw=0)
             ax.plot(iteration, quartiles[1], color=color, label=label)
         ax.set(yscale="log", xlabel="iteration", title=joint.replace("_", " "))
-        ax.set_ylabel("fitness, eq. (7)")
         ax.grid(alpha=0.25, which="both")
-        ax.legend(frameon=False)
+    axes[0].set_ylabel("fitness, eq. (7): median and quartiles")
+    axes[0].legend(frameon=False)
     return figure

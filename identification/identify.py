@@ -1,9 +1,9 @@
 """`identify`: from measured curves to a model, by a named method and several seeded trials."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -122,7 +122,7 @@ def identify(
         jobs = (delayed(run)(index, child) for index, child in enumerate(seeds))
         # Threads: nearly all the time is spent in kernels that release the GIL.
         parallel = Parallel(n_jobs=workers, prefer="threads", return_as="generator_unordered")
-        for trial in parallel(jobs):
+        for trial in cast(Iterable[Trial], parallel(jobs)):
             finished.append(trial)
             if on_trial is not None:
                 on_trial(trial)

@@ -1,4 +1,4 @@
-"""MPSO: the swarm with scheduled learning factors (Li et al. 2022, section 5.1, after Chen et al. 2019)."""
+"""MPSO: the swarm with scheduled learning factors (Li et al. 2022, section 5.1)."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""SA-PSO: the swarm that follows a leader drawn by simulated annealing (Li et al. 2022, section 4)."""
+"""SA-PSO: the swarm whose leader is drawn by simulated annealing (Li et al. 2022, section 4)."""
 
 import math
 from collections.abc import Sequence
@@ -86,7 +86,7 @@ def annealed_leader(temperature: Temperature) -> Leader:
 
 
 def selection_probability(fitness: Array, temperature: float) -> Array:
-    """Returns eq. (12): each particle's chance to lead, shape (n,); at temperature 0 the best leads."""
+    """Returns eq. (12): each particle's chance to lead, (n,); at temperature 0 the best leads."""
     if temperature <= 0:
         return (np.arange(fitness.size) == np.argmin(fitness)).astype(np.float64)
     weight = np.exp(-(fitness - fitness.min()) / temperature)

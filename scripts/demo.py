@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from ..assets import CURVES, Suit, curves_path, load_suit, save_suit
 from ..envs.arm_env import ArmEnv
 from ..envs.composition import ASSISTED
@@ -149,7 +151,7 @@ def _picture(folder: RunFolder, seed: int) -> bool:
         assert isinstance(arm, ArmEnv)
         env.reset(seed=seed)
         for _ in range(PICTURE_STEP):
-            env.step(env.action_space.low * 0)
+            env.step(np.zeros(len(ASSISTED)))
         picture = arm.render()
     except RenderingUnavailableError as error:
         console.print(f"no picture of the arm: {error}")

@@ -116,8 +116,8 @@ def main(folder: Path = FOLDER) -> None:
         Suit(
             schema_version=1,
             name="published-2022",
-            description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 rad "
-            "it can meet infinite torque. Abduction and wrist are assumptions.",
+            description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 "
+            "rad it can meet infinite torque. Abduction and wrist are assumptions.",
             joints=published | assumed_joints(PUBLISHED),
         ),
         folder / "suits" / "published-2022.json",

@@ -69,7 +69,7 @@ class RunFolder:
         """Writes a matplotlib figure as `name`.png and `name`.svg."""
         for suffix, options in ((".png", {"dpi": 140}), (".svg", {"metadata": {"Date": None}})):
             with replacing(self.path / (name + suffix)) as scratch:
-                figure.savefig(scratch, format=suffix[1:], **options)
+                figure.savefig(scratch, format=suffix[1:], **options)  # pyright: ignore
 
     def picture(self, name: str, pixels: np.ndarray) -> None:
         """Writes an image (height, width, 3) as `name`.png."""

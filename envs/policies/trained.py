@@ -46,8 +46,8 @@ class TrainedPolicy:
             algorithm = config["algo"]
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise InputError(
-                f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has no "
-                "readable config.json"
+                f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has "
+                "no readable config.json"
             ) from error
         if not (folder / "model.zip").is_file():
             raise InputError(f"{str(folder)!r} has no model.zip: train it first, or with --resume")

@@ -5,6 +5,8 @@ state: saved, restored, copied and batched by MuJoCo itself. `compute` only read
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 """
 
+# pyright: reportCallIssue=false
+
 import math
 from typing import Any
 
@@ -35,13 +37,17 @@ ATTRIBUTES = (
     "start_torque",
     "allow_uncertified",
 )
-UNIT, START_ANGLE, START_TORQUE, ALLOW = 6, 7, 8, 9
+JOINT, FIRST_PARAMETER, UNIT, START_ANGLE, START_TORQUE, ALLOW = 0, 1, 6, 7, 8, 9
 
 # Slots of an instance's state; parameters are in radians.
 QPOS, DOF, TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 0, 1, 2, 3, 4
 MS, A, ALPHA, C, K, STEP_LIMIT = 5, 6, 7, 8, 9, 10
 ANGLE, TORQUE, LOSS, FAULT = 11, 12, 13, 14
 STATE_SIZE = 15
+
+# What can be wrong with a config.
+FINE, NO_JOINT, JOINT_TYPE, PARAMETER, NOT_POSITIVE, ANGLE_UNIT = 0, 1, 2, 3, 4, 5
+START, UNCERTIFIED, SENSOR_NAME = 6, 7, 8
 
 DEGREE = math.pi / 180
 
@@ -114,52 +120,64 @@ def certified(state):
 
 
 @njit(cache=True)
-def configure(m, instance, state, at, loud):
-    """Fills the state from the config; returns False, after a warning if `loud`, where it cannot."""
-    joint_name = config(m, instance, 0, at)
-    joint = name2id(m, at.object_joint, joint_name)
+def configure(m, instance, state, at):
+    """Fills the state from the config; returns a fault code for `complain`, FINE if it could."""
+    fault = find_joint(m, instance, state, at)
+    if fault == FINE:
+        fault = read_parameters(m, instance, state, at)
+    if fault == FINE:
+        fault = read_start(m, instance, state, at)
+    if fault == FINE:
+        allowed = character_at(config(m, instance, ALLOW, at)) == ord("t")
+        fault = FINE if allowed or certified(state) else UNCERTIFIED
+    if fault == FINE:
+        fault = find_sensors(m, instance, state, at)
+    state[LOSS] = stored_energy(state, state[ANGLE], state[TORQUE]) if fault == FINE else 0.0
+    state[FAULT] = 0.0
+    return fault
+
+
+@njit(cache=True)
+def find_joint(m, instance, state, at):
+    """Resolves the name of the joint."""
+    joint = name2id(m, at.object_joint, config(m, instance, JOINT, at))
     if joint < 0:
-        if loud:
-            warn(
-                "activesuit.jiles_atherton: the model has no joint '%s'; check config joint",
-                joint_name,
-            )
-        return False
+        return NO_JOINT
     joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
     if joint_type not in (at.joint_slide, at.joint_hinge):
-        if loud:
-            warn("activesuit.jiles_atherton: joint '%s' is not a hinge or a slide", joint_name)
-        return False
-    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
-    state[QPOS] = qpos
+        return JOINT_TYPE
+    state[QPOS] = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
     state[DOF] = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
+    return FINE
+
+
+@njit(cache=True)
+def read_parameters(m, instance, state, at):
+    """Reads Ms, a, alpha, c, k and turns them into radians."""
     for i in range(5):
-        value, number = parse_double(config(m, instance, 1 + i, at))
+        value, number = parse_double(config(m, instance, FIRST_PARAMETER + i, at))
         if not (number and math.isfinite(value)):
-            if loud:
-                warn(
-                    "activesuit.jiles_atherton: joint '%s' needs a finite number for each of "
-                    "Ms, a, alpha, c, k",
-                    joint_name,
-                )
-            return False
+            return PARAMETER
         state[MS + i] = value
     if not (state[MS] > 0 and state[A] > 0 and state[K] > 0):
-        if loud:
-            warn("activesuit.jiles_atherton: joint '%s' needs Ms, a and k above 0", joint_name)
-        return False
+        return NOT_POSITIVE
     unit = character_at(config(m, instance, UNIT, at))
     if unit == ord("d"):
         state[A] *= DEGREE
         state[ALPHA] *= DEGREE
         state[K] *= DEGREE
     elif unit != ord("r"):
-        if loud:
-            warn("activesuit.jiles_atherton: joint '%s' needs angle_unit rad or deg", joint_name)
-        return False
+        return ANGLE_UNIT
     state[STEP_LIMIT] = kernels.field_step_limit(
         state[MS], state[A], state[ALPHA], state[C], state[K]
     )
+    return FINE
+
+
+@njit(cache=True)
+def read_start(m, instance, state, at):
+    """Puts the memory at the start, by default the joint's reference position and no torque."""
+    qpos = int(state[QPOS])
     state[ANGLE] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
     state[TORQUE] = 0.0
     for slot, key in ((ANGLE, START_ANGLE), (TORQUE, START_TORQUE)):
@@ -167,42 +185,61 @@ def configure(m, instance, state, at, loud):
         if character_at(text) != 0:
             value, number = parse_double(text)
             if not (number and math.isfinite(value)):
-                if loud:
-                    warn(
-                        "activesuit.jiles_atherton: joint '%s' needs finite numbers for "
-                        "start_angle (rad) and start_torque (N m)",
-                        joint_name,
-                    )
-                return False
+                return START
             state[slot] = value
-    if character_at(config(m, instance, ALLOW, at)) != ord("t") and not certified(state):
-        if loud:
-            warn(
-                "activesuit.jiles_atherton: the parameters of joint '%s' have no certificate "
-                "(a motion could meet infinite torque); set allow_uncertified to true to run anyway",
-                joint_name,
-            )
-        return False
-    state[LOSS] = stored_energy(state, state[ANGLE], state[TORQUE])
-    state[FAULT] = 0.0
+    return FINE
+
+
+@njit(cache=True)
+def find_sensors(m, instance, state, at):
+    """Looks up where the sensors of this instance write."""
     state[TORQUE_SENSOR] = state[STIFFNESS_SENSOR] = state[ENERGY_SENSOR] = -1.0
     for i in range(pointer_at(m + at.m_nsensor)):
-        if (
-            int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin
-            and int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
-        ):
+        ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
+        if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
             name = pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), i)
             slot = sensor_slot(name)
             if slot < 0:
-                if loud:
-                    warn(
-                        "activesuit.jiles_atherton: the name of sensor '%s' must end in torque, "
-                        "stiffness or energy, which is what it measures",
-                        name,
-                    )
-                return False
+                return SENSOR_NAME
             state[slot] = int32_at(pointer_at(m + at.m_sensor_adr), i)
-    return True
+    return FINE
+
+
+@njit(cache=True)
+def complain(fault, joint):
+    """Issues the sentence of a fault code as a MuJoCo warning; `joint` is a C string."""
+    if fault == NO_JOINT:
+        warn("activesuit.jiles_atherton: the model has no joint '%s'; check config joint", joint)
+    elif fault == JOINT_TYPE:
+        warn("activesuit.jiles_atherton: joint '%s' is not a hinge or a slide", joint)
+    elif fault == PARAMETER:
+        warn(
+            "activesuit.jiles_atherton: joint '%s' needs a finite number for each of "
+            "Ms, a, alpha, c, k",
+            joint,
+        )
+    elif fault == NOT_POSITIVE:
+        warn("activesuit.jiles_atherton: joint '%s' needs Ms, a and k above 0", joint)
+    elif fault == ANGLE_UNIT:
+        warn("activesuit.jiles_atherton: joint '%s' needs angle_unit rad or deg", joint)
+    elif fault == START:
+        warn(
+            "activesuit.jiles_atherton: joint '%s' needs finite numbers for start_angle (rad) "
+            "and start_torque (N m)",
+            joint,
+        )
+    elif fault == UNCERTIFIED:
+        warn(
+            "activesuit.jiles_atherton: the parameters of joint '%s' have no certificate (a "
+            "motion could meet infinite torque); set allow_uncertified to true to run anyway",
+            joint,
+        )
+    elif fault == SENSOR_NAME:
+        warn(
+            "activesuit.jiles_atherton: the name of each sensor of joint '%s' must end in "
+            "torque, stiffness or energy, which is what it measures",
+            joint,
+        )
 
 
 @njit(cache=True)
@@ -273,7 +310,7 @@ def commit(m, d, instance, at):
         warn(
             "activesuit.jiles_atherton: the torque of joint '%s' met its pole; it is held at its "
             "last valid value, and the fault flag is set",
-            config(m, instance, 0, at),
+            config(m, instance, JOINT, at),
         )
         return
     state[ANGLE], state[TORQUE] = angle, torque
@@ -293,11 +330,15 @@ def build(at: Layout) -> dict[str, Any]:
 
     @cfunc(types.int32(types.intp, types.intp, types.int32), cache=True)
     def init(m, d, instance):
-        return 0 if configure(m, instance, state_of(m, d, instance, at), at, True) else -1
+        fault = configure(m, instance, state_of(m, d, instance, at), at)
+        if fault == FINE:
+            return 0
+        complain(fault, config(m, instance, JOINT, at))
+        return -1
 
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
     def reset(m, plugin_state, plugin_data, instance):
-        configure(m, instance, doubles(plugin_state, STATE_SIZE), at, False)
+        configure(m, instance, doubles(plugin_state, STATE_SIZE), at)
 
     @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
     def compute(m, d, instance, capability):

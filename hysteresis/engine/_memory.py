@@ -3,8 +3,9 @@
 C functions are bound by name, not by address, so that compiled callbacks can be cached on disk.
 """
 
+# pyright: reportCallIssue=false, reportPrivateImportUsage=false
+
 import ctypes
-import ctypes.util
 import sys
 from pathlib import Path
 
@@ -30,7 +31,7 @@ def mujoco_library() -> ctypes.CDLL:
     for path in sorted(folder.glob(pattern)):
         return ctypes.CDLL(str(path))
     raise RuntimeError(
-        f"no {pattern} beside the mujoco package in {str(folder)!r}: reinstall mujoco from its wheel"
+        f"no {pattern} beside the mujoco package in {str(folder)!r}: reinstall mujoco"
     )
 
 

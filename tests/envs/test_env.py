@@ -1,0 +1,288 @@
+"""The Gymnasium environments: conformance, reproducibility, state, honest observations."""
+
+import copy
+import json
+import math
+import multiprocessing
+import pickle
+
+import activesuit
+import gymnasium
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, load_suit
+from activesuit.envs import ArmEnv, ArmTrackingEnv, ElbowFlexionEnv
+from activesuit.envs.composition import ASSISTED, joint_models
+from activesuit.errors import InputError
+from activesuit.hysteresis import UncertifiedModelError
+from gymnasium.utils.env_checker import check_env
+
+IDS = [f"ActiveSuit/{task}-v0" for task in activesuit.TASKS]
+
+
+def make(env_id=IDS[2], **options) -> ArmEnv:
+    env = gymnasium.make(env_id, **options).unwrapped
+    assert isinstance(env, ArmEnv)
+    return env
+
+
+def play(env, steps, seed=None):
+    rng = np.random.default_rng(5)
+    results = []
+    if seed is not None:
+        results.append(env.reset(seed=seed)[0])
+    for _ in range(steps):
+        observation, reward, *_ = env.step(rng.uniform(-1, 1, 2).astype(np.float32))
+        results.append(np.append(observation, reward))
+    return results
+
+
+def assert_same(first, second):
+    for a, b in zip(first, second, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("observe", ["sensors", "oracle"])
+@pytest.mark.parametrize("env_id", IDS)
+def test_gymnasium_checker(env_id, observe):
+    check_env(gymnasium.make(env_id, observe=observe).unwrapped, skip_render_check=True)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("env_id", IDS)
+def test_stable_baselines3_checker(env_id):
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    checker.check_env(gymnasium.make(env_id).unwrapped, warn=True, skip_render_check=True)
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_an_episode_lasts_ten_seconds(env_id):
+    env = gymnasium.make(env_id)
+    env.reset(seed=0)
+    for step in range(1, 1001):
+        observation, _, terminated, truncated, info = env.step(np.zeros(2, np.float32))
+        assert not terminated
+        assert observation in env.observation_space
+        assert truncated == (step == 1000)
+    assert info["time"] == pytest.approx(10.0)
+
+
+def test_same_seed_same_everything():
+    env = make()
+    first = play(env, 100, seed=3)
+    assert_same(first, play(env, 100, seed=3))  # after a dirty episode
+    assert_same(first, play(make(), 100, seed=3))  # another instance
+    different = play(env, 100, seed=4)
+    assert not np.array_equal(first[0], different[0])
+    env.reset(seed=3)
+    second_episode = env.reset()[0]
+    assert not np.array_equal(second_episode, first[0])
+
+
+def test_branching_from_a_saved_state():
+    env = make()
+    play(env, 60, seed=1)
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    first = play(env, 80)
+    env.reset(seed=9)
+    env.set_state(state)
+    assert_same(first, play(env, 80))
+    other = make()
+    other.reset(seed=2)
+    other.set_state(state)
+    assert_same(first, play(other, 80))
+    after, again = env.reset()[0], other.reset()[0]
+    np.testing.assert_array_equal(after, again)
+
+
+def test_state_of_another_model_is_refused(tmp_path):
+    env = make()
+    env.reset(seed=0)
+    state = env.get_state()
+    state["physics"] = state["physics"][:-1]
+    with pytest.raises(InputError, match="another model"):
+        env.set_state(state)
+
+
+def test_deepcopy_and_pickle_continue_alike():
+    env = make()
+    play(env, 30, seed=1)
+    copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    first = play(env, 50)
+    for other in copies:
+        assert_same(first, play(other, 50))
+
+
+def test_observation_is_fresh_and_means_what_the_layout_says():
+    env = make(observe="oracle")
+    env.reset(seed=0)
+    for _ in range(50):
+        observation, *_, info = env.step(np.array([0.3, -0.2], np.float32))
+    layout = env.layout
+    np.testing.assert_allclose(observation[layout["angle"]], env.data.qpos, rtol=1e-6)
+    np.testing.assert_allclose(observation[layout["rate"]], env.data.qvel, rtol=1e-6)
+    np.testing.assert_allclose(
+        observation[layout["motor_torque"]] * env.peak_torque, info["assist_torque"], rtol=1e-5
+    )
+    np.testing.assert_allclose(observation[layout["previous_action"]], [0.3, -0.2], rtol=1e-6)
+    np.testing.assert_allclose(observation[layout["suit_torque"]], info["suit_torque"], rtol=1e-5)
+    ahead = env.reference.angle[[52, 60, 75]][:, [1, 2]]
+    np.testing.assert_allclose(observation[layout["target"]].reshape(3, 2), ahead, rtol=1e-6)
+    hand = env.data.site("hand_grip").xpos.copy()
+    suit = info["suit_torque"]
+    mujoco.mj_forward(env.model, env.data)  # a stale state would move now
+    np.testing.assert_array_equal(env.data.site("hand_grip").xpos, hand)
+    np.testing.assert_allclose(env._suit_torque(), suit, atol=1e-12)
+
+
+def test_no_element_of_the_observation_is_constant():
+    env = make()
+    seen = []
+    for seed in range(3):
+        seen += [result[:-1] for result in play(env, 100, seed=seed)[1:]]
+    assert (np.ptp(np.array(seen), axis=0) > 1e-4).all()
+
+
+def test_suit_torque_is_the_models_response_to_the_motion():
+    env = make()
+    env.reset(seed=0)
+    angles, torques = [], []
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        info = env.step(rng.uniform(-0.3, 0.3, 2))[-1]
+        angles.append(info["angle"])
+        torques.append(info["suit_torque"])
+    suit = load_suit("mock-suit")
+    for joint, model in joint_models(suit).items():
+        column = JOINTS.index(joint)
+        start = suit.joints[joint].start_angle
+        series = np.concatenate([[start], np.array(angles)[:, column]])
+        expected = -model.response(series)[1:]
+        # The physics sees five positions per sample, so reversals differ a little.
+        np.testing.assert_allclose(np.array(torques)[:, column], expected, atol=0.02)
+
+
+def test_begins_at_rest_on_the_ascending_branch():
+    env = make()
+    for seed in range(5):
+        info = env.reset(seed=seed)[1]
+        before = info["angle"]
+        for _ in range(5):
+            info = env.step(np.zeros(2, np.float32))[-1]
+        assert np.abs(info["angle"] - before).max() < 0.01
+
+
+def test_reward_is_the_sum_of_its_terms_and_energy_adds_up():
+    env = make()
+    env.reset(seed=0)
+    assist, last = 0.0, 0.0
+    for _ in range(100):
+        _, reward, *_, info = env.step(np.array([0.5, 0.2], np.float32))
+        assert reward == pytest.approx(sum(info["reward_terms"].values()))
+        rates = env.data.qvel[[1, 2]]
+        assist += np.abs(info["assist_torque"] * rates).sum() * 0.01
+        assert info["dissipated_energy"] >= last - 1e-9
+        last = info["dissipated_energy"]
+    assert info["assist_energy"] == pytest.approx(assist)
+    assert last > 0.01
+
+
+def test_actions_are_checked():
+    env = make()
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=r"action has shape \(3,\): give \(2,\)"):
+        env.step(np.zeros(3))
+    with pytest.raises(InputError, match=r"action is \[nan, 0.0\]: give finite numbers"):
+        env.step(np.array([np.nan, 0.0]))
+    info = env.step(np.array([5.0, -0.5]))[-1]
+    assert info["clipped_actions"] == 1
+    info = env.step(np.array([1.0, -1.0]))[-1]
+    assert info["clipped_actions"] == 1
+    np.testing.assert_allclose(env._previous_action, [1, -1])
+    # The first command was clipped to 1: the motors never exceed their peak.
+    for _ in range(50):
+        info = env.step(np.array([9.0, 9.0]))[-1]
+    np.testing.assert_allclose(info["assist_torque"], env.peak_torque, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"gravity": "pluto"}, "unknown gravity 'pluto': use one of earth"),
+        ({"suit": "none"}, "unknown suit 'none'"),
+        ({"observe": "all"}, "observe is 'all'"),
+        ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
+        ({"sim_dt": 0.5}, "sim_dt is 0.5: use a step"),
+        ({"control_dt": 0.003}, "control_dt must be a multiple"),
+        ({"width": 0}, "picture size is 0 x 480"),
+    ],
+)
+def test_bad_options(options, message):
+    with pytest.raises(InputError, match=message):
+        ElbowFlexionEnv(**options)
+
+
+def test_bad_reset_and_render():
+    env = ElbowFlexionEnv()
+    with pytest.raises(InputError, match=r"options \['speed'\]"):
+        env.reset(seed=0, options={"speed": 2})
+    env.reset(seed=0, options={})
+    with pytest.raises(InputError, match="render_mode is None"):
+        env.render()
+
+
+def test_uncertified_suit_needs_consent():
+    with pytest.raises(UncertifiedModelError, match=r"shoulder_flexion.*margin -0"):
+        ArmTrackingEnv(suit="published-2022")
+    env = ArmTrackingEnv(suit="published-2022", allow_uncertified=True)
+    env.reset(seed=0)
+    env.step(np.zeros(2))
+
+
+def test_failure_ends_the_episode():
+    env = make()
+    env.reset(seed=0)
+    env.data.qpos[1] += 1.5
+    mujoco.mj_forward(env.model, env.data)
+    assert env.step(np.zeros(2))[2]
+
+
+def test_spec_is_plain_data():
+    env = gymnasium.make(IDS[1], suit="mock-suit", gravity="moon")
+    spec = gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json())
+    again = gymnasium.make(spec)
+    assert again.unwrapped.model.opt.gravity[2] == pytest.approx(-1.62)
+    assert json.loads(env.spec.to_json())["kwargs"] == {"suit": "mock-suit", "gravity": "moon"}
+
+
+def test_import_registers_only_once():
+    import importlib
+
+    importlib.reload(activesuit)
+    assert set(IDS) <= set(gymnasium.registry)
+
+
+def first_observation(env_id):
+    return gymnasium.make(env_id).reset(seed=0)[0].tolist()
+
+
+def test_module_prefixed_id_works_in_spawned_workers():
+    env_id = f"activesuit:{IDS[1]}"
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(first_observation, (env_id,)) == first_observation(env_id)
+
+
+@pytest.mark.parametrize("gravity", ["earth", "mars", "moon", "microgravity"])
+def test_control_rate_and_gravity_options(gravity):
+    env = make(gravity=gravity, control_dt=0.02, sim_dt=0.001)
+    assert env.substeps == 20
+    assert env.metadata["render_fps"] == 50
+    env.reset(seed=0)
+    for _ in range(100):
+        _, _, terminated, _, info = env.step(np.zeros(2))
+    assert not terminated
+    assert info["time"] == pytest.approx(2.0)
+    assert math.isfinite(info["human_energy"])
+    assert len(info["assist_torque"]) == len(ASSISTED)

@@ -1,0 +1,130 @@
+"""Policies in closed loop, and their evaluation."""
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.assets import CURVES, Suit, curves_path, load_suit, save_suit
+from activesuit.envs.composition import ASSISTED
+from activesuit.envs.evaluation import evaluate, run_episode, score
+from activesuit.envs.policies import POLICIES, make_policy
+from activesuit.errors import InputError
+from activesuit.identification import identify, load_curves
+from activesuit.scripts.suit_export import fitted_joint
+
+MOVING = {"ShoulderFlexion": "shoulder_flexion", "ElbowFlexion": "elbow_flexion"}
+
+
+@pytest.fixture(scope="module")
+def identified(tmp_path_factory):
+    """A suit file with certified fits of the shipped curves: what a user's controller believes."""
+    joints = {}
+    for name, joint in CURVES.items():
+        curves = load_curves(curves_path(name))
+        joints[joint] = fitted_joint(identify(curves, seed=1), curves, curves_path(name))
+    path = tmp_path_factory.mktemp("suit") / "identified.json"
+    save_suit(Suit(schema_version=1, name="fit", description="", joints=joints), path)
+    return path
+
+
+@pytest.mark.parametrize("gravity", ["earth", "microgravity"])
+@pytest.mark.parametrize("task", MOVING)
+def test_feedforward_reaches_60_percent_of_the_oracle(task, gravity, identified):
+    scores = evaluate(
+        f"ActiveSuit/{task}-v0",
+        ("none", "feedforward", "oracle"),
+        episodes=3,
+        gravity=gravity,
+        believed_suit=str(identified),
+    )
+    none, feedforward, oracle = scores
+    joint = MOVING[task]
+    assert none.reduction[joint] == 0
+    assert oracle.reduction[joint] > 0.05
+    assert feedforward.reduction[joint] >= 0.6 * oracle.reduction[joint]
+    assert all(s.failures == 0 for s in scores)
+
+
+def test_gravity_compensation_carries_the_weight():
+    _, gravity = evaluate("ActiveSuit/ArmTracking-v0", ("none", "gravity"), episodes=2)
+    for joint in ASSISTED:
+        assert gravity.reduction[joint] > 0.6
+    options = {"episodes": 1, "gravity": "microgravity"}
+    (weightless,) = evaluate("ActiveSuit/ArmTracking-v0", ("gravity",), **options)
+    assert weightless.assist_energy == 0
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_policies_repeat_after_a_reset(name):
+    env = gymnasium.make("ActiveSuit/ArmTracking-v0", max_episode_steps=200)
+    policy = make_policy(name, env.unwrapped)
+    first, again = (run_episode(env, policy, seed=4) for _ in range(2))
+    np.testing.assert_array_equal(first.human_torque, again.human_torque)
+    assert first.time[-1] == pytest.approx(2.0)
+
+
+def test_a_wrong_belief_helps_less(tmp_path):
+    suit = load_suit("mock-suit")
+    content = suit.model_dump()
+    for joint in ASSISTED:
+        content["joints"][joint]["parameters"]["Ms"] *= 0.3
+        content["joints"][joint]["parameters"]["alpha"] /= 0.3
+    save_suit(Suit.model_validate(content), tmp_path / "weak.json")
+    options = {"episodes": 1, "gravity": "microgravity"}
+    policies = ("none", "feedforward")
+    right = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options)[1]
+    wrong = evaluate(
+        "ActiveSuit/ElbowFlexion-v0", policies, believed_suit=str(tmp_path / "weak.json"), **options
+    )[1]
+    assert 0.1 < wrong.reduction["elbow_flexion"] < right.reduction["elbow_flexion"] - 0.2
+
+
+def test_scores_are_what_they_say():
+    env = gymnasium.make("ActiveSuit/ArmTracking-v0", max_episode_steps=300)
+    trace = run_episode(env, make_policy("none", env.unwrapped), seed=0)
+    result = score("none", [trace, trace])
+    late = trace.time > 0.5
+    for column, joint in ((1, "shoulder_flexion"), (2, "elbow_flexion")):
+        human = trace.human_torque[late, column]
+        assert result.human_rms[joint] == pytest.approx(np.sqrt(np.mean(human**2)))
+        assert result.human_peak[joint] == pytest.approx(np.abs(human).max())
+        error = (trace.angle - trace.target_angle)[late, column]
+        assert result.tracking_rmse[joint] == pytest.approx(np.sqrt(np.mean(error**2)))
+    assert result.mean_return == pytest.approx(trace.rewards.sum())
+    assert result.reduction is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "message"),
+    [
+        (("ActiveSuit/Knee-v0", ["none"]), {}, "unknown environment 'ActiveSuit/Knee-v0'"),
+        (("CartPole-v1", ["none"]), {}, "unknown environment 'CartPole-v1'"),
+        (("ActiveSuit/ElbowFlexion-v0", ["nune"]), {}, "unknown policy 'nune'.*'none'"),
+        (("ActiveSuit/ElbowFlexion-v0", ["none"]), {"episodes": 0}, "episodes is 0"),
+        (("ActiveSuit/ElbowFlexion-v0", []), {}, "no policy given"),
+    ],
+)
+def test_bad_input(arguments, options, message):
+    with pytest.raises(InputError, match=message):
+        evaluate(*arguments, **options)
+
+
+def test_feedforward_needs_a_model_of_each_motor_joint(tmp_path):
+    suit = load_suit("mock-suit")
+    content = suit.model_dump()
+    del content["joints"]["elbow_flexion"]
+    save_suit(Suit.model_validate(content), tmp_path / "half.json")
+    with pytest.raises(InputError, match="no model of 'elbow_flexion'"):
+        evaluate(
+            "ActiveSuit/ElbowFlexion-v0",
+            ("feedforward",),
+            believed_suit=str(tmp_path / "half.json"),
+        )
+
+
+def test_folder_that_is_no_training_run(tmp_path):
+    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped
+    with pytest.raises(InputError, match=r"has no readable config\.json"):
+        make_policy(str(tmp_path), env)
+    (tmp_path / "config.json").write_text('{"algo": "ppo"}')
+    with pytest.raises(InputError, match=r"has no model\.zip"):
+        make_policy(str(tmp_path), env)

@@ -1,0 +1,274 @@
+"""The engine plugin: the model's torque, in every integrator, in every way of saving the state."""
+
+import copy
+import math
+import multiprocessing
+import pickle
+import subprocess
+import sys
+import threading
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import UncertifiedModelError
+from activesuit.hysteresis.engine import PLUGIN_NAME, attach, fault_slots, register
+from mujoco import rollout
+from mujoco.batch import Batch
+
+CHAIN = """<mujoco><option timestep="0.002"/><worldbody>
+  <body pos="0 0 1"><joint name="one" axis="0 1 0" damping="1" range="-90 90"/>
+    <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".05" mass="2"/>
+    <body pos="0 0 -.3"><joint name="two" axis="0 1 0" damping=".5" range="-90 90"/>
+      <geom type="capsule" fromto="0 0 0 0 0 -.3" size=".04" mass="1"/></body></body>
+  <body><joint name="ball" type="ball"/><geom size=".1"/></body>
+  </worldbody>
+  <actuator><motor joint="one" gear="30"/><motor joint="two" gear="15"/></actuator></mujoco>"""
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+def chain(model, integrator="implicitfast", **options):
+    spec = mujoco.MjSpec.from_string(CHAIN)
+    spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    for joint in ("one", "two"):
+        attach(spec, joint, model, **options)
+    return spec.compile()
+
+
+def controls(steps=400, seed=0):
+    rng = np.random.default_rng(seed)
+    return np.repeat(rng.uniform(-1, 1, (steps // 20, 2)), 20, axis=0)
+
+
+@pytest.mark.parametrize("integrator", ["implicitfast", "Euler", "RK4"])
+def test_torque_along_a_motion_is_the_response(elbow, integrator):
+    model = chain(elbow, integrator)
+    data = mujoco.MjData(model)
+    positions, torques, energies = [data.qpos[:2].copy()], [], []
+    for i, ctrl in enumerate(controls()):
+        data.ctrl[:] = ctrl
+        mujoco.mj_step(model, data)
+        for _ in range(i % 3):
+            mujoco.mj_forward(model, data)  # evaluating more often must change nothing
+        mujoco.mj_forward(model, data)
+        positions.append(data.qpos[:2].copy())
+        torques.append([data.sensor(f"{j}_suit_torque").data[0] for j in ("one", "two")])
+        energies.append(
+            [data.sensor(f"{j}_suit_dissipated_energy").data[0] for j in ("one", "two")]
+        )
+        np.testing.assert_allclose(
+            data.qfrc_passive[:2] + model.dof_damping[:2] * data.qvel[:2], torques[-1], atol=1e-12
+        )
+    for column in range(2):
+        expected = elbow.response(np.array(positions)[:, column])[1:]
+        np.testing.assert_allclose(-np.array(torques)[:, column], expected, atol=1e-9)
+    assert np.diff(energies, axis=0).min() > -1e-8
+    assert np.ptp(positions, axis=0).min() > 0.3
+    assert not data.plugin_state[fault_slots(model)].any()
+
+
+def test_stiffness_sensor_is_the_tangent(elbow):
+    model = chain(elbow)
+    data = mujoco.MjData(model)
+    for ctrl in controls(60):
+        data.ctrl[:] = ctrl
+        mujoco.mj_step(model, data)
+    mujoco.mj_forward(model, data)
+    state = elbow.start(data.qpos[1], -data.sensor("two_suit_torque").data[0])
+    expected = elbow.tangent(state, data.qvel[1])
+    assert data.sensor("two_suit_stiffness").data[0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("integrator", ["implicitfast", "Euler", "RK4"])
+def test_every_way_of_resuming_is_bit_identical(elbow, integrator):
+    model = chain(elbow, integrator)
+    data = mujoco.MjData(model)
+    ctrl = controls()
+    start = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(model, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    saved = np.empty(mujoco.mj_stateSize(model, STATE))
+    copies = {}
+    for i, u in enumerate(ctrl):
+        if i == 200:
+            mujoco.mj_getState(model, data, saved, STATE)
+            copies["deepcopy"] = copy.deepcopy(data)
+            copies["pickle"] = pickle.loads(pickle.dumps(data))
+        data.ctrl[:] = u
+        mujoco.mj_step(model, data)
+    copies["setState"] = mujoco.MjData(model)
+    mujoco.mj_setState(model, copies["setState"], saved, STATE)
+    for other in copies.values():
+        for u in ctrl[200:]:
+            other.ctrl[:] = u
+            mujoco.mj_step(model, other)
+        np.testing.assert_array_equal(other.qpos, data.qpos)
+        np.testing.assert_array_equal(other.plugin_state, data.plugin_state)
+    batch = Batch(model, nsim=3, nthread=2)
+    batch.reset()
+    bound = batch.bind("ctrl")
+    for u in ctrl:
+        bound[:] = u
+        batch.step()
+    assert (batch.bind("qpos") == data.qpos).all()
+    assert (batch.bind("plugin_state").reshape(3, -1) == data.plugin_state).all()
+    states, _ = rollout.rollout(model, mujoco.MjData(model), start[None], ctrl[None])
+    np.testing.assert_array_equal(states[0, -1, 1 : 1 + model.nq], data.qpos)
+
+
+def test_memory_begins_at_the_start_angle(elbow):
+    model = chain(elbow, start_angle=0.3, start_torque=0.5)
+    data = mujoco.MjData(model)
+    data.qpos[:2] = [1.1, 0.3]
+    mujoco.mj_forward(model, data)
+    expected = elbow.response([0.3, 1.1], initial_torque=0.5)[-1]
+    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
+    assert data.sensor("two_suit_torque").data[0] == pytest.approx(-0.5)
+    assert data.sensor("two_suit_dissipated_energy").data[0] == pytest.approx(0.0, abs=1e-12)
+    mujoco.mj_step(model, data)
+    mujoco.mj_resetData(model, data)
+    assert (data.plugin_state == mujoco.MjData(model).plugin_state).all()
+
+
+def test_a_slide_joint_works(elbow):
+    spec = mujoco.MjSpec.from_string(
+        '<mujoco><worldbody><body><joint name="s" type="slide"/><geom size=".1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    attach(spec, "s", elbow)
+    data = mujoco.MjData(spec.compile())
+    data.qpos[0] = 0.4
+    mujoco.mj_forward(data.model, data)
+    assert data.qfrc_passive[0] == pytest.approx(-elbow.response([0.0, 0.4])[-1], abs=1e-12)
+
+
+def test_pole_holds_the_torque_and_raises_the_flag(shoulder):
+    spec = mujoco.MjSpec.from_string(CHAIN)
+    attach(spec, "one", shoulder, allow_uncertified=True)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    model.opt.gravity[:] = 0
+    for angle in np.radians([45, 90, 60, 0]):
+        data.qpos[0], data.qvel[:] = angle, 0
+        mujoco.mj_step(model, data)
+    assert data.plugin_state[fault_slots(model)].tolist() == [1.0]
+    mujoco.mj_forward(model, data)
+    held = shoulder.response([0, math.pi / 4, math.pi / 2])[-1]
+    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-held, rel=0.01)
+    mujoco.mj_resetData(model, data)
+    assert not data.plugin_state[fault_slots(model)].any()
+
+
+def test_attach_refuses(elbow, shoulder):
+    spec = mujoco.MjSpec.from_string(CHAIN)
+    with pytest.raises(InputError, match=r"unknown joint 'twoo'.*did you mean 'two'"):
+        attach(spec, "twoo", elbow)
+    with pytest.raises(InputError, match=r"ball.*use a hinge or a slide"):
+        attach(spec, "ball", elbow)
+    with pytest.raises(UncertifiedModelError, match=r"margin -0\.245.*allow_uncertified"):
+        attach(spec, "one", shoulder)
+    with pytest.raises(UncertifiedModelError, match="start of joint 'one' at 3 rad"):
+        attach(spec, "one", elbow, start_angle=3.0)
+    with pytest.raises(InputError, match="finite"):
+        attach(spec, "one", elbow, start_torque=math.nan)
+    attach(spec, "one", elbow)
+    with pytest.raises(InputError, match="has a hysteresis model already"):
+        attach(spec, "one", elbow)
+
+
+GOOD = {
+    "joint": "one",
+    "Ms": 11.4,
+    "a": 129,
+    "alpha": -0.05,
+    "c": 6.4,
+    "k": 23,
+    "angle_unit": "deg",
+}
+
+
+def plain_mjcf(config, sensor="elbow_torque"):
+    keys = "".join(f'<config key="{k}" value="{v}"/>' for k, v in config.items())
+    extension = (
+        f'<extension><plugin plugin="{PLUGIN_NAME}"><instance name="i">{keys}</instance>'
+        "</plugin></extension>"
+    )
+    sensors = f'<sensor><plugin name="{sensor}" instance="i"/></sensor>'
+    return CHAIN.replace("<mujoco>", "<mujoco>" + extension).replace(
+        "</mujoco>", sensors + "</mujoco>"
+    )
+
+
+def test_plain_mjcf_works_and_survives_saving(elbow):
+    model = mujoco.MjModel.from_xml_string(plain_mjcf(GOOD))
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.5
+    mujoco.mj_forward(model, data)
+    assert data.sensor("elbow_torque").data[0] < -1
+    spec = mujoco.MjSpec.from_string(CHAIN)
+    attach(spec, "one", elbow, start_angle=0.1)
+    again = mujoco.MjModel.from_xml_string(spec.to_xml())
+    np.testing.assert_array_equal(
+        mujoco.MjData(again).plugin_state, mujoco.MjData(spec.compile()).plugin_state
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "sensor", "message"),
+    [
+        ({"joint": "nope"}, "a_torque", "no joint 'nope'"),
+        ({"joint": "ball"}, "a_torque", "'ball' is not a hinge or a slide"),
+        ({"Ms": "many"}, "a_torque", "finite number for each of Ms"),
+        ({"k": "1e999"}, "a_torque", "finite number for each of Ms"),
+        ({"a": "-3"}, "a_torque", "needs Ms, a and k above 0"),
+        ({"angle_unit": "turn"}, "a_torque", "angle_unit rad or deg"),
+        ({"alpha": "5"}, "a_torque", "no certificate"),
+        ({"start_angle": "1 rad"}, "a_torque", "finite numbers for start_angle"),
+        ({"colour": "red"}, "a_torque", "unrecognized attribute 'plugin:colour'"),
+        ({}, "elbow", "must end in torque, stiffness or energy"),
+    ],
+)
+def test_bad_mjcf_is_one_sentence(change, sensor, message):
+    with pytest.raises(ValueError, match=message):
+        mujoco.MjModel.from_xml_string(plain_mjcf({**GOOD, **change}, sensor))
+
+
+def test_registration_is_idempotent_and_thread_safe():
+    slots = []
+    threads = [threading.Thread(target=lambda: slots.append(register())) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(set(slots)) == 1
+    assert slots[0] >= 0
+
+
+def worker(xml):
+    import activesuit.hysteresis.engine
+
+    assert activesuit.hysteresis.engine.register() >= 0
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 100)
+    return data.qpos.tolist()
+
+
+WORKER = """
+import sys, mujoco, activesuit.hysteresis.engine
+model = mujoco.MjModel.from_xml_string(sys.stdin.read())
+data = mujoco.MjData(model)
+mujoco.mj_step(model, data, 100)
+print(data.qpos.tolist())
+"""
+
+
+def test_forked_and_fresh_processes_agree():
+    xml = plain_mjcf(GOOD)
+    here = worker(xml)
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert pool.apply(worker, (xml,)) == here
+    fresh = subprocess.run(
+        [sys.executable, "-c", WORKER], input=xml, capture_output=True, text=True, check=True
+    )
+    assert fresh.stdout.strip() == str(here)

@@ -1,0 +1,83 @@
+import math
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import Curve, load_curves, save_curves
+
+HEADER = "curve,angle_rad,torque_nm\n"
+
+
+def write(folder, text):
+    path = folder / "curves.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_round_trip(tmp_path, small_family):
+    path = tmp_path / "family.csv"
+    save_curves(path, small_family, comments=["made by a test"])
+    assert path.read_text().startswith("# made by a test\n")
+    for before, after in zip(small_family, load_curves(path), strict=True):
+        assert (before.name, before.role) == (after.name, after.role)
+        np.testing.assert_allclose(after.angle, before.angle, atol=1e-6)
+        np.testing.assert_allclose(after.torque, before.torque, atol=1e-6)
+
+
+def test_degrees_order_and_interleaved_curves(tmp_path):
+    text = "curve,torque_nm,angle_deg\nA,1,10\nB,5,0\n\n# a remark\nA,2,20\nB,6,90\nA,3,15\n"
+    first, second = load_curves(write(tmp_path, text))
+    np.testing.assert_allclose(first.angle, np.radians([10, 20, 15]))
+    np.testing.assert_array_equal(first.torque, [1, 2, 3])
+    assert second.angle[1] == pytest.approx(math.pi / 2)
+    assert first.role == "fit"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "is empty"),
+        (HEADER, "header but no samples"),
+        ("curve,angle,torque_nm\nA,0,0\n", "no column 'angle_rad'"),
+        ("angle_rad,torque_nm\n0,0\n", "no column 'curve'"),
+        (HEADER + "A,0,0\nA,nan,1\n", "line 3: angle_rad is 'nan': give a finite number"),
+        (HEADER + "A,0,0\nA,1,heavy\n", "line 3: torque_nm is 'heavy'"),
+        (HEADER + "A,0,0\nA,1,\n", "line 3: torque_nm is ''"),
+        (HEADER + "A,0,0\n", "curve 'A' has 1 sample: a curve needs at least 2"),
+        (HEADER + "A,0,0\nA,90,5\n", "angle_rad is 90, more than a full turn.*angle_deg"),
+        (HEADER + "A,0,0\nA,1\n", "line 3: 2 cells where the header has 3"),
+        (HEADER + ",0,0\n,1,1\n", "line 2: the cell 'curve' is empty"),
+        (HEADER + "A,0.5,0\nA,0.5,1\n", "stays at the angle 0.5 rad"),
+        ("curve,role,angle_rad,torque_nm\nA,fit,0,0\nA,predict,1,1\n", "changes its role"),
+        ("curve,role,angle_rad,torque_nm\nA,test,0,0\nA,test,1,1\n", "role 'test'"),
+        (HEADER + 'A,"0,0\n', "not a CSV file"),
+    ],
+)
+def test_bad_files(tmp_path, text, message):
+    with pytest.raises(InputError, match=message) as error:
+        load_curves(write(tmp_path, text))
+    assert "curves.csv" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_and_binary_files(tmp_path):
+    with pytest.raises(InputError, match="No such file"):
+        load_curves(tmp_path / "none.csv")
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x81")
+    with pytest.raises(InputError, match="not a UTF-8 text file"):
+        load_curves(tmp_path / "binary.csv")
+    with pytest.raises(InputError, match="cannot read"):
+        load_curves(tmp_path)
+
+
+def test_bad_arrays():
+    with pytest.raises(InputError, match="equal length"):
+        Curve(np.zeros(3), np.zeros(2), "A")
+    with pytest.raises(InputError, match="not finite"):
+        Curve(np.array([0.0, 1.0]), np.array([0.0, np.inf]), "A")
+
+
+def test_saving_fails_without_leftovers(tmp_path, small_family):
+    with pytest.raises(InputError, match="cannot write"):
+        save_curves(tmp_path / "no" / "where.csv", small_family)
+    assert list(tmp_path.iterdir()) == []
