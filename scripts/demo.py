@@ -54,7 +54,7 @@ def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, see
     save_suit(_identified_suit(curves, fits), suit_path)
     scores, traces = _simulate(suit_path, episodes, seed)
     for gravity in GRAVITIES:
-        table(_caption(gravity), *score_table(scores[gravity]))
+        table(f"Human torque: {ENV}, {gravity}", *score_table(scores[gravity]))
         for policy, trace in traces[gravity].items():
             write_trace(folder, f"trace-{gravity}-{policy}.csv", trace)
         folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
@@ -163,10 +163,6 @@ def _picture(folder: RunFolder, seed: int) -> bool:
     return True
 
 
-def _caption(gravity: str) -> str:
-    return f"{ENV}, {gravity}, {PLANT}; feed-forward believes the certified fit"
-
-
 def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], pictured: bool) -> str:
     parts = ["# From measured loops to a compensated arm motion"]
     if pictured:
@@ -179,7 +175,12 @@ def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], picture
         "![Convergence](convergence.png)",
     ]
     for gravity, rows in scores.items():
-        parts += [f"## {_caption(gravity)}", markdown_table(*score_table(rows)), _relief(rows)]
+        parts += [
+            f"## Human torque: {ENV}, {gravity}",
+            f"The simulated suit is {PLANT}; feed-forward believes the certified fit above.",
+            markdown_table(*score_table(rows)),
+            _relief(rows),
+        ]
         for name in ("trajectory", "torques", "motion-loops"):
             parts.append(f"![{name}]({name}-{gravity}.png)")
     return "\n\n".join(parts) + "\n"

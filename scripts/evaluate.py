@@ -48,7 +48,7 @@ def evaluate(
     if json:
         print(to_json(result))
     else:
-        table(f"{env}, {gravity}, suit {suit}, {episodes} episodes", *score_table(scores))
+        table(f"Human torque: {env}, {gravity}, {suit}, {episodes} episodes", *score_table(scores))
         if folder:
             console.print(f"wrote {folder.path}/result.json")
 

@@ -57,7 +57,7 @@ def simulate(
     if json:
         print(to_json(result.to_dict()))
         return
-    table(f"{env}, {gravity}, suit {suit}, seed {seed}", *score_table([result]))
+    table(f"Human torque: {env}, {gravity}, {suit}, seed {seed}", *score_table([result]))
     console.print(f"wrote {folder.path}/trace.csv, result.json and three figures")
 
 

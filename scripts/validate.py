@@ -69,7 +69,7 @@ def validate(
     if json:
         print(to_json(result))
         return
-    table(f"{env}, {gravity}: believes {suit}, wears {plant}", *score_table(scores))
+    table(f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}", *score_table(scores))
     for joint, value in share.items():
         console.print(f"{joint}: {value:.1%} of the oracle's reduction")
     if folder:

@@ -1,0 +1,39 @@
+# Everything sets itself up: a virtual environment in .venv, then the package in editable mode.
+
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.PHONY: demo test check bench clean
+
+demo: .venv/core
+	$(BIN)/activesuit demo --out runs/demo
+
+test: .venv/dev
+	@# Numba's cache looks at a function's own file only: drop it, so that tests see today's kernels.
+	find . -path ./.venv -prune -o -name '*.nb[ic]' -exec rm {} +
+	$(BIN)/python -m pytest -q
+
+check: .venv/dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+
+bench: .venv/core
+	$(BIN)/activesuit bench
+
+clean:
+	rm -rf build dist *.egg-info .pytest_cache .ruff_cache .hypothesis
+	find . -path ./.venv -prune -o -name __pycache__ -exec rm -rf {} +
+
+.venv/bin/python:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("ActiveSuit needs Python 3.11 or newer; give it as: make PYTHON=python3.11 ...")'
+	$(PYTHON) -m venv .venv
+
+.venv/core: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e .
+	touch $@
+
+.venv/dev: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e '.[train,dev]'
+	touch $@

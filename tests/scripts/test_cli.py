@@ -1,0 +1,178 @@
+"""The command line: answers a program can read, and one clear sentence for every mistake."""
+
+import json
+from pathlib import Path
+
+import pytest
+from activesuit.assets import FOLDER, curves_path, load_suit
+from activesuit.scripts.main import main
+
+ELBOW = str(curves_path("elbow"))
+
+
+def run(capsys, *arguments) -> str:
+    main([str(argument) for argument in arguments])
+    return capsys.readouterr().out
+
+
+def fails(capsys, *arguments) -> str:
+    """Runs a command that must fail: exit code 2, one sentence, no traceback."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    assert stop.value.code == 2
+    assert "Traceback" not in captured.out + captured.err
+    assert captured.out == ""
+    message = captured.err.strip().splitlines()[-1]
+    assert message.startswith("activesuit: error: ")
+    return message
+
+
+def test_identify_prints_json(capsys):
+    result = json.loads(run(capsys, "identify", ELBOW, "--method", "certified", "--json"))
+    assert result["evaluations"] <= 200
+    assert result["nrmse"] < 0.0105
+    assert max(result["prediction_max_error"].values()) < 0.25
+    assert result["certificate"]["certified"]
+    assert result["certificate"]["margin"] > 0
+
+
+def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
+    out = run(capsys, "identify", ELBOW, "--out", tmp_path / "fit")
+    assert "suit.json" in out
+    names = {path.name for path in (tmp_path / "fit").iterdir()}
+    assert names == {"suit.json", "result.json", "trials.csv", "loops.png", "loops.svg"}
+    suit = load_suit(str(tmp_path / "fit" / "suit.json"))
+    assert set(suit.joints) == {"elbow_flexion"}
+    assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
+    arguments = ["--policies", "none", "oracle", "--episodes", "1", "--json"]
+    out = run(capsys, "evaluate", "--suit", tmp_path / "fit" / "suit.json", *arguments)
+    assert json.loads(out)["policies"][1]["failures"] == 0
+
+
+def test_swarm_from_the_command_line(capsys, tmp_path):
+    out = run(capsys, "identify", ELBOW, "--method", "sa-pso", "--trials", 2, "--out", tmp_path)
+    assert "sa-pso" in out
+    rows = (tmp_path / "trials.csv").read_text().splitlines()
+    assert len(rows) == 3
+
+
+def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, monkeypatch):
+    from activesuit.scripts.output import Bar
+
+    def interrupt(self, steps=1):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Bar, "advance", interrupt)
+    arguments = ["--method", "mpso", "--trials", "5", "--workers", "1", "--out", tmp_path, "--json"]
+    main(["identify", ELBOW, *map(str, arguments)])
+    captured = capsys.readouterr()
+    result = json.loads(captured.out)
+    assert result["interrupted"]
+    assert 1 <= result["trials"] < 5
+    assert "interrupted" in captured.err
+    assert load_suit(str(tmp_path / "suit.json")).joints
+
+
+def test_evaluate_prints_json(capsys):
+    out = run(
+        capsys,
+        *("evaluate", "--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"),
+        *("--policies", "none", "gravity", "feedforward", "oracle"),
+    )
+    result = json.loads(out)
+    assert [entry["policy"] for entry in result["policies"]] == [
+        "none",
+        "gravity",
+        "feedforward",
+        "oracle",
+    ]
+    assert result["policies"][3]["reduction"]["elbow_flexion"] > 0.1
+
+
+def test_validate_scores_one_suit_on_another(capsys, tmp_path):
+    out = run(
+        capsys,
+        *("validate", "published-2022", "--plant", "mock-suit", "--episodes", "1"),
+        *("--out", tmp_path, "--json"),
+    )
+    share = json.loads(out)["share_of_oracle"]
+    assert share["elbow_flexion"] > 0.9
+    assert json.loads((tmp_path / "result.json").read_text())["share_of_oracle"] == share
+
+
+def test_simulate_writes_the_motion(capsys, tmp_path):
+    out = run(
+        capsys, "simulate", "--gravity", "moon", "--policy", "oracle", "--out", tmp_path, "--json"
+    )
+    assert json.loads(out)["policy"] == "oracle"
+    rows = (tmp_path / "trace.csv").read_text().splitlines()
+    assert len(rows) == 1001
+    assert rows[0].startswith("time_s,shoulder_abduction_angle_rad")
+    for figure in ("trajectory", "torques", "motion-loops"):
+        assert (tmp_path / f"{figure}.png").stat().st_size > 10_000
+        assert (tmp_path / f"{figure}.svg").read_text().rstrip().endswith("</svg>")
+
+
+def test_suits_lists_and_shows(capsys):
+    assert {"mock-suit", "published-2022"} == set(json.loads(run(capsys, "suits", "--json")))
+    assert "mock-suit" in run(capsys, "suits")
+    shown = run(capsys, "suits", "published-2022")
+    assert "NO" in shown
+    assert "22.23" in shown
+    content = json.loads(run(capsys, "suits", "published-2022", "--json"))
+    assert content["joints"]["shoulder_flexion"]["certificate"]["margin"] == pytest.approx(
+        -0.2447, abs=1e-4
+    )
+
+
+@pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
+def test_bench_reports_ratios(capsys, topic):
+    result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
+    (row,) = result["rows"]
+    assert row["ratio"] > 0
+    assert row["ours"] > 0
+
+
+MISTAKES = [
+    (["identify", "none.csv"], "No such file"),
+    (["identify", "{bad}/text.csv"], "line 3: torque_nm is 'x'"),
+    (["identify", "{bad}/degrees.csv"], "more than a full turn"),
+    (["identify", "{bad}/other.csv", "--out", "{bad}/out"], "give --joint"),
+    (["identify", ELBOW, "--trials", "0"], "trials is 0"),
+    (["identify", ELBOW, "--out", "{bad}/text.csv"], "--out"),
+    (["identify", ELBOW, "--joint", "knee", "--out", "{bad}/out"], "give --joint with one of"),
+    (["evaluate", "--env", "ActiveSuit/Elbow-v0"], "did you mean 'ActiveSuit/ElbowFlexion-v0'"),
+    (["evaluate", "--policies", "magic"], "unknown policy 'magic'"),
+    (["evaluate", "--episodes", "0"], "episodes is 0"),
+    (["evaluate", "--gravity", "venus"], "unknown gravity 'venus'"),
+    (["evaluate", "--suit", "published-2022"], "certificate margin -0.245"),
+    (["simulate", "--policy", "magic", "--out", "{bad}/out"], "unknown policy"),
+    (["simulate", "--suit", "{bad}/cut.json", "--out", "{bad}/out"], "not complete JSON"),
+    (["validate", "{bad}/cut.json"], "not complete JSON"),
+    (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
+    (["suits", "nope"], "unknown suit 'nope'"),
+    (["bench", "--repeats", "0"], "repeats is 0"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), MISTAKES)
+def test_mistakes(capsys, tmp_path, arguments, message):
+    header = "curve,angle_rad,torque_nm\n"
+    (tmp_path / "text.csv").write_text(header + "A,0,0\nA,1,x\n")
+    (tmp_path / "degrees.csv").write_text(header + "A,20,0\nA,60,3\n")
+    (tmp_path / "other.csv").write_text(Path(ELBOW).read_text())
+    whole = (FOLDER / "suits" / "mock-suit.json").read_text()
+    (tmp_path / "cut.json").write_text(whole[: len(whole) // 2])
+    before = sorted(path.name for path in tmp_path.iterdir())
+    arguments = [argument.format(bad=tmp_path) for argument in arguments]
+    assert message in fails(capsys, *arguments)
+    left = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert sorted(path.name for path in left) == before  # nothing half-written
+
+
+def test_unknown_command_and_option(capsys):
+    for arguments in (["fly"], ["demo", "--speed", "3"], ["identify"], []):
+        with pytest.raises(SystemExit) as stop:
+            main(arguments)
+        assert stop.value.code == 2

@@ -1,0 +1,95 @@
+"""Training: learns, resumes, and keeps what was learned."""
+
+import json
+
+import pytest
+from activesuit.scripts.main import main
+
+pytest.importorskip("stable_baselines3")
+pytestmark = pytest.mark.slow
+
+
+def train(out, *more, algo="ppo", steps=2048):
+    arguments = ["train", "--algo", algo, "--steps", str(steps), "--out", str(out), *more]
+    main(arguments)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    out = tmp_path_factory.mktemp("train") / "ppo"
+    train(out)
+    return out
+
+
+def steps_done(out, algo="ppo"):
+    from activesuit.envs.policies.trained import algorithm_class
+
+    return algorithm_class(algo).load(out / "model.zip", device="cpu").num_timesteps
+
+
+def test_writes_config_checkpoint_and_logs(run):
+    assert json.loads((run / "config.json").read_text())["algo"] == "ppo"
+    assert steps_done(run) == 2048
+    assert list((run / "tensorboard").rglob("events*"))
+
+
+def test_trained_policy_is_evaluated_beside_the_others(run, capsys):
+    options = ["--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"]
+    main(["evaluate", *options, "--policies", "none", str(run)])
+    policies = json.loads(capsys.readouterr().out)["policies"]
+    assert [entry["policy"] for entry in policies] == ["none", str(run)]
+    assert policies[1]["assist_energy"] > 0
+
+
+def test_resume_goes_on(run):
+    train(run, "--resume", steps=4096)
+    assert steps_done(run) == 4096
+
+
+def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
+    from activesuit.scripts.output import Bar
+
+    def interrupt(self, steps):
+        if steps >= 1000:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Bar, "move_to", interrupt)
+    with pytest.raises(SystemExit) as stop:
+        train(tmp_path)
+    assert stop.value.code == 130
+    assert "go on with --resume" in capsys.readouterr().err
+    assert 1000 <= steps_done(tmp_path) < 2048
+    monkeypatch.undo()
+    train(tmp_path, "--resume")
+    assert steps_done(tmp_path) >= 2048
+
+
+def test_sac_trains_and_resumes_with_its_experience(tmp_path):
+    train(tmp_path, algo="sac", steps=1200)
+    assert (tmp_path / "replay.pkl").exists()
+    train(tmp_path, "--resume", algo="sac", steps=1300)
+    assert steps_done(tmp_path, "sac") == 1300
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ([], "holds a trained run: add --resume"),
+        (["--resume", "--seed", "5"], "has seed 0, not 5"),
+        (["--resume", "--steps", "10"], "give --steps above that"),
+        (["--steps", "0"], "steps is 0"),
+        (["--env", "ActiveSuit/Knee-v0"], "unknown environment"),
+    ],
+)
+def test_mistakes(run, capsys, more, message):
+    with pytest.raises(SystemExit) as stop:
+        main(["train", "--out", str(run), *more])
+    assert stop.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_nothing_to_resume(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["train", "--out", str(tmp_path / "new"), "--resume"])
+    assert "no model.zip to resume" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
