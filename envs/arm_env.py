@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..assets import JOINTS
 from ..errors import InputError
-from ..hysteresis.engine import fault_slots
-from .composition import ASSISTED, ArmConfig, bare_arm, compose, joint_indices, peak_torque
+from .composition import ASSISTED, ArmConfig, bare_arm, compose
 from .reference import Reference, follow, random_moves
 from .rendering import Renderer
+from .wiring import Wiring
 
 Array = NDArray[np.float64]
 ENERGIES = ("assist_energy", "human_energy", "dissipated_energy")
@@ -105,9 +105,9 @@ class ArmEnv(gymnasium.Env):
         self.render_mode = render_mode
         self.renderer = Renderer(camera=camera, width=width, height=height)
         self.observe = observe
-        self.peak_torque = np.array(peak_torque(self.model))
+        self.wiring = Wiring.of(self.model)
         self._bare_arm = bare_arm(gravity)
-        self._address()
+        self._preview = np.array([round(ahead / control_dt) for ahead in PREVIEW])
         self.layout = self._layout()
         self._limit = self._observation_limit()
         self.observation_space = gymnasium.spaces.Box(-self._limit, self._limit, dtype=np.float32)
@@ -133,7 +133,7 @@ class ArmEnv(gymnasium.Env):
         self._previous_action = np.zeros(len(ASSISTED))
         self._intend()
         self._settle()
-        self._dissipated_at_reset = float(self.data.sensordata[self._dissipated].sum())
+        self._dissipated_at_reset = float(self.data.sensordata[self.wiring.dissipated].sum())
         if self.render_mode == "human":
             self.render()
         return self._observation(), self._info(
@@ -149,7 +149,7 @@ class ArmEnv(gymnasium.Env):
             InputError: the action has the wrong shape or is not finite.
         """
         command = self._checked(action)
-        self.data.ctrl[self._motors] = command
+        self.data.ctrl[self.wiring.motors] = command
         self._intend()
         # mj_step1 of the last substep comes last: positions, velocities and the forces that
         # depend on them are then those of the new state.
@@ -158,11 +158,11 @@ class ArmEnv(gymnasium.Env):
             mujoco.mj_step(self.model, self.data, self.substeps - 1)
         mujoco.mj_step1(self.model, self.data)
         self._step += 1
-        rate = np.abs(self.data.qvel[self._joints])
+        rate = np.abs(self.data.qvel[self.wiring.joints])
         force = np.abs(self.data.actuator_force)
         human_power, assist_power = (
-            force[self._human] @ rate,
-            force[self._assist] @ rate[self._assisted],
+            force[self.wiring.human] @ rate,
+            force[self.wiring.assist] @ rate[self.wiring.assisted],
         )
         self._energy["human_energy"] += float(human_power) * self.control_dt
         self._energy["assist_energy"] += float(assist_power) * self.control_dt
@@ -232,29 +232,6 @@ class ArmEnv(gymnasium.Env):
 
     # --- Parts --------------------------------------------------------------------------------
 
-    def _address(self) -> None:
-        """Looks up where this model keeps joints, controls, forces and sensors."""
-        model = self.model
-        index = joint_indices(model)
-        self._joints = np.array([index[joint] for joint in JOINTS])
-        self._assisted = np.array([JOINTS.index(joint) for joint in ASSISTED])
-        human = [model.actuator(f"human_{joint}").id for joint in JOINTS]
-        assist = [model.actuator(f"assist_{joint}").id for joint in ASSISTED]
-        self._human, self._assist = np.array(human), np.array(assist)
-        self._stiffness = np.array([-model.actuator_biasprm[i][1] for i in human])  # kp
-        self._motors = np.array([model.actuator_ctrladr[i] for i in assist])
-        # Per wearer actuator: intended position, velocity, feed-forward.
-        self._intention = np.array([model.actuator_ctrladr[i] + np.arange(3) for i in human])
-        sensors = {model.sensor(i).name: int(model.sensor_adr[i]) for i in range(model.nsensor)}
-        self._suited = np.array([i for i, j in enumerate(JOINTS) if f"{j}_suit_torque" in sensors])
-        names = [JOINTS[i] for i in self._suited]
-        self._torques = np.array([sensors[f"{j}_suit_torque"] for j in names], dtype=int)
-        self._dissipated = np.array(
-            [sensors[f"{j}_suit_dissipated_energy"] for j in names], dtype=int
-        )
-        self._faults = fault_slots(model)
-        self._preview = np.array([round(ahead / self.control_dt) for ahead in PREVIEW])
-
     def _layout(self) -> dict[str, slice]:
         sizes = {
             "angle": len(JOINTS),
@@ -287,7 +264,7 @@ class ArmEnv(gymnasium.Env):
             )
         for joint, span in self.hold.items():
             motion[0, :, JOINTS.index(joint)] = rng.uniform(*span)
-        return follow(self._bare_arm, self._joints, (motion[0], motion[1], motion[2]))
+        return follow(self._bare_arm, self.wiring.joints, (motion[0], motion[1], motion[2]))
 
     def _at(self, step: int) -> int:
         return min(step, len(self.reference.angle) - 1)
@@ -295,21 +272,21 @@ class ArmEnv(gymnasium.Env):
     def _intend(self) -> None:
         """Gives the wearer the intention of the end of the coming control period."""
         i = self._at(self._step + 1)
-        ctrl, where = self.data.ctrl, self._intention
+        ctrl, where = self.data.ctrl, self.wiring.intention
         ctrl[where[:, 0]] = self.reference.angle[i]
         ctrl[where[:, 1]] = self.reference.rate[i]
         ctrl[where[:, 2]] = self.reference.feedforward[i]
 
     def _settle(self) -> None:
         """Puts the arm where the wearer holds it at rest: feedback carries what is not foreseen."""
-        data, joints = self.data, self._joints
+        data, joints = self.data, self.wiring.joints
         intended, feedforward = self.reference.angle[0], self.reference.feedforward[0]
         angle = intended
         for _ in range(SETTLING_ITERATIONS):
             data.qpos[joints] = angle
             mujoco.mj_forward(self.model, data)
             load = data.qfrc_bias[joints] - data.qfrc_passive[joints]
-            angle = intended - (load - feedforward) / self._stiffness
+            angle = intended - (load - feedforward) / self.wiring.stiffness
         data.qpos[joints] = angle
         mujoco.mj_forward(self.model, data)
 
@@ -328,15 +305,15 @@ class ArmEnv(gymnasium.Env):
 
     def _suit_torque(self) -> Array:
         torque = np.zeros(len(JOINTS))
-        torque[self._suited] = self.data.sensordata[self._torques]
+        torque[self.wiring.suited] = self.data.sensordata[self.wiring.suit_torque]
         return torque
 
     def _tracking_error(self) -> Array:
-        angle = self.data.qpos[self._joints[self._assisted]]
-        return angle - self.reference.angle[self._at(self._step), self._assisted]
+        angle = self.data.qpos[self.wiring.joints[self.wiring.assisted]]
+        return angle - self.reference.angle[self._at(self._step), self.wiring.assisted]
 
     def _reward_terms(self, error: Array, change: Array) -> dict[str, float]:
-        effort = self.data.actuator_force[self._human[self._assisted]] / EFFORT_SCALE
+        effort = self.data.actuator_force[self.wiring.human[self.wiring.assisted]] / EFFORT_SCALE
         error = error / ERROR_SCALE
         return {
             "effort": -float(effort @ effort),
@@ -346,16 +323,18 @@ class ArmEnv(gymnasium.Env):
 
     def _failed(self, error: Array) -> bool:
         followed = np.abs(error).max() <= LOST  # false where the physics has become NaN
-        return not followed or bool(self.data.plugin_state[self._faults].any())
+        return not followed or bool(self.data.plugin_state[self.wiring.faults].any())
 
     def _observation(self) -> NDArray[np.float32]:
         data, layout = self.data, self.layout
         observation = np.empty_like(self._limit)
-        observation[layout["angle"]] = data.qpos[self._joints]
-        observation[layout["rate"]] = data.qvel[self._joints]
-        observation[layout["motor_torque"]] = data.actuator_force[self._assist] / self.peak_torque
+        observation[layout["angle"]] = data.qpos[self.wiring.joints]
+        observation[layout["rate"]] = data.qvel[self.wiring.joints]
+        observation[layout["motor_torque"]] = (
+            data.actuator_force[self.wiring.assist] / self.wiring.peak_torque
+        )
         ahead = np.minimum(self._step + self._preview, len(self.reference.angle) - 1)
-        observation[layout["target"]] = self.reference.angle[ahead][:, self._assisted].ravel()
+        observation[layout["target"]] = self.reference.angle[ahead][:, self.wiring.assisted].ravel()
         observation[layout["previous_action"]] = self._previous_action
         if self.observe == "oracle":
             observation[layout["suit_torque"]] = self._suit_torque()
@@ -364,14 +343,16 @@ class ArmEnv(gymnasium.Env):
 
     def _info(self, terms: dict[str, float]) -> dict[str, Any]:
         data = self.data
-        dissipated = float(data.sensordata[self._dissipated].sum()) - self._dissipated_at_reset
+        dissipated = (
+            float(data.sensordata[self.wiring.dissipated].sum()) - self._dissipated_at_reset
+        )
         return {
             "time": float(data.time),
-            "angle": data.qpos[self._joints].copy(),
+            "angle": data.qpos[self.wiring.joints].copy(),
             "target_angle": self.reference.angle[self._at(self._step)].copy(),
-            "human_torque": data.actuator_force[self._human].copy(),
+            "human_torque": data.actuator_force[self.wiring.human].copy(),
             "suit_torque": self._suit_torque(),
-            "assist_torque": data.actuator_force[self._assist].copy(),
+            "assist_torque": data.actuator_force[self.wiring.assist].copy(),
             **self._energy,
             "dissipated_energy": dissipated,
             "clipped_actions": self._clipped,

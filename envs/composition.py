@@ -1,12 +1,10 @@
 """From the plain MJCF files and a suit file to a MuJoCo model with the suit inside the physics."""
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
 
-from ..assets import JOINTS, SCENE, Suit, load_suit
+from ..assets import SCENE, Suit, load_suit
 from ..errors import InputError, unknown_name
 from ..hysteresis import JilesAtherton
 from ..hysteresis.engine import attach
@@ -87,14 +85,3 @@ def bare_arm(gravity: str) -> mujoco.MjModel:
     # The body between the two shoulder axes only carries the motor: next to nothing remains.
     spec.compiler.boundmass = spec.compiler.boundinertia = 1e-6
     return spec.compile()
-
-
-def joint_indices(model: mujoco.MjModel) -> Mapping[str, int]:
-    """Returns each arm joint's index in qpos and qvel, which agree as all joints are hinges."""
-    return {joint: int(model.joint(joint).qposadr[0]) for joint in JOINTS}
-
-
-def peak_torque(model: mujoco.MjModel) -> list[float]:
-    """Returns the assist torque [N·m] at action 1, for the assisted joints."""
-    gains = (model.actuator(f"assist_{joint}") for joint in ASSISTED)
-    return [math.fabs(float(actuator.gainprm[0] * actuator.gear[0])) for actuator in gains]

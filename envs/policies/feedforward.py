@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assets import JOINTS, Suit
+from ...assets import Suit
 from ...errors import InputError
 from ..arm_env import ArmEnv
 from ..composition import ASSISTED, joint_models
@@ -39,10 +39,10 @@ class HysteresisFeedforward:
             for joint, model in zip(ASSISTED, self._models, strict=True)
         ]
         angle, target = env.layout["angle"], env.layout["target"]
-        self._measured = [angle.start + JOINTS.index(joint) for joint in ASSISTED]
+        self._measured = angle.start + env.wiring.assisted
         self._target = [target.start + i for i in range(len(ASSISTED))]  # the nearest preview
-        self._columns = [JOINTS.index(joint) for joint in ASSISTED]
-        self._peak = env.peak_torque
+        self._columns = env.wiring.assisted
+        self._peak = env.wiring.peak_torque
         self.reset()
 
     def reset(self) -> None:

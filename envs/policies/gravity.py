@@ -6,9 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assets import JOINTS
 from ..arm_env import ArmEnv
-from ..composition import ASSISTED, joint_indices
 
 
 class GravityCompensation:
@@ -16,10 +14,8 @@ class GravityCompensation:
 
     def __init__(self, env: ArmEnv) -> None:
         self._model, self._data = env.model, mujoco.MjData(env.model)
-        index = joint_indices(env.model)
-        self._joints = [index[joint] for joint in JOINTS]
-        self._assisted = [index[joint] for joint in ASSISTED]
-        self._angle, self._peak = env.layout["angle"], env.peak_torque
+        self._wiring, self._angle = env.wiring, env.layout["angle"]
+        self._assisted = env.wiring.joints[env.wiring.assisted]
         self._bias = np.zeros(env.model.nv)
 
     def reset(self) -> None:
@@ -28,8 +24,8 @@ class GravityCompensation:
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
         """Returns the torque that holds the arm still, over the peak, clipped to [-1, 1]."""
         del info
-        self._data.qpos[self._joints] = observation[self._angle]
+        self._data.qpos[self._wiring.joints] = observation[self._angle]
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
         mujoco.mj_rne(self._model, self._data, 0, self._bias)
-        return np.clip(self._bias[self._assisted] / self._peak, -1, 1)
+        return np.clip(self._bias[self._assisted] / self._wiring.peak_torque, -1, 1)

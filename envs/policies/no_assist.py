@@ -12,7 +12,7 @@ class NoAssist:
     """Commands zero torque; what remains is the wearer against suit, weight and motor friction."""
 
     def __init__(self, env: ArmEnv) -> None:
-        self._action = np.zeros(env.peak_torque.size)
+        self._action = np.zeros(env.wiring.motors.size)
 
     def reset(self) -> None:
         """Does nothing: there is no memory."""

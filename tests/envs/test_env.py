@@ -11,7 +11,7 @@ import gymnasium
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, load_suit
+from activesuit.assets import JOINTS, load_suit, save_suit
 from activesuit.envs import ArmEnv, ArmTrackingEnv, ElbowFlexionEnv
 from activesuit.envs.composition import ASSISTED, joint_models
 from activesuit.errors import InputError
@@ -124,7 +124,9 @@ def test_observation_is_fresh_and_means_what_the_layout_says():
     np.testing.assert_allclose(observation[layout["angle"]], env.data.qpos, rtol=1e-6)
     np.testing.assert_allclose(observation[layout["rate"]], env.data.qvel, rtol=1e-6)
     np.testing.assert_allclose(
-        observation[layout["motor_torque"]] * env.peak_torque, info["assist_torque"], rtol=1e-5
+        observation[layout["motor_torque"]] * env.wiring.peak_torque,
+        info["assist_torque"],
+        rtol=1e-5,
     )
     np.testing.assert_allclose(observation[layout["previous_action"]], [0.3, -0.2], rtol=1e-6)
     np.testing.assert_allclose(observation[layout["suit_torque"]], info["suit_torque"], rtol=1e-5)
@@ -204,7 +206,7 @@ def test_actions_are_checked():
     # The first command was clipped to 1: the motors never exceed their peak.
     for _ in range(50):
         info = env.step(np.array([9.0, 9.0]))[-1]
-    np.testing.assert_allclose(info["assist_torque"], env.peak_torque, rtol=1e-3)
+    np.testing.assert_allclose(info["assist_torque"], env.wiring.peak_torque, rtol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -239,6 +241,18 @@ def test_uncertified_suit_needs_consent():
     env = ArmTrackingEnv(suit="published-2022", allow_uncertified=True)
     env.reset(seed=0)
     env.step(np.zeros(2))
+
+
+def test_a_suit_may_resist_some_joints_or_none(tmp_path):
+    suit = load_suit("mock-suit")
+    for joints in (["elbow_flexion"], []):
+        kept = {joint: suit.joints[joint] for joint in joints}
+        save_suit(suit.model_copy(update={"joints": kept}), tmp_path / "some.json")
+        env = make(suit=str(tmp_path / "some.json"))
+        env.reset(seed=0)
+        info = env.step(np.zeros(2))[-1]
+        moved = [joint for joint, torque in zip(JOINTS, info["suit_torque"], strict=True) if torque]
+        assert moved == joints
 
 
 def test_failure_ends_the_episode():
