@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from ...errors import InputError, unknown_name
 from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton
-from . import _callbacks as slots
 from ._registration import PLUGIN_NAME, register
+from ._state import FAULT
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -82,7 +82,7 @@ def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     torque is held meanwhile. Certified models never set it.
     """
     ours = np.flatnonzero(model.plugin == register())
-    return model.plugin_stateadr[ours].astype(np.int64) + slots.FAULT
+    return model.plugin_stateadr[ours].astype(np.int64) + FAULT
 
 
 def _require_certificate(model: JilesAtherton, start, joint: str) -> None:

@@ -4,6 +4,7 @@ import ctypes
 import threading
 
 from . import _callbacks
+from ._configuration import ATTRIBUTES
 from ._layout import PASSIVE, SENSOR, layout
 from ._memory import mujoco_library
 
@@ -59,9 +60,7 @@ def register() -> int:
             return _slot
         library = mujoco_library()
         callbacks = _callbacks.build(layout())
-        keys = (ctypes.c_char_p * len(_callbacks.ATTRIBUTES))(
-            *(key.encode() for key in _callbacks.ATTRIBUTES)
-        )
+        keys = (ctypes.c_char_p * len(ATTRIBUTES))(*(key.encode() for key in ATTRIBUTES))
         plugin = _Plugin()
         library.mjp_defaultPlugin(ctypes.byref(plugin))
         plugin.name = PLUGIN_NAME.encode()
