@@ -8,7 +8,6 @@ import gymnasium
 
 __version__ = "0.1.0"
 
-EPISODE_STEPS = 1000  # 10 s at 100 Hz
 TASKS = ("ShoulderFlexion", "ElbowFlexion", "ArmTracking")
 
 for _task in TASKS:
@@ -16,5 +15,4 @@ for _task in TASKS:
         gymnasium.register(
             f"ActiveSuit/{_task}-v0",
             entry_point=f"activesuit.envs.tasks:{_task}Env",
-            max_episode_steps=EPISODE_STEPS,
         )

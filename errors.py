@@ -12,6 +12,16 @@ class InputError(ValueError):
     """
 
 
+def at_least(name: str, value: int, least: int) -> None:
+    """Refuses a number below `least`.
+
+    Raises:
+        InputError: it is.
+    """
+    if value < least:
+        raise InputError(f"{name} is {value}: use at least {least}")
+
+
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:
     """Returns the error for a name that is none of `allowed`, with the closest one as a hint."""
     allowed = sorted(allowed)

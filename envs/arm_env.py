@@ -16,11 +16,10 @@ from .rendering import Renderer
 from .wiring import Wiring
 
 Array = NDArray[np.float64]
-ENERGIES = ("assist_energy", "human_energy", "dissipated_energy")
 PREVIEW = (
     0.02,
     0.1,
-    0.25,
+    0.24,
 )  # s ahead of now at which the observation shows the target, nearest first
 EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
 ERROR_SCALE = 0.1  # rad that cost 1
@@ -43,8 +42,11 @@ class ArmEnv(gymnasium.Env):
 
     Observation: `Box` of float32, the parts of `layout` one after the other: joint angles [rad] and
     rates [rad/s] of the four encoders, motor torque over peak, target angles of shoulder and elbow
-    0.02, 0.1 and 0.25 s ahead [rad], previous action; with `observe="oracle"` also the suit
-    torque [N·m] of the four joints. It is taken after the position stage, never stale.
+    0.02, 0.1 and 0.24 s ahead [rad], previous action; with `observe="oracle"` also the suit
+    torque [N·m] of the four joints. Positions, rates and suit torques are those of this instant;
+    the torques of motors and wearer are the ones applied in the last physics step.
+
+    An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost.
 
     Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness.
 
@@ -52,7 +54,7 @@ class ArmEnv(gymnasium.Env):
         suit: name of a shipped suit, or path of a suit file.
         gravity: "earth", "mars", "moon" or "microgravity".
         observe: "sensors" (what an exoskeleton can measure) or "oracle" (with the suit torque).
-        control_dt: time between actions [s], a multiple of `sim_dt`.
+        control_dt: time between actions [s], a multiple of `sim_dt` that divides 0.02 s.
         sim_dt: physics step [s].
         allow_uncertified: accept suits whose torque could become infinite in some motion.
         render_mode: None, "rgb_array" or "human".
@@ -99,6 +101,8 @@ class ArmEnv(gymnasium.Env):
             raise InputError(
                 f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
             )
+        if abs(PREVIEW[0] / control_dt - round(PREVIEW[0] / control_dt)) > 1e-9:
+            raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")
         self.control_dt = control_dt
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.data = mujoco.MjData(self.model)
@@ -129,7 +133,7 @@ class ArmEnv(gymnasium.Env):
         self.reference = self._new_reference(self.np_random)
         self._step = 0
         self._clipped = 0
-        self._energy = dict.fromkeys(ENERGIES[:2], 0.0)
+        self._energy = {"assist_energy": 0.0, "human_energy": 0.0}
         self._previous_action = np.zeros(len(ASSISTED))
         self._intend()
         self._settle()
@@ -172,8 +176,9 @@ class ArmEnv(gymnasium.Env):
         terminated = self._failed(error)
         if self.render_mode == "human":
             self.render()
+        truncated = self._step >= len(self.reference.angle) - 1
         info = self._info(terms)
-        return self._observation(), float(sum(terms.values())), terminated, False, info
+        return self._observation(), float(sum(terms.values())), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Returns a picture (height, width, 3) for "rgb_array"; updates the window for "human"."""
@@ -182,7 +187,7 @@ class ArmEnv(gymnasium.Env):
                 "render_mode is None: make the environment with render_mode='rgb_array'"
             )
         if self.render_mode == "human":
-            return self.renderer.show(self.model, self.data)
+            return self.renderer.show(self.model, self.data, self.control_dt)
         return self.renderer.picture(self.model, self.data)
 
     def close(self) -> None:
@@ -201,7 +206,9 @@ class ArmEnv(gymnasium.Env):
         physics = np.empty(mujoco.mj_stateSize(self.model, signature))
         mujoco.mj_getState(self.model, self.data, physics, signature)
         return {
+            "config": self.config,
             "physics": physics,
+            "actuator_force": self.data.actuator_force.copy(),
             "reference": self.reference,
             "step": self._step,
             "clipped_actions": self._clipped,
@@ -211,14 +218,21 @@ class ArmEnv(gymnasium.Env):
             "random": self.np_random.bit_generator.state,
         }
 
-    def set_state(self, state: dict[str, Any]) -> None:
-        """Continues from what `get_state` returned, bit for bit."""
+    def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Continues from what `get_state` returned, bit for bit.
+
+        Returns:
+            The observation and info of that moment, without new reward terms.
+
+        Raises:
+            InputError: the state is of an environment with another suit, gravity or step.
+        """
         signature = mujoco.mjtState.mjSTATE_INTEGRATION
         size = mujoco.mj_stateSize(self.model, signature)
-        if np.shape(state["physics"]) != (size,):
+        if state["config"] != self.config or np.shape(state["physics"]) != (size,):
             raise InputError(
-                f"the state has {np.size(state['physics'])} numbers and this model needs {size}: "
-                "it comes from another model"
+                f"the state is of {state['config']} and this environment is {self.config}: make it "
+                "with the same options"
             )
         mujoco.mj_setState(self.model, self.data, state["physics"], signature)
         self.reference = state["reference"]
@@ -229,6 +243,8 @@ class ArmEnv(gymnasium.Env):
         self._previous_action = state["previous_action"].copy()
         self.np_random.bit_generator.state = state["random"]
         mujoco.mj_step1(self.model, self.data)
+        self.data.actuator_force[:] = state["actuator_force"]
+        return self._observation(), self._info({})
 
     # --- Parts --------------------------------------------------------------------------------
 
@@ -274,7 +290,7 @@ class ArmEnv(gymnasium.Env):
         i = self._at(self._step + 1)
         ctrl, where = self.data.ctrl, self.wiring.intention
         ctrl[where[:, 0]] = self.reference.angle[i]
-        ctrl[where[:, 1]] = self.reference.rate[i]
+        ctrl[where[:, 1]] = self.reference.rate[i] * (i == self._step + 1)  # 0 past the end
         ctrl[where[:, 2]] = self.reference.feedforward[i]
 
     def _settle(self) -> None:
@@ -327,7 +343,7 @@ class ArmEnv(gymnasium.Env):
 
     def _observation(self) -> NDArray[np.float32]:
         data, layout = self.data, self.layout
-        observation = np.empty_like(self._limit)
+        observation = np.empty(self._limit.size)
         observation[layout["angle"]] = data.qpos[self.wiring.joints]
         observation[layout["rate"]] = data.qvel[self.wiring.joints]
         observation[layout["motor_torque"]] = (
@@ -339,7 +355,7 @@ class ArmEnv(gymnasium.Env):
         if self.observe == "oracle":
             observation[layout["suit_torque"]] = self._suit_torque()
         np.minimum(observation, self._limit, out=observation)
-        return np.maximum(observation, -self._limit, out=observation)
+        return np.maximum(observation, -self._limit).astype(np.float32)
 
     def _info(self, terms: dict[str, float]) -> dict[str, Any]:
         data = self.data

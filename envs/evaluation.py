@@ -1,15 +1,15 @@
 """Closed-loop evaluation: the same intentions under several policies, and what the wearer pays."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assets import JOINTS
-from ..errors import InputError, unknown_name
+from ..assets import JOINTS, Suit
+from ..errors import InputError, at_least, unknown_name
 from .arm_env import ArmEnv
 from .composition import ASSISTED
 from .policies import Policy, make_policy
@@ -143,14 +143,12 @@ def evaluate(
     Raises:
         InputError: no such environment or policy, or fewer than one episode.
     """
-    if episodes < 1:
-        raise InputError(f"episodes is {episodes}: use at least 1")
+    at_least("episodes", episodes, 1)
+    at_least("seed", seed, 0)
     if not policies:
         raise InputError("no policy given: name at least one")
-    env = make_env(env_id, **env_options)
+    env, arm = make_env(env_id, **env_options)
     try:
-        arm = env.unwrapped
-        assert isinstance(arm, ArmEnv)
         built = {
             name: make_policy(name, arm, believed_suit=believed_suit)
             for name in dict.fromkeys(policies)
@@ -168,8 +166,22 @@ def evaluate(
     return _with_reduction(scores)
 
 
-def make_env(env_id: str, **options: Any) -> gymnasium.Env:
-    """Makes a registered ActiveSuit environment.
+def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
+    """Returns feed-forward's reduction over the oracle's, by assisted joint that `suit` resists.
+
+    The oracle knows the torque of this instant, and its motors lag; feed-forward looks ahead, so
+    that a good model can reach a little more than 1.
+    """
+    reductions = {score.policy: score.reduction or {} for score in scores}
+    return {
+        joint: reductions["feedforward"][joint] / reductions["oracle"][joint]
+        for joint in ASSISTED
+        if joint in suit.joints
+    }
+
+
+def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
+    """Makes a registered ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
 
     Raises:
         InputError: the id is unknown, or not one of ours.
@@ -177,7 +189,9 @@ def make_env(env_id: str, **options: Any) -> gymnasium.Env:
     known = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
     if env_id.removeprefix("activesuit:") not in known:
         raise unknown_name("environment", env_id, known)
-    return gymnasium.make(env_id, **options)
+    env = gymnasium.make(env_id, **options)
+    assert isinstance(env.unwrapped, ArmEnv)
+    return env, env.unwrapped
 
 
 def _with_reduction(scores: list[Score]) -> list[Score]:
@@ -185,12 +199,7 @@ def _with_reduction(scores: list[Score]) -> list[Score]:
     if base is None:
         return scores
     return [
-        Score(
-            **{
-                **asdict(s),
-                "reduction": {j: 1 - s.human_rms[j] / base.human_rms[j] for j in ASSISTED},
-            }
-        )
+        replace(s, reduction={j: 1 - s.human_rms[j] / base.human_rms[j] for j in ASSISTED})
         for s in scores
     ]
 

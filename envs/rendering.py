@@ -1,5 +1,7 @@
 """Pictures and windows, made lazily: an environment that never renders never touches OpenGL."""
 
+import os
+import time
 from typing import Any
 
 import mujoco
@@ -28,6 +30,8 @@ class Renderer:
         self.camera, self.width, self.height = camera, width, height
         self._offscreen: Any = None
         self._window: Any = None
+        self._process = os.getpid()
+        self._shown = 0.0
 
     def picture(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.uint8]:
         """Returns the scene as (height, width, 3).
@@ -39,7 +43,13 @@ class Renderer:
         cameras = [model.camera(i).name for i in range(model.ncam)]
         if self.camera not in cameras:
             raise unknown_name("camera", self.camera, cameras)
+        if self._offscreen is not None and self._process != os.getpid():
+            raise RenderingUnavailableError(
+                "this process was forked after OpenGL was in use, which OpenGL does not survive: "
+                "start workers by spawn or forkserver"
+            )
         if self._offscreen is None:
+            self._process = os.getpid()
             try:
                 self._offscreen = mujoco.Renderer(model, self.height, self.width)
             except Exception as error:  # the GL back ends raise whatever they like
@@ -50,11 +60,11 @@ class Renderer:
         self._offscreen.update_scene(data, camera=self.camera)
         return self._offscreen.render().copy()
 
-    def show(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        """Opens a window at the first call, and updates it.
+    def show(self, model: mujoco.MjModel, data: mujoco.MjData, period: float) -> None:
+        """Opens a window at the first call, and updates it at most once per `period` [s].
 
         Raises:
-            RenderingUnavailableError: no window can be opened here.
+            RenderingUnavailableError: no window can be opened here, or it was closed.
         """
         if self._window is None:
             import mujoco.viewer
@@ -66,6 +76,10 @@ class Renderer:
                     f"no window can be opened ({error}): use render_mode='rgb_array' on a machine "
                     "without a display"
                 ) from error
+        if not self._window.is_running():
+            raise RenderingUnavailableError("the window was closed: make the environment again")
+        time.sleep(max(0.0, self._shown + period - time.monotonic()))
+        self._shown = time.monotonic()
         self._window.sync()
 
     def close(self) -> None:

@@ -35,7 +35,17 @@ def field_step_limit(Ms: float, a: float, alpha: float, c: float, k: float) -> f
     gain = abs(c - 1) * MAX_LANGEVIN_4TH_DERIVATIVE
     if gain == 0:
         return a
-    return min(a, (384 * LOCAL_TOLERANCE * k * a**4 / gain) ** 0.2)
+    return min(a, (384 * LOCAL_TOLERANCE * k / gain) ** 0.2 * a**0.8)
+
+
+@njit(inline="always", error_model="numpy")
+def stretched(dx_max, x, per_a):
+    """Returns the step limit at the effective field x: it grows in saturation.
+
+    There |L''''| is about 24 / |x/a|^5, so that steps up to a quarter of |x| keep the error bound,
+    and a march takes logarithmically many steps.
+    """
+    return dx_max * max(1.0, 0.25 * abs(x) * per_a)
 
 
 @njit(inline="always", error_model="numpy")
@@ -68,12 +78,14 @@ def step_field(dx, u0, man0, slope0, man1, slope1, c, per_k):
 def advance(H0, M0, H1, Ms, a, alpha, c, k, dx_max):
     """Moves the model monotonically from (H0, M0) to the angle H1.
 
-    Returns (M1, loss): the torque at H1, and the path part of the work, the integral of u dHe
-    (`dissipation` turns it into dissipated energy). M1 is NaN when the motion meets the pole
-    1 - alpha f = 0, where dM/dH is infinite and the model has no continuation.
+    Returns (M1, loss): the torque at H1, and the path part of the work, the integral of u dHe (what
+    of it is not `recoverable_energy` is lost). M1 is NaN when H1 is not finite, or when the motion
+    meets the pole 1 - alpha f = 0, where dM/dH is infinite and the model has no continuation.
     """
     if H1 == H0:
         return M0, 0.0
+    if not math.isfinite(H1):
+        return math.nan, 0.0
     delta = 1.0 if H1 > H0 else -1.0
     per_a, per_k = 1 / a, delta / k
     chi = Ms * per_a
@@ -87,25 +99,34 @@ def advance(H0, M0, H1, Ms, a, alpha, c, k, dx_max):
         g = 1 - alpha * tangent
         if not g > 0:
             return math.nan, loss
+        limit = stretched(dx_max, x, per_a)
         dx = (H1 - (x - alpha * (man + u))) / g
-        if abs(dx) <= dx_max:
+        if abs(dx) <= limit:
             bend = alpha * ((tangent - slope) * per_k - c * chi * per_a * ddL)
             dx -= 0.5 * bend * dx * dx / g
-            if not 0 < delta * dx <= 2 * dx_max:
-                dx = delta * dx_max
+            if not 0 < delta * dx <= 2 * limit:
+                dx = delta * limit
             break
-        L, dL, ddL = langevin((x + delta * dx_max) * per_a)
-        man1, slope1 = Ms * L, chi * dL
-        u1 = step_field(delta * dx_max, u, man, slope, man1, slope1, c, per_k)
-        if delta * (x + delta * dx_max - alpha * (man1 + u1) - H1) >= 0:
-            dx = delta * dx_max
-            break
-        loss += delta * k * ((c - 1) * (man1 - man) - (u1 - u))
-        x, u, man, slope = x + delta * dx_max, u1, man1, slope1
-    low, high = 0.0, math.inf
-    for _ in range(NEWTON_LIMIT):
+        dx = delta * limit
         L, dL, ddL = langevin((x + dx) * per_a)
         man1, slope1 = Ms * L, chi * dL
+        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
+        if delta * (x + dx - alpha * (man1 + u1) - H1) >= 0:
+            break
+        loss += delta * k * ((c - 1) * (man1 - man) - (u1 - u))
+        x, u, man, slope = x + dx, u1, man1, slope1
+    M1, last = land(x, u, man, slope, dx, H1, Ms, a, alpha, c, k, delta)
+    return M1, loss + last
+
+
+@njit(inline="always", error_model="numpy")
+def land(x, u, man, slope, dx, H1, Ms, a, alpha, c, k, delta):
+    """Ends a motion at H1: Newton, kept inside a bracket, on the last step's dx; see `advance`."""
+    per_a, per_k = 1 / a, delta / k
+    low, high = 0.0, math.inf
+    for _ in range(NEWTON_LIMIT):
+        L, dL, _ = langevin((x + dx) * per_a)
+        man1, slope1 = Ms * L, Ms * per_a * dL
         u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
         tangent = c * slope1 - u1 * per_k
         g = 1 - alpha * tangent
@@ -113,19 +134,19 @@ def advance(H0, M0, H1, Ms, a, alpha, c, k, dx_max):
         newton = -residual / g if g > 0 else math.nan
         if abs(newton) <= NEWTON_TOLERANCE * min(a, k):
             du = (tangent - slope1) * newton
-            loss += delta * k * ((c - 1) * (man1 + slope1 * newton - man) - (u1 + du - u))
+            loss = delta * k * ((c - 1) * (man1 + slope1 * newton - man) - (u1 + du - u))
             return man1 + u1 + tangent * newton, loss
         if delta * residual > 0:
             high = abs(dx)
         elif g > 0:
             low = abs(dx)
         else:
-            return math.nan, loss
+            return math.nan, 0.0
         reach = abs(dx) + delta * newton
         if not low < reach < high:
             reach = 0.5 * (low + high) if high < math.inf else 2 * abs(dx)
         dx = delta * reach
-    return math.nan, loss
+    return math.nan, 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -135,6 +156,22 @@ def tangent_stiffness(H, M, delta, Ms, a, alpha, c, k):
     L, dL, _ = langevin(x / a)
     f = c * Ms * dL / a - delta * (M - Ms * L) / k
     return f / (1 - alpha * f)
+
+
+@njit(cache=True, error_model="numpy")
+def anhysteretic(H, M, Ms, a, alpha):
+    """Returns Man, the torque towards which the memory relaxes."""
+    return Ms * langevin((H + alpha * M) / a)[0]
+
+
+@njit(cache=True, error_model="numpy")
+def certificate(Ms, a, alpha, c, k):
+    """Returns the certificate's margin and its bound on |M - Man| (`JilesAtherton.certificate`)."""
+    chi = Ms / (3 * a)
+    spread = abs(c - 1)
+    steepest = (spread + max(c, 0.0)) * chi
+    most_negative = -(spread + max(-c, 0.0)) * chi
+    return 1 - max(alpha * steepest, alpha * most_negative), k * spread * chi
 
 
 @njit(cache=True, error_model="numpy")
@@ -157,9 +194,10 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
     dx = 0.0
     for _ in range(MARCH_LIMIT):
         dx = -u / ((c - 1) * slope - u * per_k)
-        if abs(dx) <= dx_max:
+        limit = stretched(dx_max, x, per_a)
+        if abs(dx) <= limit:
             break
-        dx = delta * dx_max
+        dx = delta * limit
         L, dL, _ = langevin((x + dx) * per_a)
         man1, slope1 = Ms * L, chi * dL
         u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)

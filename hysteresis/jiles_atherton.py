@@ -1,7 +1,7 @@
 """The Jiles-Atherton model of a joint's resistant torque."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -34,8 +34,8 @@ class JilesAtherton:
 
     This is eq. (4) of the paper (the "bulk" form, Venkataraman and Krishnaprasad 1998), without
     the clamp of magnetics: a joint needs c > 1, where that clamp makes the torque run away.
-    Over a closed cycle the work is (c - 1) times a positive number: c > 1 resists the motion,
-    c = 1 is elastic, c < 1 drives it.
+    In a closed cycle the joint loses (c - 1) times a number that is never negative: c > 1 resists
+    the motion, c = 1 is elastic, c < 1 drives it.
 
     Attributes:
         Ms: saturation torque [N·m], > 0.
@@ -144,12 +144,7 @@ class JilesAtherton:
         -(|c-1| + max(-c, 0)) chi and (|c-1| + max(c, 0)) chi, and 1 - alpha f stays positive when
         it does at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
         """
-        chi = self.Ms / (3 * self.a)
-        spread = abs(self.c - 1)
-        steepest = (spread + max(self.c, 0.0)) * chi
-        most_negative = -(spread + max(-self.c, 0.0)) * chi
-        memory_bound = self.k * spread * chi
-        margin = 1 - max(self.alpha * steepest, self.alpha * most_negative)
+        margin, memory_bound = kernels.certificate(*self.kernel_arguments[:5])
         return Certificate(
             margin=margin,
             dissipative=margin > 0 and self.c >= 1,
@@ -159,8 +154,7 @@ class JilesAtherton:
 
     def anhysteretic(self, state: JilesAthertonState) -> float:
         """Returns Man [N·m], the torque towards which the memory of `state` relaxes."""
-        Ms, a, alpha, *_ = self.kernel_arguments
-        return Ms * kernels.langevin((state.angle + alpha * state.torque) / a)[0]
+        return kernels.anhysteretic(*state, *self.kernel_arguments[:3])
 
     def scaled(self, *, torque: float) -> "JilesAtherton":
         """Returns the model whose every response is `torque` (> 0) times this one's, exactly.
@@ -170,16 +164,15 @@ class JilesAtherton:
         """
         if not (math.isfinite(torque) and torque > 0):
             raise InputError(f"torque scale is {torque}: give a finite number above 0")
-        return self._replaced(Ms=self.Ms * torque, alpha=self.alpha / torque)
+        return replace(self, Ms=self.Ms * torque, alpha=self.alpha / torque)
 
     def in_unit(self, angle_unit: AngleUnit) -> "JilesAtherton":
         """Returns the same model with a, k and alpha expressed in `angle_unit`."""
         if angle_unit not in UNIT_PER_RADIAN:
             raise InputError(f"angle_unit is {angle_unit!r}: use 'rad' or 'deg'")
         scale = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
-        return self._replaced(
-            a=self.a * scale, k=self.k * scale, alpha=self.alpha * scale, angle_unit=angle_unit
-        )
+        a, k, alpha = self.a * scale, self.k * scale, self.alpha * scale
+        return replace(self, a=a, k=k, alpha=alpha, angle_unit=angle_unit)
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the constructor's arguments; `JilesAtherton(**d)` gives the model back."""
@@ -191,9 +184,6 @@ class JilesAtherton:
         scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
         parameters = (self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale)
         return *parameters, kernels.field_step_limit(*parameters)
-
-    def _replaced(self, **changes: Any) -> "JilesAtherton":
-        return JilesAtherton(**{**asdict(self), **changes})
 
     def _pole(self, start: float, end: float, where: str = "") -> PoleError:
         return PoleError(

@@ -1,6 +1,7 @@
 """Measured angle-torque curves: the file format, its checks, and the container."""
 
 import csv
+import io
 import math
 import os
 from collections.abc import Sequence
@@ -35,6 +36,11 @@ class Curve:
     role: Role = "fit"
 
     def __post_init__(self) -> None:
+        if not self.name or self.name.startswith("#") or "\n" in self.name:
+            raise InputError(f"curve name {self.name!r}: use one line that does not begin with '#'")
+        for series in ("angle", "torque"):
+            values = np.ascontiguousarray(getattr(self, series), dtype=np.float64)
+            object.__setattr__(self, series, values)
         if self.angle.ndim != 1 or self.angle.shape != self.torque.shape:
             raise InputError(
                 f"curve {self.name!r} has angles of shape {self.angle.shape} and torques of shape "
@@ -72,6 +78,8 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
     (_, header), *rows = _rows(path)
     header = [name.strip() for name in header]
     angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
+    if {"angle_deg", "angle_rad"} <= set(header):
+        raise InputError(f"{path} has both angle_rad and angle_deg: keep one of them")
     for column in ("curve", angle_column, "torque_nm"):
         if column not in header:
             raise InputError(
@@ -115,14 +123,14 @@ def save_curves(
     path: str | os.PathLike[str], curves: Sequence[Curve], comments: Sequence[str] = ()
 ) -> None:
     """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m)."""
-    lines = [f"# {comment}" for comment in comments]
-    lines.append("curve,role,angle_rad,torque_nm")
+    text = io.StringIO()
+    text.writelines(f"# {comment}\n" for comment in comments)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["curve", "role", "angle_rad", "torque_nm"])
     for curve in curves:
-        lines.extend(
-            f"{curve.name},{curve.role},{angle:.6f},{torque:.6f}"
-            for angle, torque in zip(curve.angle, curve.torque, strict=True)
-        )
-    write_text(path, "\n".join(lines) + "\n")
+        for angle, torque in zip(curve.angle, curve.torque, strict=True):
+            writer.writerow([curve.name, curve.role, f"{angle:.6f}", f"{torque:.6f}"])
+    write_text(path, text.getvalue())
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:

@@ -9,7 +9,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError, at_least, unknown_name
 from ..hysteresis import JilesAtherton
 from .certified import certified_fit
 from .curves import Curve
@@ -102,7 +102,7 @@ def identify(
         **options: passed to the method (`swarm_size`, `temperature`, `budget`, ...).
 
     Raises:
-        InputError: unknown model or method, no curve to fit, or wrong options.
+        InputError: unknown model or method, no curve to fit, or a number out of its range.
     """
     if model not in MODELS:
         raise unknown_name("model", model, MODELS)
@@ -110,8 +110,10 @@ def identify(
         raise unknown_name("method", method, METHODS)
     if trials is None:
         trials = 1 if method == "certified" else 30
-    if trials < 1:
-        raise InputError(f"trials is {trials}: use at least 1")
+    at_least("trials", trials, 1)
+    at_least("seed", seed, 0)
+    if workers == 0:
+        raise InputError("workers is 0: use a number of threads, or -1 for all cores")
     measured = [curve for curve in curves if curve.role == "fit"]
     CurveObjective(measured)  # reports unusable data before any thread starts
     run = partial(_run_trial, measured, method, options)
@@ -164,6 +166,7 @@ def _run_trial(
 
 
 def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted: bool) -> Fit:
+    measured = [curve for curve in curves if curve.role == "fit"]
     best = min(trials, key=lambda trial: (trial.nrmse, trial.index))
     errors: dict[str, float] = {}
     for curve in curves:
@@ -171,11 +174,10 @@ def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted
             predicted = CurveObjective([curve]).responses(best.parameters)[0]
             worst = float(np.abs(predicted - curve.torque).max())
             errors[curve.name] = worst if np.isfinite(worst) else float("inf")
-    samples = sum(curve.angle.size for curve in curves if curve.role == "fit")
     return Fit(
         model=paper_model(best.parameters),
         method=method,
-        fitness=best.nrmse / float(np.sqrt(samples)),
+        fitness=float(CurveObjective(measured)(best.parameters)[0]),
         nrmse=best.nrmse,
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),

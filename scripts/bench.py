@@ -6,24 +6,22 @@ import time
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-import gymnasium
 import mujoco
 import numpy as np
 import tyro
 from numba import njit
 
 from ..assets import SCENE, curves_path, load_suit
-from ..envs.arm_env import ArmEnv
 from ..envs.composition import joint_models
-from ..errors import InputError
-from ..hysteresis import JilesAtherton
+from ..envs.evaluation import make_env
+from ..errors import at_least
 from ..hysteresis._langevin import langevin
 from ..hysteresis.engine import attach
-from ..identification import certified_fit, load_curves
+from ..identification import certified_fit, identify, load_curves
+from .make_assets import PUBLISHED
 from .output import table, to_json
 
 Topic = Literal["all", "hysteresis", "engine", "env", "identify"]
-ELBOW = JilesAtherton(Ms=11.4488, a=128.97, alpha=-0.0515, c=6.4043, k=23.0945, angle_unit="deg")
 
 
 def bench(
@@ -39,8 +37,7 @@ def bench(
         repeats: pairs of measurements per row.
         json: print the result as JSON.
     """
-    if repeats < 1:
-        raise InputError(f"repeats is {repeats}: use at least 1")
+    at_least("repeats", repeats, 1)
     topics: dict[str, Callable[[int], dict[str, Any]]] = {
         "hysteresis": _hysteresis,
         "engine": _engine,
@@ -129,9 +126,9 @@ def _hysteresis(repeats: int) -> dict[str, Any]:
     up = np.linspace(0.52, 1.57, 450)
     angle = np.tile(np.concatenate([up, up[::-1]]), 100)
     torque = np.empty_like(angle)
-    arguments = ELBOW.kernel_arguments[:5]
+    arguments = PUBLISHED["elbow"].kernel_arguments[:5]
     measured = _paired(
-        lambda: ELBOW.response(angle),
+        lambda: PUBLISHED["elbow"].response(angle),
         lambda: _rk4_response(angle, 0.0, *arguments, torque),
         repeats,
         angle.size,
@@ -162,9 +159,7 @@ def _engine(repeats: int, steps: int = 5000) -> dict[str, Any]:
 
 
 def _env(repeats: int, steps: int = 500) -> dict[str, Any]:
-    env = gymnasium.make("ActiveSuit/ArmTracking-v0", max_episode_steps=10**9)
-    arm = env.unwrapped
-    assert isinstance(arm, ArmEnv)
+    env, arm = make_env("ActiveSuit/ArmTracking-v0")
     env.reset(seed=0)
     action = np.zeros(2, dtype=np.float32)
     data = mujoco.MjData(arm.model)
@@ -186,7 +181,6 @@ def _identify(repeats: int) -> dict[str, Any]:
     curves = [c for c in load_curves(curves_path("elbow")) if c.role == "fit"]
 
     def swarm() -> None:
-        from ..identification import identify
 
         identify(curves, method="sa-pso", trials=1, workers=1)
 

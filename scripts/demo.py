@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, Suit, curves_path, load_suit, save_suit
-from ..envs.arm_env import ArmEnv
 from ..envs.composition import ASSISTED
-from ..envs.evaluation import Score, Trace, evaluate, make_env
+from ..envs.evaluation import Score, Trace, evaluate, make_env, share_of_oracle
 from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ..envs.policies import POLICIES
 from ..envs.rendering import RenderingUnavailableError
+from ..errors import at_least
 from ..identification import Curve, Fit, Trial, identify, load_curves
 from ..identification.figures import convergence_figure, loops_figure
 from .identify import fit_summary, write_trials
@@ -39,16 +39,23 @@ def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, see
         episodes: simulated motions per policy.
         seed: fixes all random numbers.
     """
+    at_least("trials", trials, 1)
+    at_least("episodes", episodes, 1)
+    at_least("seed", seed, 0)
     folder = RunFolder(out)
     config = {"trials": trials, "episodes": episodes, "seed": seed, "env": ENV, "plant": PLANT}
     folder.json("config.json", {**config, "methods": METHODS, "gravities": GRAVITIES})
 
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
-    fits = _identify(curves, trials, seed)
+    fits: Fits = {name: {} for name in curves}
+    try:
+        _identify(curves, fits, trials, seed)
+    finally:  # Ctrl-C keeps what is done
+        _write_fits(folder, fits, seed)
     fit_tables = {"Identified models": parameter_table(fits), "Their quality": quality_table(fits)}
     for title, rows in fit_tables.items():
         table(title, *rows)
-    _write_fits(folder, curves, fits, seed)
+    _draw_fits(folder, curves, fits)
 
     suit_path = folder / "suit.json"
     save_suit(_identified_suit(curves, fits), suit_path)
@@ -66,9 +73,9 @@ def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, see
     console.print(f"report, figures, suit and data: {folder.path}/report.md")
 
 
-def _identify(curves: dict[str, list[Curve]], trials: int, seed: int) -> Fits:
+def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int) -> None:
+    """Fills `fits` by joint and method."""
     runs = {"sa-pso": trials, "mpso": trials, "certified": 1}
-    fits: Fits = {name: {} for name in curves}
     with progress("identifying", sum(runs.values()) * len(curves)) as bar:
 
         def report(trial: Trial) -> None:
@@ -81,11 +88,19 @@ def _identify(curves: dict[str, list[Curve]], trials: int, seed: int) -> Fits:
                     family, method=method, trials=runs[method], seed=seed, on_trial=report
                 )
                 if fits[name][method].interrupted:
-                    raise KeyboardInterrupt
-    return fits
+                    raise KeyboardInterrupt("the finished fits are kept in fits.json, trials.csv")
 
 
-def _write_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits, seed: int) -> None:
+def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
+    write_trials(folder, "trials.csv", fits)
+    summaries = {
+        name: {method: fit_summary(fit, seed) for method, fit in methods.items()}
+        for name, methods in fits.items()
+    }
+    folder.json("fits.json", summaries)
+
+
+def _draw_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) -> None:
     models = {n: {m: fit.model for m, fit in methods.items()} for n, methods in fits.items()}
     histories = {
         name: {m: [t.history for t in fit.trials] for m, fit in methods.items() if m != "certified"}
@@ -93,12 +108,6 @@ def _write_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits, s
     }
     folder.figure("loops", loops_figure(curves, models))
     folder.figure("convergence", convergence_figure(histories))
-    write_trials(folder, "trials.csv", fits)
-    summaries = {
-        name: {method: fit_summary(fit, seed) for method, fit in methods.items()}
-        for name, methods in fits.items()
-    }
-    folder.json("fits.json", summaries)
 
 
 def _identified_suit(curves: dict[str, list[Curve]], fits: Fits) -> Suit:
@@ -145,10 +154,8 @@ def _simulate(
 
 
 def _picture(folder: RunFolder, seed: int) -> bool:
-    env = make_env(ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960)
+    env, arm = make_env(ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960)
     try:
-        arm = env.unwrapped
-        assert isinstance(arm, ArmEnv)
         env.reset(seed=seed)
         for _ in range(PICTURE_STEP):
             env.step(np.zeros(len(ASSISTED)))
@@ -177,7 +184,9 @@ def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], picture
     for gravity, rows in scores.items():
         parts += [
             f"## Human torque: {ENV}, {gravity}",
-            f"The simulated suit is {PLANT}; feed-forward believes the certified fit above.",
+            f"The simulated suit is {PLANT}; feed-forward believes the certified fit above. "
+            "Both come from the same curves, so this shows what a good model is worth, not that "
+            "it is good. The first half second, in which the motors take over, is not scored.",
             markdown_table(*score_table(rows)),
             _relief(rows),
         ]
@@ -187,10 +196,6 @@ def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], picture
 
 
 def _relief(scores: list[Score]) -> str:
-    reductions = {score.policy: score.reduction or {} for score in scores}
-    shares = (
-        f"{joint.replace('_', ' ')} "
-        f"{reductions['feedforward'][joint] / reductions['oracle'][joint]:.1%}"
-        for joint in ASSISTED
-    )
-    return "Feed-forward's share of the oracle's reduction: " + ", ".join(shares) + "."
+    shares = share_of_oracle(scores, load_suit(PLANT))
+    listed = ", ".join(f"{joint.replace('_', ' ')} {share:.1%}" for joint, share in shares.items())
+    return f"Feed-forward's share of the oracle's reduction: {listed}."

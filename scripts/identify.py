@@ -6,11 +6,12 @@ from typing import Annotated, Literal
 
 import tyro
 
-from ..assets import Suit, save_suit
+from ..assets import Suit, load_suit, save_suit
+from ..hysteresis.jiles_atherton import PARAMETERS
 from ..identification import Fit, Trial, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure
-from .output import RunFolder, console, messages, progress, table, to_json
+from .output import RunFolder, console, progress, table, to_json
 from .suit_export import fitted_joint, joint_of
 from .tables import parameter_table, quality_table
 
@@ -23,6 +24,7 @@ def identify(
     seed: int = 0,
     workers: int = -1,
     joint: str | None = None,
+    base: str | None = None,
     out: Path | None = None,
     json: bool = False,
 ) -> None:
@@ -40,12 +42,14 @@ def identify(
         seed: fixes all random numbers.
         workers: threads; -1 uses all cores.
         joint: which joint the curves belong to; by default the file name tells.
+        base: suit whose other joints suit.json takes over; by default it has this one only.
         out: folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
         json: print the result as JSON.
     """
     family = load_curves(curves)
+    joint_name = joint_of(curves, joint) if out else None
+    others = load_suit(base).joints if base else {}
     folder = RunFolder(out) if out else None
-    joint_name = joint_of(curves, joint) if folder else None
     total = trials or (1 if method == "certified" else 30)
     with progress(f"{method} on {curves.name}", total) as bar:
 
@@ -56,8 +60,6 @@ def identify(
         fit = identify_curves(
             family, method=method, trials=trials, seed=seed, workers=workers, on_trial=report
         )
-    if fit.interrupted:
-        messages.print(f"interrupted: the best of the {len(fit.trials)} finished trials is kept")
     result = fit_summary(fit, seed)
     if json:
         print(to_json(result))
@@ -69,7 +71,7 @@ def identify(
             schema_version=1,
             name=curves.stem,
             description=f"Identified from {curves.name} by {method}, seed {seed}.",
-            joints={joint_name: fitted_joint(fit, family, curves)},
+            joints={**others, joint_name: fitted_joint(fit, family, curves)},
         )
         save_suit(suit, folder / "suit.json")
         folder.json("result.json", result)
@@ -79,6 +81,8 @@ def identify(
         )
         if not json:
             console.print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
+    if fit.interrupted:
+        raise KeyboardInterrupt(f"the best of the {len(fit.trials)} finished trials is kept")
 
 
 def fit_summary(fit: Fit, seed: int) -> dict:
@@ -88,7 +92,7 @@ def fit_summary(fit: Fit, seed: int) -> dict:
         "method": fit.method,
         "seed": seed,
         "model": "jiles-atherton",
-        "parameters": {name: getattr(fit.model, name) for name in ("Ms", "a", "alpha", "c", "k")},
+        "parameters": {name: getattr(fit.model, name) for name in PARAMETERS},
         "angle_unit": fit.model.angle_unit,
         "fitness": fit.fitness,
         "nrmse": fit.nrmse,

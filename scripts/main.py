@@ -35,9 +35,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except (InputError, RenderingUnavailableError) as error:
         print(f"activesuit: error: {error}", file=sys.stderr)
         sys.exit(2)
-    except KeyboardInterrupt:
-        print("activesuit: interrupted", file=sys.stderr)
-        sys.exit(130)
+    except KeyboardInterrupt as interrupt:
+        print(f"activesuit: interrupted: {interrupt or 'nothing is kept'}", file=sys.stderr)
+        sys.exit(2)
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has gone: nothing is left to say
         sys.exit(1)

@@ -1,16 +1,13 @@
 """`activesuit simulate`: one motion under one policy, as a time series."""
 
 from pathlib import Path
-from typing import Annotated
-
-import tyro
 
 from ..assets import JOINTS
-from ..envs.arm_env import ArmEnv
 from ..envs.composition import ASSISTED
 from ..envs.evaluation import Trace, make_env, run_episode, score
 from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ..envs.policies import make_policy
+from ..errors import at_least
 from .output import RunFolder, console, table, to_json
 from .tables import score_table
 
@@ -22,7 +19,7 @@ def simulate(
     gravity: str = "earth",
     seed: int = 0,
     out: Path = Path("runs/simulate"),
-    allow_uncertified: Annotated[bool, tyro.conf.FlagCreatePairsOff] = False,
+    allow_uncertified: bool = False,
     json: bool = False,
 ) -> None:
     """Simulate one assisted arm motion, headless.
@@ -37,9 +34,8 @@ def simulate(
         allow_uncertified: accept a suit whose torque could become infinite in some motion.
         json: print the result as JSON.
     """
-    made = make_env(env, suit=suit, gravity=gravity, allow_uncertified=allow_uncertified)
-    arm = made.unwrapped
-    assert isinstance(arm, ArmEnv)
+    at_least("seed", seed, 0)
+    made, arm = make_env(env, suit=suit, gravity=gravity, allow_uncertified=allow_uncertified)
     actor = make_policy(policy, arm)
     folder = RunFolder(out)
     trace = run_episode(made, actor, seed)

@@ -31,9 +31,6 @@ def suits(
         return
     loaded = load_suit(suit)
     models = joint_models(loaded)
-    if not models:
-        console.print(f"{loaded.name} resists no joint")
-        return
     certificates = {joint: model.certificate() for joint, model in models.items()}
     if json:
         content = loaded.model_dump()
@@ -42,6 +39,9 @@ def suits(
         print(to_json(content))
         return
     console.print(f"{loaded.name}: {loaded.description}\n")
+    if not models:
+        console.print("It resists no joint.")
+        return
     columns = [_column(loaded.joints[joint], model) for joint, model in models.items()]
     names = [joint.replace("_", "\n") for joint in models]
     rows = ([quantity, *(column[quantity] for column in columns)] for quantity in columns[0])

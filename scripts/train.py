@@ -6,9 +6,9 @@ from typing import Any, Literal
 
 from ..envs.evaluation import make_env
 from ..envs.policies.trained import algorithm_class
-from ..errors import InputError
+from ..errors import InputError, at_least
 from ..files import replacing
-from .output import Bar, RunFolder, console, messages, progress
+from .output import Bar, RunFolder, console, progress
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
 # networks small, as the task is nearly a function of angle, rate and target.
@@ -50,10 +50,10 @@ def train(
         out: folder of the run.
         resume: go on with the run in that folder.
     """
-    if steps < 1:
-        raise InputError(f"steps is {steps}: use at least 1")
+    at_least("steps", steps, 1)
+    at_least("seed", seed, 0)
     algorithm = algorithm_class(algo)
-    make_env(env, suit=suit, gravity=gravity).close()
+    make_env(env, suit=suit, gravity=gravity)[0].close()
     config = {"env": env, "algo": algo, "seed": seed, "suit": suit, "gravity": gravity}
     _check_folder(out, config, resume)
     folder = RunFolder(out)
@@ -94,8 +94,7 @@ def train(
     _save(learner, folder)
     environments.close()
     if interrupted:
-        messages.print(f"interrupted: {learner.num_timesteps} steps are kept; go on with --resume")
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(f"{learner.num_timesteps} steps are kept; go on with --resume")
     console.print(
         f"trained {learner.num_timesteps} steps; compare with: activesuit evaluate --env {env} "
         f"--policies none {folder.path}"

@@ -6,7 +6,7 @@ from typing import Annotated
 import tyro
 
 from ..assets import load_suit
-from ..envs.composition import ASSISTED
+from ..envs.evaluation import share_of_oracle
 from .evaluate import run
 from .output import RunFolder, console, table, to_json
 from .tables import score_table
@@ -41,6 +41,7 @@ def validate(
         json: print the result as JSON.
     """
     load_suit(suit)
+    worn = load_suit(plant)
     folder = RunFolder(out) if out else None
     scores = run(
         env,
@@ -52,8 +53,7 @@ def validate(
         gravity=gravity,
         allow_uncertified=allow_uncertified,
     )
-    _, believed, oracle = (score.reduction or {} for score in scores)
-    share = {joint: believed[joint] / oracle[joint] for joint in ASSISTED}
+    share = share_of_oracle(scores, worn)
     result = {
         "believed_suit": suit,
         "plant": plant,

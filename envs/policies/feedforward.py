@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...assets import Suit
-from ...errors import InputError
 from ..arm_env import ArmEnv
 from ..composition import ASSISTED, joint_models
 
@@ -20,24 +19,17 @@ class HysteresisFeedforward:
 
     Args:
         env: the environment to act in.
-        suit: what the controller believes the suit to be. It need not be the simulated one.
-
-    Raises:
-        InputError: the suit has no model for an assisted joint.
+        suit: what the controller believes the suit to be. It need not be the simulated one; a
+            joint that it does not list gets no assist.
     """
 
     def __init__(self, env: ArmEnv, suit: Suit) -> None:
         models = joint_models(suit)
-        for joint in ASSISTED:
-            if joint not in models:
-                raise InputError(
-                    f"suit {suit.name!r} has no model of {joint!r}: identify one first"
-                )
-        self._models = [models[joint] for joint in ASSISTED]
-        self._starts = [
-            model.start(suit.joints[joint].start_angle)
-            for joint, model in zip(ASSISTED, self._models, strict=True)
-        ]
+        self._models = {i: models[joint] for i, joint in enumerate(ASSISTED) if joint in models}
+        self._starts = {
+            i: model.start(suit.joints[ASSISTED[i]].start_angle)
+            for i, model in self._models.items()
+        }
         angle, target = env.layout["angle"], env.layout["target"]
         self._measured = angle.start + env.wiring.assisted
         self._target = [target.start + i for i in range(len(ASSISTED))]  # the nearest preview
@@ -47,12 +39,12 @@ class HysteresisFeedforward:
 
     def reset(self) -> None:
         """Puts the memory back to where the suit's begins."""
-        self._states = list(self._starts)
+        self._states = dict(self._starts)
 
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
         """Returns the predicted resistance over the peak, clipped to [-1, 1]."""
-        torque = np.empty(len(self._models))
-        for i, model in enumerate(self._models):
+        torque = np.zeros(len(ASSISTED))
+        for i, model in self._models.items():
             measured = float(observation[self._measured[i]])
             change = float(observation[self._target[i]]) - float(
                 info["target_angle"][self._columns[i]]

@@ -17,6 +17,9 @@ from Python with `attach`, or from MJCF:
 
 Optional keys are `start_angle` (rad), `start_torque` (N·m) and `allow_uncertified` ("true"). The
 name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
+
+A process that reads a saved or pickled MjModel with such joints must import this module first:
+MuJoCo finds the plugin's code in the process, not in the file.
 """
 
 from ._attach import attach, fault_slots

@@ -1,5 +1,7 @@
 """Puts a hysteresis model on a joint of any MuJoCo model."""
 
+import math
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +37,9 @@ def attach(
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
     `<joint>_suit_dissipated_energy` [J], which never decreases for a certified model.
 
+    Compose first, attach last: when a spec is attached to another one under a name prefix, MuJoCo
+    renames its joints, but not the joint in the plugin's config.
+
     Args:
         spec: any model specification; it is changed in place.
         joint: name of a hinge (rad) or slide joint (m, read as the model's angle).
@@ -57,7 +62,9 @@ def attach(
     instance = f"{joint}_suit"
     if any(plugin.name == instance for plugin in spec.plugins):
         raise InputError(f"joint {joint!r} has a hysteresis model already: attach one per joint")
-    start = model.start(0.0 if start_angle is None else start_angle, start_torque)
+    start = model.start(
+        _reference(spec, target) if start_angle is None else start_angle, start_torque
+    )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
     if PLUGIN_NAME not in {plugin.plugin_name for plugin in spec.plugins}:
@@ -79,10 +86,17 @@ def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
 
     A flag is 1 from the moment a motion met the model's pole, until the next reset; the joint's
-    torque is held meanwhile. Certified models never set it.
+    torque is held meanwhile, and MuJoCo logs a warning. Certified models never set it. With
+    MuJoCo's `autoreset` on, a simulation that goes on to diverge is reset, flag included.
     """
     ours = np.flatnonzero(model.plugin == register())
     return model.plugin_stateadr[ours].astype(np.int64) + FAULT
+
+
+def _reference(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:
+    """Returns the joint's reference position, which its qpos has after a reset."""
+    in_degrees = spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE
+    return math.radians(joint.ref) if in_degrees else joint.ref
 
 
 def _require_certificate(model: JilesAtherton, start, joint: str) -> None:

@@ -5,7 +5,7 @@ state: saved, restored, copied and batched by MuJoCo itself. `compute` only read
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 """
 
-# pyright: reportCallIssue=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
 from typing import Any
@@ -13,18 +13,16 @@ from typing import Any
 from numba import cfunc, njit, types
 
 from .. import _jiles_atherton_kernels as kernels
-from ._configuration import FINE, JOINT, complain, config, configure, stored_energy
+from ._configuration import FINE, JOINT, complain, config, configure, connect, stored_energy
 from ._layout import Layout
-from ._memory import doubles, pointer_at, warn
+from ._memory import doubles, int32_at, pointer_at, warn
 from ._state import (
     ALPHA,
     ANGLE,
-    DOF,
     ENERGY_SENSOR,
     FAULT,
     LOSS,
     MS,
-    QPOS,
     STATE_SIZE,
     STEP_LIMIT,
     STIFFNESS_SENSOR,
@@ -33,7 +31,11 @@ from ._state import (
     A,
     C,
     K,
+    joint_of,
+    sensor_of,
+    set_wires,
     state_of,
+    wires_of,
 )
 
 
@@ -54,11 +56,19 @@ def move(state, angle):
 
 
 @njit(cache=True)
+def angle_of(m, d, joint, at):
+    """Returns the joint's position."""
+    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
+    return doubles(pointer_at(d + at.d_qpos), qpos + 1)[qpos]
+
+
+@njit(cache=True)
 def evaluate(m, d, instance, capability, at):
     """Adds the torque at the current position, or writes the sensors; changes no memory."""
     state = state_of(m, d, instance, at)
-    index = int(state[QPOS])
-    angle = doubles(pointer_at(d + at.d_qpos), index + 1)[index]
+    wires = wires_of(d, instance, at)
+    joint = joint_of(wires)
+    angle = angle_of(m, d, joint, at)
     torque, loss = state[TORQUE], 0.0
     if state[FAULT] == 0:
         moved, loss = move(state, angle)
@@ -66,14 +76,13 @@ def evaluate(m, d, instance, capability, at):
             angle, loss = state[ANGLE], 0.0
         else:
             torque = moved
-    dof = int(state[DOF])
+    dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
     if capability == at.passive:
         doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= torque
         return
-    sensordata = pointer_at(d + at.d_sensordata)
-    if state[TORQUE_SENSOR] >= 0:
-        doubles(sensordata + 8 * int(state[TORQUE_SENSOR]), 1)[0] = -torque
-    if state[STIFFNESS_SENSOR] >= 0:
+    if sensor_of(wires, TORQUE_SENSOR) >= 0:
+        write_sensor(m, d, sensor_of(wires, TORQUE_SENSOR), -torque, at)
+    if sensor_of(wires, STIFFNESS_SENSOR) >= 0:
         velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
         stiffness = kernels.tangent_stiffness(
             angle,
@@ -85,18 +94,24 @@ def evaluate(m, d, instance, capability, at):
             state[C],
             state[K],
         )
-        doubles(sensordata + 8 * int(state[STIFFNESS_SENSOR]), 1)[0] = stiffness
-    if state[ENERGY_SENSOR] >= 0:
+        write_sensor(m, d, sensor_of(wires, STIFFNESS_SENSOR), stiffness, at)
+    if sensor_of(wires, ENERGY_SENSOR) >= 0:
         energy = state[LOSS] + loss - stored_energy(state, angle, torque)
-        doubles(sensordata + 8 * int(state[ENERGY_SENSOR]), 1)[0] = energy
+        write_sensor(m, d, sensor_of(wires, ENERGY_SENSOR), energy, at)
+
+
+@njit(cache=True)
+def write_sensor(m, d, sensor, value, at):
+    """Writes the value of a sensor."""
+    address = int32_at(pointer_at(m + at.m_sensor_adr), sensor)
+    doubles(pointer_at(d + at.d_sensordata), address + 1)[address] = value
 
 
 @njit(cache=True)
 def commit(m, d, instance, at):
     """Moves the memory to the new position; at a pole the torque is held and the fault flag set."""
     state = state_of(m, d, instance, at)
-    index = int(state[QPOS])
-    angle = doubles(pointer_at(d + at.d_qpos), index + 1)[index]
+    angle = angle_of(m, d, joint_of(wires_of(d, instance, at)), at)
     if state[FAULT] != 0 or angle == state[ANGLE] or not math.isfinite(angle):
         return
     torque, loss = move(state, angle)
@@ -125,15 +140,22 @@ def build(at: Layout) -> dict[str, Any]:
 
     @cfunc(types.int32(types.intp, types.intp, types.int32), cache=True)
     def init(m, d, instance):
-        fault = configure(m, instance, state_of(m, d, instance, at), at)
+        fault, wires = connect(m, instance, at)
+        if fault == FINE:
+            set_wires(d, instance, wires, at)
+            fault = configure(m, instance, wires, state_of(m, d, instance, at), at)
         if fault == FINE:
             return 0
         complain(fault, config(m, instance, JOINT, at))
         return -1
 
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
+    def copy(destination, m, source, instance):
+        set_wires(destination, instance, wires_of(source, instance, at), at)
+
+    @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
     def reset(m, plugin_state, plugin_data, instance):
-        configure(m, instance, doubles(plugin_state, STATE_SIZE), at)
+        configure(m, instance, plugin_data, doubles(plugin_state, STATE_SIZE), at)
 
     @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
     def compute(m, d, instance, capability):
@@ -143,5 +165,5 @@ def build(at: Layout) -> dict[str, Any]:
     def advance(m, d, instance):
         commit(m, d, instance, at)
 
-    callbacks = (nstate, nsensordata, init, reset, compute, advance)
+    callbacks = (nstate, nsensordata, init, copy, reset, compute, advance)
     return {callback.__name__: callback for callback in callbacks}

@@ -1,22 +1,32 @@
 """Reading an instance's MJCF config into its state, and saying what is wrong with it."""
 
-# pyright: reportCallIssue=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
 
 from numba import njit
 
 from .. import _jiles_atherton_kernels as kernels
-from ._memory import character_at, doubles, int32_at, name2id, parse_double, pointer_at, warn
+from ._memory import (
+    character_at,
+    doubles,
+    ends_with,
+    equals,
+    int32_at,
+    name2id,
+    parse_number,
+    pointer_at,
+    warn,
+)
 from ._state import (
     ALPHA,
     ANGLE,
-    DOF,
+    BITS,
     ENERGY_SENSOR,
     FAULT,
+    LARGEST,
     LOSS,
     MS,
-    QPOS,
     STEP_LIMIT,
     STIFFNESS_SENSOR,
     TORQUE,
@@ -24,6 +34,7 @@ from ._state import (
     A,
     C,
     K,
+    joint_of,
 )
 
 # Config keys, in the order in which MuJoCo stores their values.
@@ -43,7 +54,7 @@ JOINT, FIRST_PARAMETER, UNIT, START_ANGLE, START_TORQUE, ALLOW = 0, 1, 6, 7, 8, 
 
 # What can be wrong with a config.
 FINE, NO_JOINT, JOINT_TYPE, PARAMETER, NOT_POSITIVE, ANGLE_UNIT = 0, 1, 2, 3, 4, 5
-START, UNCERTIFIED, SENSOR_NAME = 6, 7, 8
+START, FLAG, UNCERTIFIED, FAR_START, SENSOR_NAME, TOO_LARGE = 6, 7, 8, 9, 10, 11
 
 DEGREE = math.pi / 180
 
@@ -62,22 +73,8 @@ def config(m, instance, index, at):
 
 
 @njit(cache=True)
-def ends_with(text, ending):
-    """Returns whether the C string at `text` ends with the bytes `ending`."""
-    length = 0
-    while character_at(text + length) != 0:
-        length += 1
-    if length < len(ending):
-        return False
-    for i in range(len(ending)):
-        if character_at(text + length - len(ending) + i) != ending[i]:
-            return False
-    return True
-
-
-@njit(cache=True)
-def sensor_slot(name):
-    """Returns the state slot of what a sensor's name says it measures, or -1."""
+def sensor_kind(name):
+    """Returns what a sensor measures, as its name says, or -1."""
     if ends_with(name, b"torque"):
         return TORQUE_SENSOR
     if ends_with(name, b"stiffness"):
@@ -85,6 +82,28 @@ def sensor_slot(name):
     if ends_with(name, b"energy"):
         return ENERGY_SENSOR
     return -1
+
+
+@njit(cache=True)
+def connect(m, instance, at):
+    """Returns (fault, packed numbers of the joint and of this instance's sensors)."""
+    if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
+        return TOO_LARGE, 0
+    wires = name2id(m, at.object_joint, config(m, instance, JOINT, at))
+    if wires < 0:
+        return NO_JOINT, 0
+    joint_type = int32_at(pointer_at(m + at.m_jnt_type), wires)
+    if joint_type not in (at.joint_slide, at.joint_hinge):
+        return JOINT_TYPE, 0
+    for i in range(pointer_at(m + at.m_nsensor)):
+        ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
+        if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
+            name = pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), i)
+            kind = sensor_kind(name)
+            if kind < 0:
+                return SENSOR_NAME, 0
+            wires |= (i + 1) << (BITS * kind)
+    return FINE, wires
 
 
 @njit(cache=True)
@@ -96,66 +115,34 @@ def stored_energy(state, angle, torque):
 
 
 @njit(cache=True)
-def certified(state):
-    """Mirrors `JilesAtherton.certificate` and the start's memory bound."""
-    chi = state[MS] / (3 * state[A])
-    spread = abs(state[C] - 1)
-    alpha = state[ALPHA]
-    top = alpha * (spread + max(state[C], 0.0)) * chi
-    bottom = -alpha * (spread + max(-state[C], 0.0)) * chi
-    man = state[MS] * kernels.langevin((state[ANGLE] + alpha * state[TORQUE]) / state[A])[0]
-    inside = abs(state[TORQUE] - man) <= state[K] * spread * chi
-    return top < 1 and bottom < 1 and state[C] >= 1 and inside
-
-
-@njit(cache=True)
-def configure(m, instance, state, at):
+def configure(m, instance, wires, state, at):
     """Fills the state from the config; returns a fault code for `complain`, FINE if it could."""
-    fault = find_joint(m, instance, state, at)
+    fault = read_parameters(m, instance, state, at)
     if fault == FINE:
-        fault = read_parameters(m, instance, state, at)
+        fault = read_start(m, instance, wires, state, at)
     if fault == FINE:
-        fault = read_start(m, instance, state, at)
-    if fault == FINE:
-        allowed = character_at(config(m, instance, ALLOW, at)) == ord("t")
-        fault = FINE if allowed or certified(state) else UNCERTIFIED
-    if fault == FINE:
-        fault = find_sensors(m, instance, state, at)
+        fault = judge(m, instance, state, at)
     state[LOSS] = stored_energy(state, state[ANGLE], state[TORQUE]) if fault == FINE else 0.0
-    state[FAULT] = 0.0
+    state[FAULT] = fault != FINE
     return fault
-
-
-@njit(cache=True)
-def find_joint(m, instance, state, at):
-    """Resolves the name of the joint."""
-    joint = name2id(m, at.object_joint, config(m, instance, JOINT, at))
-    if joint < 0:
-        return NO_JOINT
-    joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
-    if joint_type not in (at.joint_slide, at.joint_hinge):
-        return JOINT_TYPE
-    state[QPOS] = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
-    state[DOF] = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
-    return FINE
 
 
 @njit(cache=True)
 def read_parameters(m, instance, state, at):
     """Reads Ms, a, alpha, c, k and turns them into radians."""
     for i in range(5):
-        value, number = parse_double(config(m, instance, FIRST_PARAMETER + i, at))
-        if not (number and math.isfinite(value)):
+        value, number = parse_number(config(m, instance, FIRST_PARAMETER + i, at))
+        if not number:
             return PARAMETER
         state[MS + i] = value
     if not (state[MS] > 0 and state[A] > 0 and state[K] > 0):
         return NOT_POSITIVE
-    unit = character_at(config(m, instance, UNIT, at))
-    if unit == ord("d"):
+    unit = config(m, instance, UNIT, at)
+    if equals(unit, b"deg"):
         state[A] *= DEGREE
         state[ALPHA] *= DEGREE
         state[K] *= DEGREE
-    elif unit != ord("r"):
+    elif not equals(unit, b"rad"):
         return ANGLE_UNIT
     state[STEP_LIMIT] = kernels.field_step_limit(
         state[MS], state[A], state[ALPHA], state[C], state[K]
@@ -164,41 +151,45 @@ def read_parameters(m, instance, state, at):
 
 
 @njit(cache=True)
-def read_start(m, instance, state, at):
+def read_start(m, instance, wires, state, at):
     """Puts the memory at the start, by default the joint's reference position and no torque."""
-    qpos = int(state[QPOS])
+    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint_of(wires))
     state[ANGLE] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
     state[TORQUE] = 0.0
     for slot, key in ((ANGLE, START_ANGLE), (TORQUE, START_TORQUE)):
         text = config(m, instance, key, at)
         if character_at(text) != 0:
-            value, number = parse_double(text)
-            if not (number and math.isfinite(value)):
+            value, number = parse_number(text)
+            if not number:
                 return START
             state[slot] = value
     return FINE
 
 
 @njit(cache=True)
-def find_sensors(m, instance, state, at):
-    """Looks up where the sensors of this instance write."""
-    state[TORQUE_SENSOR] = state[STIFFNESS_SENSOR] = state[ENERGY_SENSOR] = -1.0
-    for i in range(pointer_at(m + at.m_nsensor)):
-        ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
-        if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
-            name = pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), i)
-            slot = sensor_slot(name)
-            if slot < 0:
-                return SENSOR_NAME
-            state[slot] = int32_at(pointer_at(m + at.m_sensor_adr), i)
-    return FINE
+def judge(m, instance, state, at):
+    """Refuses parameters without a certificate, and starts outside it, unless told otherwise."""
+    flag = config(m, instance, ALLOW, at)
+    if equals(flag, b"true"):
+        return FINE
+    if character_at(flag) != 0 and not equals(flag, b"false"):
+        return FLAG
+    margin, bound = kernels.certificate(state[MS], state[A], state[ALPHA], state[C], state[K])
+    if not (margin > 0 and state[C] >= 1):
+        return UNCERTIFIED
+    man = kernels.anhysteretic(state[ANGLE], state[TORQUE], state[MS], state[A], state[ALPHA])
+    return FINE if abs(state[TORQUE] - man) <= bound else FAR_START
 
 
 @njit(cache=True)
 def complain(fault, joint):
     """Issues the sentence of a fault code as a MuJoCo warning; `joint` is a C string."""
     if fault == NO_JOINT:
-        warn("activesuit.jiles_atherton: the model has no joint '%s'; check config joint", joint)
+        warn(
+            "activesuit.jiles_atherton: the model has no joint '%s'; check config joint, and "
+            "attach hysteresis after a spec got its name prefix",
+            joint,
+        )
     elif fault == JOINT_TYPE:
         warn("activesuit.jiles_atherton: joint '%s' is not a hinge or a slide", joint)
     elif fault == PARAMETER:
@@ -217,6 +208,18 @@ def complain(fault, joint):
             "and start_torque (N m)",
             joint,
         )
+    elif fault == FLAG:
+        warn(
+            "activesuit.jiles_atherton: joint '%s': allow_uncertified must be true or false", joint
+        )
+    elif fault == FAR_START:
+        warn(
+            "activesuit.jiles_atherton: joint '%s' starts too far from its anhysteretic torque for "
+            "the certificate; change start_angle or start_torque",
+            joint,
+        )
+    elif fault == TOO_LARGE:
+        warn("activesuit.jiles_atherton: the model of joint '%s' has too many parts", joint)
     elif fault == UNCERTIFIED:
         warn(
             "activesuit.jiles_atherton: the parameters of joint '%s' have no certificate (a "

@@ -41,6 +41,7 @@ class Layout(NamedTuple):
     """Byte offsets of fields in mjModel (m_) and mjData (d_), and the values of some enums."""
 
     m_nsensor: int
+    m_njnt: int
     m_jnt_type: int
     m_jnt_qposadr: int
     m_jnt_dofadr: int
@@ -58,6 +59,7 @@ class Layout(NamedTuple):
     d_qfrc_passive: int
     d_sensordata: int
     d_plugin_state: int
+    d_plugin_data: int
     object_joint: int
     joint_slide: int
     joint_hinge: int

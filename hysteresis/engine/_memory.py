@@ -6,7 +6,9 @@ C functions are bound by name, not by address, so that compiled callbacks can be
 # pyright: reportCallIssue=false, reportPrivateImportUsage=false
 
 import ctypes
+import math
 import sys
+from functools import cache
 from pathlib import Path
 
 import llvmlite.binding
@@ -20,6 +22,7 @@ from numba.extending import intrinsic
 LIBRARY_NAMES = {"win32": "mujoco.dll", "darwin": "libmujoco*.dylib"}
 
 
+@cache
 def mujoco_library() -> ctypes.CDLL:
     """Returns the MuJoCo C library that the Python bindings have loaded.
 
@@ -40,11 +43,8 @@ def _bind(symbol: str, function: object) -> None:
     llvmlite.binding.add_symbol(symbol, address)
 
 
-_C = ctypes.cdll.msvcrt if sys.platform == "win32" else ctypes.CDLL(None)
-_MUJOCO = mujoco_library()
-_bind("activesuit_strtod", _C.strtod)
-_bind("activesuit_name2id", _MUJOCO.mj_name2id)
-_bind("activesuit_warning", _MUJOCO.mju_warning)
+_bind("activesuit_name2id", mujoco_library().mj_name2id)
+_bind("activesuit_warning", mujoco_library().mju_warning)
 
 name2id = types.ExternalFunction(
     "activesuit_name2id", types.int32(types.intp, types.int32, types.intp)
@@ -83,28 +83,77 @@ def character_at(address):
     return carray(_pointer(address), (1,), dtype=np.uint8)[0]
 
 
-@intrinsic
-def parse_double(typing_context, text):
-    """Parses the C string at address `text`; returns (value, whether all of it was a number)."""
+@njit(inline="always")
+def store_pointer(address, value):
+    """Stores a pointer-sized integer at `address`."""
+    carray(_pointer(address), (1,), dtype=np.intp)[0] = value
 
-    def codegen(context, builder, signature, arguments):
-        integer = arguments[0].type
-        end = cgutils.alloca_once(builder, integer)
-        function = cgutils.get_or_insert_function(
-            builder.module,
-            ir.FunctionType(ir.DoubleType(), [integer, integer.as_pointer()]),
-            "activesuit_strtod",
-        )
-        value = builder.call(function, [arguments[0], end])
-        stop = builder.load(end)
-        rest = builder.load(builder.inttoptr(stop, cgutils.voidptr_t))
-        whole = builder.and_(
-            builder.icmp_unsigned("!=", stop, arguments[0]),
-            builder.icmp_unsigned("==", rest, rest.type(0)),
-        )
-        return context.make_tuple(builder, signature.return_type, [value, whole])
 
-    return types.Tuple((types.float64, types.boolean))(types.intp), codegen
+@njit(cache=True)
+def length(text):
+    """Returns the length of the C string at `text`."""
+    count = 0
+    while character_at(text + count) != 0:
+        count += 1
+    return count
+
+
+@njit(cache=True)
+def ends_with(text, ending):
+    """Returns whether the C string at `text` ends with the bytes `ending`."""
+    start = length(text) - len(ending)
+    if start < 0:
+        return False
+    for i in range(len(ending)):
+        if character_at(text + start + i) != ending[i]:
+            return False
+    return True
+
+
+@njit(cache=True)
+def equals(text, word):
+    """Returns whether the C string at `text` is the bytes `word`."""
+    return length(text) == len(word) and ends_with(text, word)
+
+
+@njit(cache=True)
+def parse_number(text):
+    """Parses the C string at `text`: (value, whether all of it is a finite decimal number).
+
+    C's own strtod would read "0.5" as 0 in a process whose locale has a decimal comma.
+    """
+    sign = 1.0
+    if character_at(text) == ord("-"):
+        sign = -1.0
+    if character_at(text) in (ord("-"), ord("+")):
+        text += 1
+    mantissa, exponent, digits, after_point = 0, 0, 0, False
+    while ord("0") <= character_at(text) <= ord("9") or (
+        character_at(text) == ord(".") and not after_point
+    ):
+        if character_at(text) == ord("."):
+            after_point = True
+        else:
+            digits += 1
+            if mantissa < 10**17:
+                mantissa = 10 * mantissa + (character_at(text) - ord("0"))
+                exponent -= after_point
+            else:
+                exponent += not after_point
+        text += 1
+    if digits > 0 and character_at(text) in (ord("e"), ord("E")):
+        text += 1
+        negative = character_at(text) == ord("-")
+        if character_at(text) in (ord("-"), ord("+")):
+            text += 1
+        power, digits = 0, 0
+        while ord("0") <= character_at(text) <= ord("9"):
+            power = min(10 * power + (character_at(text) - ord("0")), 10_000)
+            digits += 1
+            text += 1
+        exponent += -power if negative else power
+    value = mantissa * 10.0**exponent if exponent >= 0 else mantissa / 10.0**-exponent
+    return sign * value, digits > 0 and character_at(text) == 0 and math.isfinite(value)
 
 
 @intrinsic(prefer_literal=True)

@@ -9,7 +9,6 @@ from ._layout import PASSIVE, SENSOR, layout
 from ._memory import mujoco_library
 
 PLUGIN_NAME = "activesuit.jiles_atherton"
-CALLBACKS = ("nstate", "nsensordata", "init", "reset", "compute", "advance")
 STAGE_POS = 1  # mjSTAGE_POS: the sensors depend on the position and the sign of the velocity
 _lock = threading.Lock()
 _registered: list[object] = []  # what the C side points into, for the life of the process
@@ -68,8 +67,8 @@ def register() -> int:
         plugin.attributes = keys
         plugin.capabilityflags = PASSIVE | SENSOR
         plugin.needstage = STAGE_POS
-        for name in CALLBACKS:
-            setattr(plugin, name, callbacks[name].address)
+        for name, callback in callbacks.items():
+            setattr(plugin, name, callback.address)
         _slot = library.mjp_registerPlugin(ctypes.byref(plugin))
         _registered.extend((callbacks, keys, plugin))
         return _slot

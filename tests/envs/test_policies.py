@@ -108,17 +108,19 @@ def test_bad_input(arguments, options, message):
         evaluate(*arguments, **options)
 
 
-def test_feedforward_needs_a_model_of_each_motor_joint(tmp_path):
+def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     suit = load_suit("mock-suit")
-    content = suit.model_dump()
-    del content["joints"]["elbow_flexion"]
-    save_suit(Suit.model_validate(content), tmp_path / "half.json")
-    with pytest.raises(InputError, match="no model of 'elbow_flexion'"):
-        evaluate(
-            "ActiveSuit/ElbowFlexion-v0",
-            ("feedforward",),
-            believed_suit=str(tmp_path / "half.json"),
-        )
+    elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
+    save_suit(suit.model_copy(update={"joints": elbow}), tmp_path / "half.json")
+    half = make_policy(
+        "feedforward",
+        gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped,
+        believed_suit=str(tmp_path / "half.json"),
+    )
+    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", max_episode_steps=100)
+    trace = run_episode(env, half, seed=0)
+    assert not trace.assist_torque[:, 0].any()
+    assert trace.assist_torque[:, 1].any()
 
 
 def test_folder_that_is_no_training_run(tmp_path):

@@ -21,7 +21,7 @@ def test_margins_of_table_2(table_2):
 def certified_models(draw):
     steepness = draw(st.floats(-1.9, 0.99))
     Ms = 10 ** draw(st.floats(0, 2))
-    a = 10 ** draw(st.floats(0.5, 3.7))
+    a = 10 ** draw(st.floats(-1, 3.7))
     c = 1 + 10 ** draw(st.floats(-2, 1))
     k = 10 ** draw(st.floats(0, 3.3))
     alpha = steepness * 3 * a / ((2 * c - 1) * Ms)
@@ -32,12 +32,15 @@ angles = st.lists(st.floats(-400, 400), min_size=2, max_size=40)
 
 
 @settings(max_examples=400, deadline=None)
-@given(model=certified_models(), degrees=angles)
-def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees):
+@given(model=certified_models(), degrees=angles, lag=st.floats(-1, 1), field=st.floats(-3, 3))
+def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees, lag, field):
     certificate = model.certificate()
     assert certificate.certified
     assert certificate.dissipative
-    state = model.start(0.0)
+    # A start anywhere inside the memory bound, up to its edge.
+    Ms, a, alpha, *_ = model.kernel_arguments
+    torque = Ms * kernels.langevin(field)[0] + lag * certificate.memory_bound
+    state = model.start(field * a - alpha * torque, torque)
     for angle in np.radians(degrees):
         state, torque = model.step(state, angle)
         assert abs(torque) <= certificate.torque_bound * (1 + 1e-9)

@@ -159,6 +159,64 @@ def test_pole_holds_the_torque_and_raises_the_flag(shoulder):
     assert not data.plugin_state[fault_slots(model)].any()
 
 
+@pytest.mark.parametrize("angle", [math.nan, math.inf, 1e9, 1e300])
+def test_a_diverged_simulation_returns(elbow, angle):
+    model = chain(elbow)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+    data = mujoco.MjData(model)
+    data.qpos[0] = angle
+    mujoco.mj_forward(model, data)
+    mujoco.mj_step(model, data)
+
+
+def test_a_state_of_another_model_writes_only_its_own_sensors(elbow):
+    plain = chain(elbow, sensors=False)
+    data, other = mujoco.MjData(plain), mujoco.MjData(chain(elbow))
+    assert data.plugin_state.size == other.plugin_state.size
+    data.plugin_state[:] = other.plugin_state
+    mujoco.mj_step(plain, data, 10)
+    data.plugin_state[:] = 1e9  # garbage is garbage torque, never a wild write
+    mujoco.mj_step(plain, data)
+
+
+def test_numbers_do_not_depend_on_the_locale(elbow):
+    code = (
+        "import locale, sys, mujoco, activesuit.hysteresis.engine\n"
+        "for name in ('de_DE.UTF-8', 'fr_FR.UTF-8', 'C'):\n"
+        "    try: locale.setlocale(locale.LC_ALL, name); break\n"
+        "    except locale.Error: pass\n"
+        "model = mujoco.MjModel.from_xml_string(sys.stdin.read())\n"
+        "print(mujoco.MjData(model).plugin_state.tolist())"
+    )
+    spec = mujoco.MjSpec.from_string(CHAIN)
+    attach(spec, "one", elbow, start_angle=0.125)
+    there = subprocess.run(
+        [sys.executable, "-c", code],
+        input=spec.to_xml(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    state = eval(there.stdout)
+    assert state == mujoco.MjData(spec.compile()).plugin_state.tolist()
+    np.testing.assert_allclose(state[:5], elbow.kernel_arguments[:5], rtol=1e-15)
+    assert state[6] == 0.125
+
+
+def test_the_default_start_is_the_reference_position(elbow):
+    xml = (
+        '<mujoco><compiler angle="{unit}"/><worldbody><body><joint name="j" ref="{ref}"/>'
+        '<geom size=".1"/></body></worldbody></mujoco>'
+    )
+    for unit, ref in (("degree", "60"), ("radian", "1.0471975511965976")):
+        spec = mujoco.MjSpec.from_string(xml.format(unit=unit, ref=ref))
+        attach(spec, "j", elbow)
+        assert mujoco.MjData(spec.compile()).plugin_state[6] == pytest.approx(math.pi / 3)
+        far = mujoco.MjSpec.from_string(xml.format(unit=unit, ref=float(ref) * 3))
+        with pytest.raises(UncertifiedModelError, match=r"start of joint 'j' at 3\.14"):
+            attach(far, "j", elbow)
+
+
 def test_attach_refuses(elbow, shoulder):
     spec = mujoco.MjSpec.from_string(CHAIN)
     with pytest.raises(InputError, match=r"unknown joint 'twoo'.*did you mean 'two'"):
@@ -224,6 +282,13 @@ def test_plain_mjcf_works_and_survives_saving(elbow):
         ({"angle_unit": "turn"}, "a_torque", "angle_unit rad or deg"),
         ({"alpha": "5"}, "a_torque", "no certificate"),
         ({"start_angle": "1 rad"}, "a_torque", "finite numbers for start_angle"),
+        ({"start_angle": "3"}, "a_torque", "starts too far"),
+        ({"allow_uncertified": "1"}, "a_torque", "allow_uncertified must be true or false"),
+        ({"angle_unit": "d"}, "a_torque", "angle_unit rad or deg"),
+        ({"c": "0x10"}, "a_torque", "finite number for each of Ms"),
+        ({"c": "1e"}, "a_torque", "finite number for each of Ms"),
+        ({"c": "."}, "a_torque", "finite number for each of Ms"),
+        ({"c": ""}, "a_torque", "finite number for each of Ms"),
         ({"colour": "red"}, "a_torque", "unrecognized attribute 'plugin:colour'"),
         ({}, "elbow", "must end in torque, stiffness or energy"),
     ],

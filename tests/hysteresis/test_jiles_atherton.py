@@ -105,6 +105,20 @@ def test_tiny_and_huge_steps(elbow):
     assert torque < elbow.Ms
 
 
+@pytest.mark.parametrize("angle", [1e7, 1e300, -1e9])
+def test_any_finite_angle_is_reached_at_once(table_2, angle):
+    for model in table_2.values():
+        if model.certificate().certified:
+            assert abs(model.response([0.0, angle])[-1]) <= model.certificate().torque_bound
+    sharp = JilesAtherton(Ms=1, a=1e-85, alpha=0, c=2, k=1)
+    assert sharp.response([0.0, 0.1])[-1] == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
+def test_the_kernel_returns_nan_where_there_is_no_motion(elbow, angle):
+    assert math.isnan(kernels.advance(0.0, 0.0, angle, *elbow.kernel_arguments)[0])
+
+
 def test_tangent_is_the_slope(elbow):
     state = elbow.start(0.9, 2.0)
     for direction in (1, -1):

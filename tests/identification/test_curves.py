@@ -51,6 +51,7 @@ def test_degrees_order_and_interleaved_curves(tmp_path):
         ("curve,role,angle_rad,torque_nm\nA,fit,0,0\nA,predict,1,1\n", "changes its role"),
         ("curve,role,angle_rad,torque_nm\nA,test,0,0\nA,test,1,1\n", "role 'test'"),
         (HEADER + 'A,"0,0\n', "not a CSV file"),
+        ("curve,angle_rad,angle_deg,torque_nm\nA,0,0,0\n", "both angle_rad and angle_deg"),
     ],
 )
 def test_bad_files(tmp_path, text, message):
@@ -68,6 +69,15 @@ def test_missing_and_binary_files(tmp_path):
         load_curves(tmp_path / "binary.csv")
     with pytest.raises(InputError, match="cannot read"):
         load_curves(tmp_path)
+
+
+def test_names_survive_and_lists_are_welcome(tmp_path):
+    curves = [Curve([0, 1], [0.0, 2], "run 1, left"), Curve([0, 1], [0, 1], 'a "b"')]
+    save_curves(tmp_path / "odd.csv", curves)
+    assert [curve.name for curve in load_curves(tmp_path / "odd.csv")] == ["run 1, left", 'a "b"']
+    for name in ("#3", "", "two\nlines"):
+        with pytest.raises(InputError, match="curve name"):
+            Curve([0, 1], [0, 1], name)
 
 
 def test_bad_arrays():

@@ -134,6 +134,8 @@ def test_interrupt_keeps_finished_trials(small_family):
         ({"method": "sapso"}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
         ({"model": "preisach"}, "unknown model 'preisach'"),
         ({"trials": 0}, "trials is 0"),
+        ({"seed": -1}, "seed is -1: use at least 0"),
+        ({"workers": 0}, "workers is 0"),
         ({"method": "pso", "swarm_size": 1}, "swarm_size is 1"),
         ({"budget": 10}, "budget is 10: use at least 33"),
     ],

@@ -50,6 +50,21 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     assert json.loads(out)["policies"][1]["failures"] == 0
 
 
+def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
+    run(capsys, "identify", ELBOW, "--out", tmp_path / "one")
+    suit = tmp_path / "one" / "suit.json"
+    arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"]
+    result = json.loads(run(capsys, "validate", suit, *arguments))
+    assert result["share_of_oracle"]["elbow_flexion"] > 0.9
+    assert abs(result["share_of_oracle"]["shoulder_flexion"]) < 0.2
+    result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
+    assert set(result["share_of_oracle"]) == {"elbow_flexion"}
+    run(capsys, "identify", ELBOW, "--base", "mock-suit", "--out", tmp_path / "all")
+    whole = load_suit(str(tmp_path / "all" / "suit.json"))
+    assert set(whole.joints) == set(load_suit("mock-suit").joints)
+    assert whole.joints["elbow_flexion"] == load_suit(str(suit)).joints["elbow_flexion"]
+
+
 def test_swarm_from_the_command_line(capsys, tmp_path):
     out = run(capsys, "identify", ELBOW, "--method", "sa-pso", "--trials", 2, "--out", tmp_path)
     assert "sa-pso" in out
@@ -65,7 +80,9 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
 
     monkeypatch.setattr(Bar, "advance", interrupt)
     arguments = ["--method", "mpso", "--trials", "5", "--workers", "1", "--out", tmp_path, "--json"]
-    main(["identify", ELBOW, *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        main(["identify", ELBOW, *map(str, arguments)])
+    assert stop.value.code == 2
     captured = capsys.readouterr()
     result = json.loads(captured.out)
     assert result["interrupted"]
@@ -130,8 +147,9 @@ def test_suits_lists_and_shows(capsys):
 def test_bench_reports_ratios(capsys, topic):
     result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
     (row,) = result["rows"]
-    assert row["ratio"] > 0
-    assert row["ours"] > 0
+    assert row["lowest"] <= row["ratio"] <= row["highest"]
+    assert row["ratio"] == pytest.approx(row["reference"] / row["ours"])
+    assert row["unit"].split("/")[0] in ("ns", "us", "ms")
 
 
 MISTAKES = [
@@ -153,6 +171,14 @@ MISTAKES = [
     (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
     (["suits", "nope"], "unknown suit 'nope'"),
     (["bench", "--repeats", "0"], "repeats is 0"),
+    (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
+    (["identify", ELBOW, "--workers", "0"], "workers is 0"),
+    (["identify", ELBOW, "--base", "nope", "--out", "{bad}/out"], "unknown suit 'nope'"),
+    (["evaluate", "--seed", "-1"], "seed is -1"),
+    (["simulate", "--seed", "-1", "--out", "{bad}/out"], "seed is -1"),
+    (["demo", "--trials", "0", "--out", "{bad}/out"], "trials is 0"),
+    (["demo", "--episodes", "0", "--out", "{bad}/out"], "episodes is 0"),
+    (["demo", "--seed", "-5", "--out", "{bad}/out"], "seed is -5"),
 ]
 
 

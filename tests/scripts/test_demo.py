@@ -2,13 +2,14 @@
 
 import json
 import re
+import subprocess
 import sys
 
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
-from activesuit.scripts import demo as demo_module
 from activesuit.scripts.demo import demo
+from activesuit.scripts.output import Bar
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +60,27 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
     assert "arm.png" not in (tmp_path / "report.md").read_text()
 
 
-def test_needs_no_torch():
-    assert demo_module.__name__ in sys.modules
-    text = (demo_module.__file__, "torch")
-    assert text[1] not in open(text[0]).read()
+def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys):
+    advance, calls = Bar.advance, []
+
+    def interrupt(self, steps=1):
+        calls.append(steps)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        advance(self, steps)
+
+    monkeypatch.setattr(Bar, "advance", interrupt)
+    with pytest.raises(KeyboardInterrupt, match="finished fits are kept"):
+        demo(out=tmp_path, trials=2, episodes=1)
+    assert "sa-pso" in json.loads((tmp_path / "fits.json").read_text())["shoulder"]
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) >= 3
+
+
+def test_needs_no_torch(tmp_path):
+    code = (
+        "import sys; sys.modules['torch'] = sys.modules['stable_baselines3'] = None;"
+        "from activesuit.scripts.main import main;"
+        f"main(['demo', '--trials', '1', '--episodes', '1', '--out', {str(tmp_path)!r}])"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+    assert (tmp_path / "report.md").exists()

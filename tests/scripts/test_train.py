@@ -56,7 +56,7 @@ def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(Bar, "move_to", interrupt)
     with pytest.raises(SystemExit) as stop:
         train(tmp_path)
-    assert stop.value.code == 130
+    assert stop.value.code == 2
     assert "go on with --resume" in capsys.readouterr().err
     assert 1000 <= steps_done(tmp_path) < 2048
     monkeypatch.undo()
@@ -78,6 +78,7 @@ def test_sac_trains_and_resumes_with_its_experience(tmp_path):
         (["--resume", "--seed", "5"], "has seed 0, not 5"),
         (["--resume", "--steps", "10"], "give --steps above that"),
         (["--steps", "0"], "steps is 0"),
+        (["--seed", "-1"], "seed is -1"),
         (["--env", "ActiveSuit/Knee-v0"], "unknown environment"),
     ],
 )
