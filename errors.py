@@ -25,6 +25,6 @@ def at_least(name: str, value: int, least: int) -> None:
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:
     """Returns the error for a name that is none of `allowed`, with the closest one as a hint."""
     allowed = sorted(allowed)
-    close = difflib.get_close_matches(name, allowed, n=1)
+    close = difflib.get_close_matches(str(name), allowed, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     return InputError(f"unknown {kind} {name!r}: use one of {', '.join(allowed)}{hint}")

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ..errors import unknown_name
 from .suits import GRADES, JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
 
 FOLDER = Path(__file__).parent
@@ -12,7 +13,13 @@ CURVES = {"shoulder": "shoulder_flexion", "elbow": "elbow_flexion"}
 
 
 def curves_path(name: str) -> Path:
-    """Returns the path of a curve file that ships with the package: "shoulder" or "elbow"."""
+    """Returns the path of a curve file that ships with the package: "shoulder" or "elbow".
+
+    Raises:
+        InputError: it is neither.
+    """
+    if name not in CURVES:
+        raise unknown_name("shipped curves", name, CURVES)
     return FOLDER / "curves" / f"{name}.csv"
 
 

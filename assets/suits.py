@@ -1,6 +1,7 @@
 """Suit files: which hysteresis model resists which joint, and where its numbers come from."""
 
 import json
+import math
 import os
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
@@ -63,6 +64,11 @@ class SuitJoint(_Strict):
         if not self.range[0] < self.range[1]:
             raise ValueError(
                 f"range is {list(self.range)}: the first angle must be the smaller one"
+            )
+        if max(map(abs, (*self.range, self.start_angle))) > 2 * math.pi:
+            raise ValueError(
+                f"range is {list(self.range)} and start_angle {self.start_angle}: more than a full "
+                "turn; both are radians"
             )
         return self
 
@@ -131,5 +137,10 @@ def _first(error: ValidationError) -> str:
         return f"{place} is not a known field: remove it"
     if problem["type"] == "literal_error":
         return f"{place} is {problem['input']!r}: use {problem['ctx']['expected']}"
+    if problem["type"] == "missing":
+        return f"{place} is missing: add it"
     message = problem["msg"].removeprefix("Value error, ")
-    return f"{place}: {message} (it is {problem['input']!r})" if place != "the file" else message
+    value = problem["input"]
+    return f"{place}: {message}" + (
+        "" if isinstance(value, (dict, list)) else f" (it is {value!r})"
+    )

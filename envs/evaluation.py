@@ -1,6 +1,6 @@
 """Closed-loop evaluation: the same intentions under several policies, and what the wearer pays."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -121,7 +121,7 @@ def score(policy: str, traces: Sequence[Trace]) -> Score:
 
 def evaluate(
     env_id: str,
-    policies: Sequence[str],
+    policies: Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]],
     *,
     episodes: int = 5,
     seed: int = 0,
@@ -133,7 +133,8 @@ def evaluate(
 
     Args:
         env_id: a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
-        policies: names that `make_policy` knows.
+        policies: names that `make_policy` knows; or your own: a name and a function from the
+            (unwrapped) environment to a policy for each.
         episodes: episodes per policy; episode i is reset with seed + i.
         seed: of the first episode.
         believed_suit: what "feedforward" believes; by default the simulated suit.
@@ -149,10 +150,13 @@ def evaluate(
         raise InputError("no policy given: name at least one")
     env, arm = make_env(env_id, **env_options)
     try:
-        built = {
-            name: make_policy(name, arm, believed_suit=believed_suit)
-            for name in dict.fromkeys(policies)
-        }
+        if isinstance(policies, Mapping):
+            built = {name: make(arm) for name, make in policies.items()}
+        else:
+            built = {
+                name: make_policy(name, arm, believed_suit=believed_suit)
+                for name in dict.fromkeys(policies)
+            }
         scores = []
         for name, policy in built.items():
             traces = []

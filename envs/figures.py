@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from ..assets import JOINTS
 from .composition import ASSISTED
-from .evaluation import ASSISTED_COLUMNS, Trace
+from .evaluation import ASSISTED_COLUMNS, TAKEOVER, Trace
 
 COLORS = {
     "none": "#555555",
@@ -30,10 +30,11 @@ def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
             ax.plot(
                 traces[policy].time, angle, color=color, lw=1.2, ls=_style(policy), label=policy
             )
-        ax.set_ylabel(f"{joint.replace('_', ' ')}\n[rad]")
+        ax.set_ylabel(f"{joint.replace('_', ' ')} [rad]")
+        ax.axvspan(0, TAKEOVER, color="0.93", zorder=0)
         ax.grid(alpha=0.25)
     axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
-    axes[-1].set_xlabel("time [s]")
+    axes[-1].set_xlabel("time [s] (grey: not scored)")
     return figure
 
 
@@ -56,11 +57,12 @@ def torques_figure(traces: Mapping[str, Trace]) -> Figure:
         axes[0].set_ylabel(f"{row} [N·m]")
         for ax in axes:
             ax.axhline(0, color="0.6", lw=0.6)
+            ax.axvspan(0, TAKEOVER, color="0.93", zorder=0)
             ax.grid(alpha=0.25)
     for ax, joint in zip(grid[0], ASSISTED, strict=True):
         ax.set_title(joint.replace("_", " "), loc="left")
     for ax in grid[-1]:
-        ax.set_xlabel("time [s]")
+        ax.set_xlabel("time [s] (grey: not scored)")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
     return figure
@@ -85,7 +87,7 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
     for ax in grid.flat:
         ax.axhline(0, color="0.6", lw=0.6)
         ax.grid(alpha=0.25)
-    grid[0][0].set_ylabel("suit resistance [N·m]")
+    grid[0][0].set_ylabel("suit resistance, minus suit torque [N·m]")
     grid[1][0].set_ylabel("human torque [N·m]")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)

@@ -1,8 +1,9 @@
 """Pictures and windows, made lazily: an environment that never renders never touches OpenGL."""
 
 import os
+import sys
 import time
-from typing import Any
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, unknown_name
 
 
-class RenderingUnavailableError(RuntimeError):
+class RenderingUnavailableError(InputError):
     """This machine cannot render: there is no usable OpenGL."""
 
 
@@ -23,6 +24,9 @@ class Renderer:
         width: picture width [pixels].
         height: picture height [pixels].
     """
+
+    # Why OpenGL does not work in this process: a second attempt could abort it.
+    _unavailable: ClassVar[str | None] = None
 
     def __init__(self, *, camera: str, width: int, height: int) -> None:
         if width < 1 or height < 1:
@@ -51,12 +55,15 @@ class Renderer:
         if self._offscreen is None:
             self._process = os.getpid()
             try:
-                self._offscreen = mujoco.Renderer(model, self.height, self.width)
+                if Renderer._unavailable is None:
+                    self._offscreen = mujoco.Renderer(model, self.height, self.width)
             except Exception as error:  # the GL back ends raise whatever they like
-                raise RenderingUnavailableError(
-                    f"no OpenGL context ({type(error).__name__}: {error}): on a machine without a "
-                    "display install libegl1 and set MUJOCO_GL=egl before Python starts"
-                ) from error
+                Renderer._unavailable = f"{type(error).__name__}: {error}"
+        if self._offscreen is None:
+            raise RenderingUnavailableError(
+                f"no OpenGL context ({Renderer._unavailable}): on a machine without a display "
+                "install libegl1 and set MUJOCO_GL=egl before Python starts"
+            )
         self._offscreen.update_scene(data, camera=self.camera)
         return self._offscreen.render().copy()
 
@@ -67,6 +74,10 @@ class Renderer:
             RenderingUnavailableError: no window can be opened here, or it was closed.
         """
         if self._window is None:
+            if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
+                raise RenderingUnavailableError(
+                    "there is no display to open a window on: use render_mode='rgb_array'"
+                )
             import mujoco.viewer
 
             try:

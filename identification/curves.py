@@ -17,6 +17,7 @@ from ..files import write_text
 
 Role = Literal["fit", "predict"]
 RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
+TORQUE_AT_MOST = 1e6  # N·m
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,11 @@ class Curve:
         if not (np.isfinite(self.angle).all() and np.isfinite(self.torque).all()):
             raise InputError(
                 f"curve {self.name!r} has a value that is not finite: remove that sample"
+            )
+        if np.abs(self.torque).max() > TORQUE_AT_MOST:
+            raise InputError(
+                f"curve {self.name!r} reaches {np.abs(self.torque).max():.3g} N·m, more than any "
+                f"joint ({TORQUE_AT_MOST:g}): check the unit of the torque"
             )
         if np.ptp(self.angle) == 0:
             raise InputError(
@@ -100,13 +106,18 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
         if roles.setdefault(name, role) != role:
             raise InputError(f"{path}, line {line}: curve {name!r} changes its role to {role!r}")
         angle = _number(cells, angle_column, path, line)
-        if angle_column == "angle_deg":
-            angle = math.radians(angle)
-        elif abs(angle) > RADIANS_AT_MOST:
+        if angle_column == "angle_rad" and abs(angle) > RADIANS_AT_MOST:
             raise InputError(
                 f"{path}, line {line}: angle_rad is {angle:g}, more than a full turn: if these are "
                 "degrees, name the column angle_deg"
             )
+        if angle_column == "angle_deg":
+            if abs(angle) > 360:
+                raise InputError(
+                    f"{path}, line {line}: angle_deg is {angle:g}, more than a full turn: no joint "
+                    "does that"
+                )
+            angle = math.radians(angle)
         samples.setdefault(name, []).append((angle, _number(cells, "torque_nm", path, line)))
     if not samples:
         raise InputError(f"{path} has a header but no samples")

@@ -16,12 +16,14 @@ from .curves import Curve
 from .mpso import mpso
 from .objective import CurveObjective
 from .pso import pso
+from .remarks import remarks
 from .sa_pso import sa_pso
 
 # Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
 PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))
 SWARMS = {"pso": pso, "sa-pso": sa_pso, "mpso": mpso}
 METHODS = ("certified", *SWARMS)
+FEWEST_SAMPLES = 10  # for five parameters
 MODELS = ("jiles-atherton",)
 
 
@@ -56,6 +58,7 @@ class Fit:
         prediction_errors: largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity where
             the model meets its pole.
         trials: every finished trial, by index.
+        remarks: what speaks against trusting the model, as sentences; empty if nothing does.
         interrupted: whether Ctrl-C ended it before all trials were done.
     """
 
@@ -65,6 +68,7 @@ class Fit:
     nrmse: float
     prediction_errors: dict[str, float]
     trials: tuple[Trial, ...]
+    remarks: tuple[str, ...] = ()
     interrupted: bool = False
 
     @property
@@ -115,7 +119,11 @@ def identify(
     if workers == 0:
         raise InputError("workers is 0: use a number of threads, or -1 for all cores")
     measured = [curve for curve in curves if curve.role == "fit"]
-    CurveObjective(measured)  # reports unusable data before any thread starts
+    samples = CurveObjective(measured).torque.size  # reports unusable data before any thread starts
+    if samples < FEWEST_SAMPLES:
+        raise InputError(
+            f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
+        )
     run = partial(_run_trial, measured, method, options)
     seeds = np.random.SeedSequence(seed).spawn(trials)
     finished: list[Trial] = []
@@ -123,7 +131,9 @@ def identify(
     try:
         jobs = (delayed(run)(index, child) for index, child in enumerate(seeds))
         # Threads: nearly all the time is spent in kernels that release the GIL.
-        parallel = Parallel(n_jobs=workers, prefer="threads", return_as="generator_unordered")
+        parallel = Parallel(
+            n_jobs=min(workers, trials), prefer="threads", return_as="generator_unordered"
+        )
         for trial in cast(Iterable[Trial], parallel(jobs)):
             finished.append(trial)
             if on_trial is not None:
@@ -174,12 +184,15 @@ def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted
             predicted = CurveObjective([curve]).responses(best.parameters)[0]
             worst = float(np.abs(predicted - curve.torque).max())
             errors[curve.name] = worst if np.isfinite(worst) else float("inf")
+    model = paper_model(best.parameters)
+    bounds = None if method == "certified" else PAPER_BOUNDS
     return Fit(
-        model=paper_model(best.parameters),
+        model=model,
         method=method,
         fitness=float(CurveObjective(measured)(best.parameters)[0]),
         nrmse=best.nrmse,
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),
+        remarks=remarks(model, best.nrmse, measured, bounds),
         interrupted=interrupted,
     )

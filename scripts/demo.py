@@ -14,7 +14,7 @@ from ..errors import at_least
 from ..identification import Curve, Fit, Trial, identify, load_curves
 from ..identification.figures import convergence_figure, loops_figure
 from .identify import fit_summary, write_trials
-from .output import RunFolder, console, markdown_table, progress, table
+from .output import RunFolder, markdown_table, progress, table
 from .simulate import write_trace
 from .suit_export import fitted_joint
 from .tables import Rows, parameter_table, quality_table, score_table
@@ -70,7 +70,7 @@ def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, see
     folder.json("evaluation.json", {g: [score.to_dict() for score in s] for g, s in scores.items()})
     pictured = _picture(folder, seed)
     folder.text("report.md", _report(fit_tables, scores, pictured))
-    console.print(f"report, figures, suit and data: {folder.path}/report.md")
+    print(f"report, figures, suit and data: {folder.path}/report.md")
 
 
 def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int) -> None:
@@ -161,7 +161,7 @@ def _picture(folder: RunFolder, seed: int) -> bool:
             env.step(np.zeros(len(ASSISTED)))
         picture = arm.render()
     except RenderingUnavailableError as error:
-        console.print(f"no picture of the arm: {error}")
+        print(f"no picture of the arm: {error}")
         return False
     finally:
         env.close()

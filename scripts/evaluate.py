@@ -5,12 +5,13 @@ from pathlib import Path
 from ..envs.evaluation import Score, Trace
 from ..envs.evaluation import evaluate as evaluate_policies
 from ..envs.policies import POLICIES
-from .output import RunFolder, console, progress, table, to_json
+from ..envs.policies.trained import training_config
+from .output import RunFolder, progress, table, to_json
 from .tables import score_table
 
 
 def evaluate(
-    env: str = "ActiveSuit/ArmTracking-v0",
+    env: str | None = None,
     policies: tuple[str, ...] = POLICIES,
     episodes: int = 5,
     seed: int = 0,
@@ -23,7 +24,8 @@ def evaluate(
     """Compare assist policies by what the wearer has to do.
 
     Args:
-        env: which task.
+        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0; by default what the
+            first trained policy was trained on, else ArmTracking.
         policies: none, gravity, feedforward, oracle, or folders of training runs.
         episodes: motions per policy; the same for all.
         seed: fixes the motions.
@@ -33,6 +35,7 @@ def evaluate(
         allow_uncertified: accept a suit whose torque could become infinite in some motion.
         json: print the result as JSON.
     """
+    env = env or _trained_on(policies) or "ActiveSuit/ArmTracking-v0"
     folder = RunFolder(out) if out else None
     options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
     scores = run(env, policies, episodes, seed, **options)
@@ -50,7 +53,15 @@ def evaluate(
     else:
         table(f"Human torque: {env}, {gravity}, {suit}, {episodes} episodes", *score_table(scores))
         if folder:
-            console.print(f"wrote {folder.path}/result.json")
+            print(f"wrote {folder.path}/result.json")
+
+
+def _trained_on(policies: tuple[str, ...]) -> str | None:
+    """Returns the environment of the first policy that is the folder of a training run."""
+    for name in policies:
+        if name not in POLICIES and Path(name).is_dir():
+            return training_config(name)["env"]
+    return None
 
 
 def run(

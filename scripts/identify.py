@@ -11,7 +11,7 @@ from ..hysteresis.jiles_atherton import PARAMETERS
 from ..identification import Fit, Trial, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure
-from .output import RunFolder, console, progress, table, to_json
+from .output import RunFolder, progress, table, to_json
 from .suit_export import fitted_joint, joint_of
 from .tables import parameter_table, quality_table
 
@@ -41,13 +41,14 @@ def identify(
             swarm.
         seed: fixes all random numbers.
         workers: threads; -1 uses all cores.
-        joint: which joint the curves belong to; by default the file name tells.
+        joint: which joint the curves belong to: shoulder_abduction, shoulder_flexion,
+            elbow_flexion or wrist_flexion; by default the file name tells (elbow.csv).
         base: suit whose other joints suit.json takes over; by default it has this one only.
         out: folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
         json: print the result as JSON.
     """
     family = load_curves(curves)
-    joint_name = joint_of(curves, joint) if out else None
+    joint_name = joint_of(curves, joint) if out or joint else None
     others = load_suit(base).joints if base else {}
     folder = RunFolder(out) if out else None
     total = trials or (1 if method == "certified" else 30)
@@ -66,11 +67,18 @@ def identify(
     else:
         table(curves.name, *parameter_table({curves.stem: {method: fit}}))
         table("quality", *quality_table({curves.stem: {method: fit}}))
+        for remark in fit.remarks:
+            print(f"note: {remark}")
     if folder and joint_name:
         suit = Suit(
             schema_version=1,
             name=curves.stem,
-            description=f"Identified from {curves.name} by {method}, seed {seed}.",
+            description=f"Identified from {curves.name} by {method}, seed {seed}"
+            + (
+                f", interrupted after {len(fit.trials)} of {total} trials."
+                if fit.interrupted
+                else "."
+            ),
             joints={**others, joint_name: fitted_joint(fit, family, curves)},
         )
         save_suit(suit, folder / "suit.json")
@@ -80,7 +88,7 @@ def identify(
             "loops", loops_figure({joint_name: family}, {joint_name: {method: fit.model}})
         )
         if not json:
-            console.print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
+            print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {len(fit.trials)} finished trials is kept")
 
@@ -100,6 +108,7 @@ def fit_summary(fit: Fit, seed: int) -> dict:
         "evaluations": fit.evaluations,
         "trials": len(fit.trials),
         "interrupted": fit.interrupted,
+        "remarks": fit.remarks,
         "certificate": {**asdict(certificate), "certified": certificate.certified},
     }
 

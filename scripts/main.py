@@ -1,46 +1,60 @@
 """The command `activesuit`."""
 
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-import tyro
-
-from ..envs.rendering import RenderingUnavailableError
+from .. import __version__
 from ..errors import InputError
-from .bench import bench
-from .demo import demo
-from .evaluate import evaluate
-from .identify import identify
-from .simulate import simulate
-from .suits import suits
-from .train import train
-from .validate import validate
-
-COMMANDS = {
-    command.__name__: command
-    for command in (demo, identify, simulate, evaluate, validate, train, suits, bench)
-}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs one command; a user's mistake ends with one sentence on stderr and exit code 2."""
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    if arguments == ["--version"]:
+        print(f"activesuit {__version__}")
+        return
     try:
-        tyro.extras.subcommand_cli_from_dict(
-            COMMANDS,
-            prog="activesuit",
-            description="Identify, simulate and compensate the hysteretic joints of a spacesuit.",
-            args=arguments,
-            config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-        )
-    except (InputError, RenderingUnavailableError) as error:
-        print(f"activesuit: error: {error}", file=sys.stderr)
-        sys.exit(2)
+        _run(arguments)
+    except InputError as error:
+        _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
-        print(f"activesuit: interrupted: {interrupt or 'nothing is kept'}", file=sys.stderr)
-        sys.exit(2)
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone: nothing is left to say
-        sys.exit(1)
+        _stop(f"interrupted: {interrupt or 'nothing is kept'}")
+    except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError as error:
+        _stop(f"error: {error}")
+
+
+def _run(arguments: Sequence[str]) -> None:
+    import tyro
+
+    tyro.extras.subcommand_cli_from_dict(
+        {command.__name__: command for command in _commands()},
+        prog="activesuit",
+        description="Identify, simulate and compensate the hysteretic joints of a spacesuit.",
+        args=arguments,
+        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+    )
+    sys.stdout.flush()
+
+
+def _commands() -> Sequence[Callable[..., None]]:
+    from .bench import bench
+    from .demo import demo
+    from .evaluate import evaluate
+    from .identify import identify
+    from .simulate import simulate
+    from .suits import suits
+    from .train import train
+    from .validate import validate
+
+    return demo, identify, simulate, evaluate, validate, train, suits, bench
+
+
+def _stop(message: str) -> None:
+    print(f"activesuit: {message}", file=sys.stderr)
+    sys.exit(2)
 
 
 if __name__ == "__main__":

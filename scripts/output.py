@@ -4,7 +4,8 @@ import csv
 import io
 import json
 import math
-import sys
+import shutil
+import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,7 +24,8 @@ from ..files import replacing, write_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-console = Console(highlight=False, width=None if sys.stdout.isatty() else 100)  # results
+# Tables keep their width: on a narrow terminal lines wrap, but nothing is left out.
+console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
 WIDEST = 24  # characters of a table cell that are never broken
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 
@@ -43,8 +45,12 @@ class RunFolder:
             raise InputError(
                 f"cannot make the folder {str(path)!r} ({error.strerror}): choose another --out"
             ) from error
-        if not path.is_dir():
-            raise InputError(f"{str(path)!r} is not a folder: choose another --out")
+        try:
+            tempfile.TemporaryFile(dir=path).close()
+        except OSError as error:
+            raise InputError(
+                f"cannot write into {str(path)!r} ({error.strerror}): choose another --out"
+            ) from error
 
     def __truediv__(self, name: str) -> Path:
         return self.path / name
@@ -137,7 +143,9 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
         shown.add_column(Text(name), justify=justify, min_width=min(longest, WIDEST))
     for row in rows:
         shown.add_row(*map(Text, row))
-    console.print(shown)
+    with console.capture() as text:  # printed by print, which leaves a closed pipe to `main`
+        console.print(shown)
+    print(text.get(), end="")
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

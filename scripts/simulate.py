@@ -8,7 +8,7 @@ from ..envs.evaluation import Trace, make_env, run_episode, score
 from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ..envs.policies import make_policy
 from ..errors import at_least
-from .output import RunFolder, console, table, to_json
+from .output import RunFolder, table, to_json
 from .tables import score_table
 
 
@@ -25,7 +25,7 @@ def simulate(
     """Simulate one assisted arm motion, headless.
 
     Args:
-        env: which task.
+        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
         policy: none, gravity, feedforward, oracle, or the folder of a training run.
         suit: name of a shipped suit, or a suit file.
         gravity: earth, mars, moon or microgravity.
@@ -54,7 +54,7 @@ def simulate(
         print(to_json(result.to_dict()))
         return
     table(f"Human torque: {env}, {gravity}, {suit}, seed {seed}", *score_table([result]))
-    console.print(f"wrote {folder.path}/trace.csv, result.json and three figures")
+    print(f"wrote {folder.path}/trace.csv, result.json and three figures")
 
 
 def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..assets import JOINTS, SuitJoint
 from ..assets.suits import Parameters
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from ..hysteresis import JilesAtherton
 from ..identification import Curve, Fit
 
@@ -42,10 +42,13 @@ def joint_of(path: Path, joint: str | None) -> str:
     """Returns the joint that a curve file belongs to: `joint`, or what the file name says.
 
     Raises:
-        InputError: the file name names no joint and `joint` is None.
+        InputError: `joint` is none of the arm's, or None and the file name names no joint.
     """
-    names = (joint,) if joint else (path.stem, f"{path.stem}_flexion")
-    for name in names:
+    if joint:
+        if joint not in JOINTS:
+            raise unknown_name("joint", joint, JOINTS)
+        return joint
+    for name in (path.stem, f"{path.stem}_flexion"):
         if name in JOINTS:
             return name
     raise InputError(

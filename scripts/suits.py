@@ -7,8 +7,8 @@ import tyro
 
 from ..assets import SuitJoint, load_suit, suit_names
 from ..envs.composition import joint_models
-from ..hysteresis import JilesAtherton
-from .output import console, table, to_json
+from ..hysteresis import JilesAtherton, PoleError
+from .output import table, to_json
 
 
 def suits(
@@ -38,21 +38,25 @@ def suits(
             content["joints"][joint]["certificate"] = asdict(certificate)
         print(to_json(content))
         return
-    console.print(f"{loaded.name}: {loaded.description}\n")
+    print(f"{loaded.name}: {loaded.description}\n")
     if not models:
-        console.print("It resists no joint.")
+        print("It resists no joint.")
         return
     columns = [_column(loaded.joints[joint], model) for joint, model in models.items()]
     names = [joint.replace("_", "\n") for joint in models]
     rows = ([quantity, *(column[quantity] for column in columns)] for quantity in columns[0])
     table("models", ["", *names], rows, left=1)
     for joint, entry in loaded.joints.items():
-        console.print(f"{joint}: {entry.source}")
+        print(f"{joint}: {entry.source}")
 
 
 def _column(entry: SuitJoint, model: JilesAtherton) -> dict[str, str]:
     certificate, degrees = model.certificate(), model.in_unit("deg")
     low, high = entry.range
+    try:
+        torque = f"{model.response([entry.start_angle, high])[-1]:.2f}"
+    except PoleError:
+        torque = "infinite"
     return {
         "grade": entry.grade,
         "Ms [N·m]": f"{degrees.Ms:.4g}",
@@ -61,7 +65,7 @@ def _column(entry: SuitJoint, model: JilesAtherton) -> dict[str, str]:
         "c": f"{degrees.c:.4g}",
         "k [deg]": f"{degrees.k:.4g}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
-        "torque at the end [N·m]": f"{model.response([entry.start_angle, high])[-1]:.2f}",
+        "torque at the end [N·m]": torque,
         "certificate margin": f"{certificate.margin:.3f}",
         "safe to simulate": "yes" if certificate.certified and certificate.dissipative else "NO",
     }

@@ -11,7 +11,7 @@ Rows = tuple[list[str], list[list[str]]]
 
 def parameter_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     """One row per joint and method: the parameters; a, alpha and k in degrees."""
-    header = ["joint", "method", "Ms [N·m]", "a [deg]", "alpha\n[deg/N·m]", "c", "k [deg]"]
+    header = ["curves", "method", "Ms [N·m]", "a [deg]", "alpha\n[deg/N·m]", "c", "k [deg]"]
     rows = []
     for joint, methods in fits.items():
         for method, fit in methods.items():
@@ -23,7 +23,7 @@ def parameter_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     """One row per joint and method: scores, certificate, cost and prediction."""
-    header = ["joint", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
+    header = ["curves", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
     header += ["model\nruns", "held-out\nmax [N·m]"]
     rows = []
     for joint, methods in fits.items():

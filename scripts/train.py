@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..envs.evaluation import make_env
-from ..envs.policies.trained import algorithm_class
+from ..envs.policies.trained import algorithm_class, load_network
 from ..errors import InputError, at_least
 from ..files import replacing
-from .output import Bar, RunFolder, console, progress
+from .output import Bar, RunFolder, progress
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
 # networks small, as the task is nearly a function of angle, rate and target.
@@ -32,6 +32,7 @@ def train(
     seed: int = 0,
     suit: str = "mock-suit",
     gravity: str = "earth",
+    allow_uncertified: bool = False,
     out: Path = Path("runs/train"),
     resume: bool = False,
 ) -> None:
@@ -41,20 +42,23 @@ def train(
     Ctrl-C keeps what was learned; --resume goes on from there.
 
     Args:
-        env: which task.
+        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
         algo: ppo or sac.
-        steps: environment steps in total, including those before a resume.
+        steps: environment steps in total, including those before a resume; PPO rounds up to whole
+            updates of 2048.
         seed: fixes initial networks and motions.
         suit: name of a shipped suit, or a suit file.
         gravity: earth, mars, moon or microgravity.
+        allow_uncertified: accept a suit whose torque could become infinite in some motion.
         out: folder of the run.
         resume: go on with the run in that folder.
     """
     at_least("steps", steps, 1)
     at_least("seed", seed, 0)
     algorithm = algorithm_class(algo)
-    make_env(env, suit=suit, gravity=gravity)[0].close()
-    config = {"env": env, "algo": algo, "seed": seed, "suit": suit, "gravity": gravity}
+    options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
+    make_env(env, **options)[0].close()
+    config = {"env": env, "algo": algo, "seed": seed, **options}
     _check_folder(out, config, resume)
     folder = RunFolder(out)
     folder.json("config.json", config)
@@ -65,17 +69,17 @@ def train(
         f"activesuit:{env.removeprefix('activesuit:')}",
         n_envs=PARALLEL[algo],
         seed=seed,
-        env_kwargs={"suit": suit, "gravity": gravity},
+        env_kwargs=options,
     )
     if resume:
-        learner = algorithm.load(folder / "model.zip", env=environments, device="cpu")
+        learner = load_network(algo, folder / "model.zip", env=environments)
         if (folder / "replay.pkl").exists():
             learner.load_replay_buffer(folder / "replay.pkl")
     else:
-        options = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
+        settings = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
         logs = str(folder / "tensorboard")
         learner = algorithm(
-            "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **options
+            "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **settings
         )
     done = learner.num_timesteps
     if done >= steps:
@@ -95,7 +99,7 @@ def train(
     environments.close()
     if interrupted:
         raise KeyboardInterrupt(f"{learner.num_timesteps} steps are kept; go on with --resume")
-    console.print(
+    print(
         f"trained {learner.num_timesteps} steps; compare with: activesuit evaluate --env {env} "
         f"--policies none {folder.path}"
     )

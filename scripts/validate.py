@@ -8,7 +8,7 @@ import tyro
 from ..assets import load_suit
 from ..envs.evaluation import share_of_oracle
 from .evaluate import run
-from .output import RunFolder, console, table, to_json
+from .output import RunFolder, table, to_json
 from .tables import score_table
 
 
@@ -32,7 +32,7 @@ def validate(
     Args:
         suit: the identified suit: a name, or a suit file.
         plant: the simulated suit: a name, or a suit file.
-        env: which task.
+        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
         gravity: earth, mars, moon or microgravity; without gravity the suit is what remains.
         episodes: motions per policy.
         seed: fixes the motions.
@@ -71,6 +71,6 @@ def validate(
         return
     table(f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}", *score_table(scores))
     for joint, value in share.items():
-        console.print(f"{joint}: {value:.1%} of the oracle's reduction")
+        print(f"{joint}: {value:.1%} of the oracle's reduction")
     if folder:
-        console.print(f"wrote {folder.path}/result.json")
+        print(f"wrote {folder.path}/result.json")

@@ -7,7 +7,11 @@ from numpy.typing import NDArray
 
 
 class Policy(Protocol):
-    """Anything that assists: its memory, if any, lasts from `reset` to `reset`."""
+    """Anything that assists: its memory, if any, lasts from `reset` to `reset`.
+
+    `reset()` is called after the environment's reset, then `act(observation, info)` once per
+    control period with what the environment returned last; it answers with the next action.
+    """
 
     def reset(self) -> None:
         """Forgets the last episode."""

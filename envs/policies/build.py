@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+import gymnasium
+
 from ...assets import load_suit
-from ...errors import unknown_name
+from ...errors import InputError, unknown_name
 from ..arm_env import ArmEnv
 from .base import Policy
 from .feedforward import HysteresisFeedforward
@@ -15,23 +17,26 @@ from .trained import TrainedPolicy
 POLICIES = ("none", "gravity", "feedforward", "oracle")
 
 
-def make_policy(name: str, env: ArmEnv, *, believed_suit: str | None = None) -> Policy:
-    """Returns a policy for `env`.
+def make_policy(name: str, env: gymnasium.Env, *, believed_suit: str | None = None) -> Policy:
+    """Returns a policy for an ActiveSuit environment.
 
     Args:
         name: "none", "gravity", "feedforward", "oracle", or the folder of a training run.
-        env: the (unwrapped) environment it will act in.
+        env: the environment it will act in, wrapped or not.
         believed_suit: name or file of the suit that "feedforward" believes in; by default the
             simulated one.
 
     Raises:
         InputError: there is no such policy or folder.
     """
+    arm = env.unwrapped
+    if not isinstance(arm, ArmEnv):
+        raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
     simple = {"none": NoAssist, "gravity": GravityCompensation, "oracle": Oracle}
     if name in simple:
-        return simple[name](env)
+        return simple[name](arm)
     if name == "feedforward":
-        return HysteresisFeedforward(env, load_suit(believed_suit or env.config.suit))
+        return HysteresisFeedforward(arm, load_suit(believed_suit or arm.config.suit))
     if not Path(name).is_dir():
         raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
-    return TrainedPolicy(name, env.observation_space.shape[0])  # type: ignore[index]
+    return TrainedPolicy(name, arm.observation_space.shape[0])  # type: ignore[index]

@@ -23,9 +23,41 @@ def algorithm_class(name: str) -> Any:
         import stable_baselines3
     except ImportError as error:
         raise InputError(
-            "training and trained policies need Stable-Baselines3: pip install 'activesuit[train]'"
+            "training and trained policies need Stable-Baselines3: in a clone of the repository, "
+            "pip install '.[train]' -c constraints.txt"
         ) from error
     return getattr(stable_baselines3, name.upper())
+
+
+def training_config(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Returns the options that a policy was trained with: env, algo, suit, gravity, ...
+
+    Raises:
+        InputError: the folder is no training run.
+    """
+    try:
+        config = json.loads((Path(folder) / "config.json").read_text(encoding="utf-8"))
+        return {**config, "env": config["env"], "algo": config["algo"]}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has no "
+            "readable config.json"
+        ) from error
+
+
+def load_network(algorithm: str, path: Path, **options: Any) -> Any:
+    """Returns the Stable-Baselines3 model in `path`.
+
+    Raises:
+        InputError: the file is damaged, or Stable-Baselines3 is not installed.
+    """
+    learner = algorithm_class(algorithm)
+    try:
+        return learner.load(path, device="cpu", **options)
+    except Exception as error:  # a damaged file fails wherever it is damaged
+        raise InputError(
+            f"{str(path)!r} is not a readable policy ({error}): restore it, or train again"
+        ) from error
 
 
 class TrainedPolicy:
@@ -40,18 +72,10 @@ class TrainedPolicy:
     """
 
     def __init__(self, folder: str | os.PathLike[str], observation_size: int) -> None:
-        folder = Path(folder)
-        try:
-            config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-            algorithm = config["algo"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise InputError(
-                f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has "
-                "no readable config.json"
-            ) from error
+        folder, algorithm = Path(folder), training_config(folder)["algo"]
         if not (folder / "model.zip").is_file():
             raise InputError(f"{str(folder)!r} has no model.zip: train it first, or with --resume")
-        self._network = algorithm_class(algorithm).load(folder / "model.zip", device="cpu")
+        self._network = load_network(algorithm, folder / "model.zip")
         size = self._network.observation_space.shape[0]
         if size != observation_size:
             raise InputError(

@@ -54,6 +54,11 @@ def attach(
         InputError: there is no such joint, it is neither hinge nor slide, or it has a suit already.
         UncertifiedModelError: the model, or its start, is outside the certificate.
     """
+    if not isinstance(spec, mujoco.MjSpec):
+        raise InputError(
+            f"attach got a {type(spec).__name__}: give a mujoco.MjSpec, from MjSpec.from_file "
+            "or from_string"
+        )
     target = next((j for j in spec.joints if j.name == joint), None)
     if target is None:
         raise unknown_name("joint", joint, (j.name for j in spec.joints if j.name))
@@ -105,7 +110,8 @@ def _require_certificate(model: JilesAtherton, start, joint: str) -> None:
         raise UncertifiedModelError(
             f"the model for joint {joint!r} has certificate margin {certificate.margin:.3g} and "
             f"c = {model.c:.4g}: margin must be above 0 and c at least 1 for the torque to stay "
-            "finite and resistive in any motion; use a certified fit, or allow_uncertified=True"
+            "finite and resistive in any motion; use a certified fit, or allow_uncertified=True "
+            "(--allow-uncertified)"
         )
     away = abs(start.torque - model.anhysteretic(start))
     if not away <= certificate.memory_bound:

@@ -80,6 +80,7 @@ ELBOW = ("joints", "elbow_flexion")
         ((*ELBOW, "parameters", "kk"), 1, "parameters.kk is not a known field"),
         ((*ELBOW, "range"), [1.0, 0.5], "range is .*smaller one"),
         ((*ELBOW, "grade"), "guess", "grade is 'guess'"),
+        ((*ELBOW, "range"), [30, 90], "more than a full turn; both are radians"),
     ],
 )
 def test_bad_content(tmp_path, content, path, value, message):
@@ -87,6 +88,12 @@ def test_bad_content(tmp_path, content, path, value, message):
         load(tmp_path, changed(content, path, value))
     assert "suit.json" in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_missing_field_is_named(tmp_path, content):
+    del content["joints"]["elbow_flexion"]["parameters"]["k"]
+    with pytest.raises(InputError, match=r"elbow_flexion\.parameters\.k is missing: add it$"):
+        load(tmp_path, content)
 
 
 def test_bad_files(tmp_path, content):

@@ -62,6 +62,27 @@ def test_policies_repeat_after_a_reset(name):
     assert first.time[-1] == pytest.approx(2.0)
 
 
+def test_a_policy_of_your_own():
+    class Push:
+        def __init__(self, env):
+            self.action = np.full(env.action_space.shape, 0.2)
+
+        def reset(self):
+            self.steps = 0
+
+        def act(self, observation, info):
+            self.steps += 1
+            return self.action
+
+    none, push = evaluate(
+        "ActiveSuit/ElbowFlexion-v0",
+        {"none": lambda env: make_policy("none", env), "push": Push},
+        episodes=1,
+    )
+    assert push.policy == "push"
+    assert push.reduction["elbow_flexion"] > none.reduction["elbow_flexion"] == 0
+
+
 def test_a_wrong_belief_helps_less(tmp_path):
     suit = load_suit("mock-suit")
     content = suit.model_dump()
@@ -127,6 +148,6 @@ def test_folder_that_is_no_training_run(tmp_path):
     env = gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped
     with pytest.raises(InputError, match=r"has no readable config\.json"):
         make_policy(str(tmp_path), env)
-    (tmp_path / "config.json").write_text('{"algo": "ppo"}')
+    (tmp_path / "config.json").write_text('{"algo": "ppo", "env": "e"}')
     with pytest.raises(InputError, match=r"has no model\.zip"):
         make_policy(str(tmp_path), env)

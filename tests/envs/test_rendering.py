@@ -57,8 +57,16 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
         raise RuntimeError("no display")
 
     monkeypatch.setattr(mujoco, "Renderer", fail)
+    monkeypatch.setattr(Renderer, "_unavailable", None)
     arm = env.unwrapped
     renderer = Renderer(camera="front", width=64, height=48)
     with pytest.raises(RenderingUnavailableError, match="MUJOCO_GL=egl"):
         renderer.picture(arm.model, arm.data)
+    with pytest.raises(RenderingUnavailableError, match="no display"):
+        renderer.picture(arm.model, arm.data)  # no second attempt: it could abort the process
     renderer.close()
+    monkeypatch.setattr(Renderer, "_unavailable", None)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(RenderingUnavailableError, match="rgb_array"):
+        renderer.show(arm.model, arm.data, 0.01)

@@ -221,6 +221,8 @@ def test_attach_refuses(elbow, shoulder):
     spec = mujoco.MjSpec.from_string(CHAIN)
     with pytest.raises(InputError, match=r"unknown joint 'twoo'.*did you mean 'two'"):
         attach(spec, "twoo", elbow)
+    with pytest.raises(InputError, match=r"attach got a str: give a mujoco\.MjSpec"):
+        attach(CHAIN, "one", elbow)
     with pytest.raises(InputError, match=r"ball.*use a hinge or a slide"):
         attach(spec, "ball", elbow)
     with pytest.raises(UncertifiedModelError, match=r"margin -0\.245.*allow_uncertified"):

@@ -159,7 +159,7 @@ MISTAKES = [
     (["identify", "{bad}/other.csv", "--out", "{bad}/out"], "give --joint"),
     (["identify", ELBOW, "--trials", "0"], "trials is 0"),
     (["identify", ELBOW, "--out", "{bad}/text.csv"], "--out"),
-    (["identify", ELBOW, "--joint", "knee", "--out", "{bad}/out"], "give --joint with one of"),
+    (["identify", ELBOW, "--joint", "knee", "--out", "{bad}/out"], "unknown joint 'knee'"),
     (["evaluate", "--env", "ActiveSuit/Elbow-v0"], "did you mean 'ActiveSuit/ElbowFlexion-v0'"),
     (["evaluate", "--policies", "magic"], "unknown policy 'magic'"),
     (["evaluate", "--episodes", "0"], "episodes is 0"),

@@ -78,9 +78,10 @@ def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys):
 
 def test_needs_no_torch(tmp_path):
     code = (
-        "import sys; sys.modules['torch'] = sys.modules['stable_baselines3'] = None;"
-        "from activesuit.scripts.main import main;"
-        f"main(['demo', '--trials', '1', '--episodes', '1', '--out', {str(tmp_path)!r}])"
+        "import sys\n"
+        "from activesuit.scripts.main import main\n"
+        f"main(['demo', '--trials', '1', '--episodes', '1', '--out', {str(tmp_path)!r}])\n"
+        "assert not {'torch', 'stable_baselines3'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
     assert (tmp_path / "report.md").exists()

@@ -34,9 +34,10 @@ def test_writes_config_checkpoint_and_logs(run):
 
 
 def test_trained_policy_is_evaluated_beside_the_others(run, capsys):
-    options = ["--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"]
-    main(["evaluate", *options, "--policies", "none", str(run)])
-    policies = json.loads(capsys.readouterr().out)["policies"]
+    main(["evaluate", "--episodes", "1", "--json", "--policies", "none", str(run)])
+    result = json.loads(capsys.readouterr().out)
+    assert result["env"] == "ActiveSuit/ElbowFlexion-v0"  # what it was trained on
+    policies = result["policies"]
     assert [entry["policy"] for entry in policies] == ["none", str(run)]
     assert policies[1]["assist_energy"] > 0
 
@@ -87,6 +88,19 @@ def test_mistakes(run, capsys, more, message):
         main(["train", "--out", str(run), *more])
     assert stop.value.code == 2
     assert message in capsys.readouterr().err
+
+
+def test_damaged_checkpoint(run, tmp_path, capsys):
+    (tmp_path / "config.json").write_text((run / "config.json").read_text())
+    (tmp_path / "model.zip").write_bytes(b"not a zip file")
+    for command in (
+        ["evaluate", "--policies", str(tmp_path)],
+        ["train", "--resume", "--steps", "9999", "--out", str(tmp_path)],
+    ):
+        with pytest.raises(SystemExit) as stop:
+            main(command)
+        assert stop.value.code == 2
+        assert "is not a readable policy" in capsys.readouterr().err
 
 
 def test_nothing_to_resume(tmp_path, capsys):

@@ -1,0 +1,67 @@
+"""What a user should know about a fit before trusting it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..hysteresis import JilesAtherton
+from .certified import EXCESS, SHAPE, STEEPNESS, noise_floor
+from .curves import Curve
+
+NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
+POOR, TIMES_NOISE = 0.03, 3.0
+LITTLE_MOTION = 0.05  # rad
+RETURNED = 0.05  # of the span
+
+
+def remarks(
+    model: JilesAtherton,
+    nrmse: float,
+    curves: Sequence[Curve],
+    bounds: Sequence[tuple[float, float]] | None,
+) -> tuple[str, ...]:
+    """Returns sentences about a fit that deserves doubt; none where all is well.
+
+    Args:
+        model: the fitted model.
+        nrmse: its NRMSE on `curves`.
+        curves: the fitted curves.
+        bounds: the search box of Ms, a, alpha, c, k in degrees; None for the certified fit.
+    """
+    found = []
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    noise = noise_floor(curves) / peak
+    if nrmse > POOR and nrmse > TIMES_NOISE * noise:
+        found.append(
+            f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
+            "the sign of the torque, the order of the samples, or whether the torque begins at zero"
+        )
+    span = max(float(np.ptp(curve.angle)) for curve in curves)
+    if span < LITTLE_MOTION:
+        found.append(f"the angles span only {span:.3g} rad: check their unit")
+    if not any(_turns_back(curve) for curve in curves):
+        found.append("no curve turns back, so the loss parameter k is a guess: measure the return")
+    found += _limits(model.in_unit("deg"), bounds)
+    return tuple(found)
+
+
+def _turns_back(curve: Curve) -> bool:
+    travel = np.diff(curve.angle)
+    forth, back = travel[travel > 0].sum(), -travel[travel < 0].sum()
+    return bool(min(forth, back) > RETURNED * np.ptp(curve.angle))
+
+
+def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> list[str]:
+    values = {name: getattr(model, name) for name in ("Ms", "a", "alpha", "c", "k")}
+    limits = dict(zip(values, bounds, strict=True)) if bounds else {"a": SHAPE}
+    if not bounds:
+        limits["c"] = (1 + EXCESS[0], 1 + EXCESS[1])
+    found = [
+        f"{name} = {values[name]:.5g} is at the limit of the search ({limit:g})"
+        for name, pair in limits.items()
+        for limit in pair
+        if abs(values[name] - limit) <= NEAR * max(1.0, abs(limit))
+    ]
+    if not bounds and model.certificate().margin <= 1 - STEEPNESS[1] + NEAR:
+        found.append("the certificate limits this fit: models that fit better are not safe")
+    return found

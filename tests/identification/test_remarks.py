@@ -1,0 +1,44 @@
+"""A fit that deserves doubt says so."""
+
+import numpy as np
+import pytest
+from activesuit.assets import curves_path
+from activesuit.identification import Curve, identify, load_curves
+from helpers import sweep
+
+
+def said(curves, **options):
+    return " ".join(identify(curves, **options).remarks)
+
+
+def test_a_good_fit_is_silent():
+    assert identify(load_curves(curves_path("elbow"))).remarks == ()
+
+
+def test_a_limited_fit_says_what_limits_it():
+    text = said(load_curves(curves_path("shoulder")))
+    assert "a = 5000 is at the limit" in text
+    assert "the certificate limits this fit" in text
+
+
+def test_a_poor_fit_says_so(elbow):
+    angle = sweep(0.52, 1.5, 0.52)
+    upside_down = [Curve(angle, -elbow.response(angle), "A")]
+    assert "far above the noise" in said(upside_down)
+
+
+def test_one_way_and_tiny_motions(elbow):
+    angle = np.linspace(0.52, 1.5, 50)
+    assert "no curve turns back" in said([Curve(angle, elbow.response(angle), "A")])
+    angle = np.radians(sweep(0.52, 1.5, 0.52))
+    assert "span only 0.0171 rad" in said([Curve(angle, elbow.response(angle), "A")])
+
+
+def test_swarm_limits(small_family):
+    fit = identify(small_family, method="pso", trials=1, swarm_size=2, max_iterations=1)
+    assert all(isinstance(remark, str) for remark in fit.remarks)
+
+
+def test_too_few_samples():
+    with pytest.raises(ValueError, match="have 3 samples in all: give at least 10"):
+        identify([Curve([0, 1, 0], [0, 1, -1], "A")])
