@@ -1,6 +1,5 @@
 """The Gymnasium environment: a suited arm follows an intention, the agent drives the motors."""
 
-import math
 from typing import Any, ClassVar, Literal
 
 import gymnasium
@@ -11,22 +10,17 @@ from numpy.typing import NDArray
 from ..assets import JOINTS
 from ..errors import InputError
 from .composition import ASSISTED, ArmConfig, bare_arm, compose
+from .observation import Observer
 from .reference import Reference, follow, random_moves
 from .rendering import Renderer
 from .wiring import Wiring
 
 Array = NDArray[np.float64]
-PREVIEW = (
-    0.02,
-    0.1,
-    0.24,
-)  # s ahead of now at which the observation shows the target, nearest first
 EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
 ERROR_SCALE = 0.1  # rad that cost 1
 SMOOTHNESS = 0.1
 SETTLING_ITERATIONS = 8  # each one shrinks the error by stiffness of suit and weight over kp
 LOST = 1.0  # rad of tracking error at which an episode ends
-ANGLE_LIMIT, RATE_LIMIT, SUIT_TORQUE_LIMIT = math.pi, 20.0, 100.0  # of the observation space
 
 
 class ArmEnv(gymnasium.Env):
@@ -88,8 +82,6 @@ class ArmEnv(gymnasium.Env):
         width: int = 640,
         height: int = 480,
     ) -> None:
-        if observe not in ("sensors", "oracle"):
-            raise InputError(f"observe is {observe!r}: use 'sensors' or 'oracle'")
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
         self.config = ArmConfig(
@@ -101,20 +93,16 @@ class ArmEnv(gymnasium.Env):
             raise InputError(
                 f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
             )
-        if abs(PREVIEW[0] / control_dt - round(PREVIEW[0] / control_dt)) > 1e-9:
-            raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")
         self.control_dt = control_dt
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.data = mujoco.MjData(self.model)
         self.render_mode = render_mode
         self.renderer = Renderer(camera=camera, width=width, height=height)
-        self.observe = observe
         self.wiring = Wiring.of(self.model)
+        self._observer = Observer(self.wiring, control_dt, observe)
         self._bare_arm = bare_arm(gravity)
-        self._preview = np.array([round(ahead / control_dt) for ahead in PREVIEW])
-        self.layout = self._layout()
-        self._limit = self._observation_limit()
-        self.observation_space = gymnasium.spaces.Box(-self._limit, self._limit, dtype=np.float32)
+        self.layout = self._observer.layout
+        self.observation_space = self._observer.space
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(ASSISTED),), np.float32)
 
     # --- Gymnasium ----------------------------------------------------------------------------
@@ -248,29 +236,6 @@ class ArmEnv(gymnasium.Env):
 
     # --- Parts --------------------------------------------------------------------------------
 
-    def _layout(self) -> dict[str, slice]:
-        sizes = {
-            "angle": len(JOINTS),
-            "rate": len(JOINTS),
-            "motor_torque": len(ASSISTED),
-            "target": len(PREVIEW) * len(ASSISTED),
-            "previous_action": len(ASSISTED),
-        }
-        if self.observe == "oracle":
-            sizes["suit_torque"] = len(JOINTS)
-        ends = np.cumsum(list(sizes.values()))
-        return {
-            name: slice(int(end) - size, int(end))
-            for (name, size), end in zip(sizes.items(), ends, strict=True)
-        }
-
-    def _observation_limit(self) -> NDArray[np.float32]:
-        limit = np.ones(max(part.stop for part in self.layout.values()), dtype=np.float32)
-        limit[self.layout["angle"]] = limit[self.layout["target"]] = ANGLE_LIMIT
-        limit[self.layout["rate"]] = RATE_LIMIT
-        limit[self.layout.get("suit_torque", slice(0))] = SUIT_TORQUE_LIMIT
-        return limit
-
     def _new_reference(self, rng: np.random.Generator) -> Reference:
         samples = round(self.duration / self.control_dt) + 1
         motion = np.zeros((3, samples, len(JOINTS)))
@@ -319,11 +284,6 @@ class ArmEnv(gymnasium.Env):
             command = np.clip(command, -1.0, 1.0)
         return command
 
-    def _suit_torque(self) -> Array:
-        torque = np.zeros(len(JOINTS))
-        torque[self.wiring.suited] = self.data.sensordata[self.wiring.suit_torque]
-        return torque
-
     def _tracking_error(self) -> Array:
         angle = self.data.qpos[self.wiring.joints[self.wiring.assisted]]
         return angle - self.reference.angle[self._at(self._step), self.wiring.assisted]
@@ -342,20 +302,7 @@ class ArmEnv(gymnasium.Env):
         return not followed or bool(self.data.plugin_state[self.wiring.faults].any())
 
     def _observation(self) -> NDArray[np.float32]:
-        data, layout = self.data, self.layout
-        observation = np.empty(self._limit.size)
-        observation[layout["angle"]] = data.qpos[self.wiring.joints]
-        observation[layout["rate"]] = data.qvel[self.wiring.joints]
-        observation[layout["motor_torque"]] = (
-            data.actuator_force[self.wiring.assist] / self.wiring.peak_torque
-        )
-        ahead = np.minimum(self._step + self._preview, len(self.reference.angle) - 1)
-        observation[layout["target"]] = self.reference.angle[ahead][:, self.wiring.assisted].ravel()
-        observation[layout["previous_action"]] = self._previous_action
-        if self.observe == "oracle":
-            observation[layout["suit_torque"]] = self._suit_torque()
-        np.minimum(observation, self._limit, out=observation)
-        return np.maximum(observation, -self._limit).astype(np.float32)
+        return self._observer(self.data, self.reference, self._step, self._previous_action)
 
     def _info(self, terms: dict[str, float]) -> dict[str, Any]:
         data = self.data
@@ -367,7 +314,7 @@ class ArmEnv(gymnasium.Env):
             "angle": data.qpos[self.wiring.joints].copy(),
             "target_angle": self.reference.angle[self._at(self._step)].copy(),
             "human_torque": data.actuator_force[self.wiring.human].copy(),
-            "suit_torque": self._suit_torque(),
+            "suit_torque": self.wiring.suit_torque_of(data),
             "assist_torque": data.actuator_force[self.wiring.assist].copy(),
             **self._energy,
             "dissipated_energy": dissipated,

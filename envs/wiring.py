@@ -67,6 +67,12 @@ class Wiring:
             faults=fault_slots(model),
         )
 
+    def suit_torque_of(self, data: mujoco.MjData) -> NDArray[np.float64]:
+        """Returns the suit's torque on each of `JOINTS` [N·m]; zero where it does not resist."""
+        torque = np.zeros(len(JOINTS))
+        torque[self.suited] = data.sensordata[self.suit_torque]
+        return torque
+
 
 def _indices(values) -> Indices:
     return np.array(list(values), dtype=np.int64)

@@ -156,7 +156,7 @@ def test_observation_is_fresh_and_means_what_the_layout_says():
     suit = info["suit_torque"]
     mujoco.mj_forward(env.model, env.data)  # a stale state would move now
     np.testing.assert_array_equal(env.data.site("hand_grip").xpos, hand)
-    np.testing.assert_allclose(env._suit_torque(), suit, atol=1e-12)
+    np.testing.assert_allclose(env.wiring.suit_torque_of(env.data), suit, atol=1e-12)
 
 
 def test_no_element_of_the_observation_is_constant():
