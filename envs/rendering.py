@@ -2,6 +2,7 @@
 
 import os
 import sys
+import threading
 import time
 from typing import Any, ClassVar
 
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
+
+WINDOW_CLOSES = 5.0  # s that a window may take to close
 
 
 class RenderingUnavailableError(InputError):
@@ -34,6 +37,7 @@ class Renderer:
         self.camera, self.width, self.height = camera, width, height
         self._offscreen: Any = None
         self._window: Any = None
+        self._window_threads: set[threading.Thread] = set()
         self._process = os.getpid()
         self._shown = 0.0
 
@@ -80,6 +84,7 @@ class Renderer:
                 )
             import mujoco.viewer
 
+            others = set(threading.enumerate())
             try:
                 self._window = mujoco.viewer.launch_passive(model, data)
             except Exception as error:
@@ -87,6 +92,7 @@ class Renderer:
                     f"no window can be opened ({error}): use render_mode='rgb_array' on a machine "
                     "without a display"
                 ) from error
+            self._window_threads = set(threading.enumerate()) - others
         if not self._window.is_running():
             raise RenderingUnavailableError("the window was closed: make the environment again")
         time.sleep(max(0.0, self._shown + period - time.monotonic()))
@@ -98,7 +104,9 @@ class Renderer:
         for part in (self._offscreen, self._window):
             if part is not None:
                 part.close()
-        self._offscreen = self._window = None
+        for thread in self._window_threads:
+            thread.join(WINDOW_CLOSES)  # a process that ends before its window does crashes
+        self._offscreen, self._window, self._window_threads = None, None, set()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_offscreen": None, "_window": None}
+        return {**self.__dict__, "_offscreen": None, "_window": None, "_window_threads": set()}
