@@ -35,6 +35,7 @@ from ._state import (
     C,
     K,
     joint_of,
+    sensor_of,
 )
 
 # Config keys, in the order in which MuJoCo stores their values.
@@ -54,7 +55,7 @@ JOINT, FIRST_PARAMETER, UNIT, START_ANGLE, START_TORQUE, ALLOW = 0, 1, 6, 7, 8, 
 
 # What can be wrong with a config.
 FINE, NO_JOINT, JOINT_TYPE, PARAMETER, NOT_POSITIVE, ANGLE_UNIT = 0, 1, 2, 3, 4, 5
-START, FLAG, UNCERTIFIED, FAR_START, SENSOR_NAME, TOO_LARGE = 6, 7, 8, 9, 10, 11
+START, FLAG, UNCERTIFIED, FAR_START, SENSOR_NAME, TOO_LARGE, SENSOR_TWICE = 6, 7, 8, 9, 10, 11, 12
 
 DEGREE = math.pi / 180
 
@@ -102,6 +103,8 @@ def connect(m, instance, at):
             kind = sensor_kind(name)
             if kind < 0:
                 return SENSOR_NAME, 0
+            if sensor_of(wires, kind) >= 0:
+                return SENSOR_TWICE, 0
             wires |= (i + 1) << (BITS * kind)
     return FINE, wires
 
@@ -218,6 +221,8 @@ def complain(fault, joint):
             "the certificate; change start_angle or start_torque",
             joint,
         )
+    elif fault == SENSOR_TWICE:
+        warn("activesuit.jiles_atherton: two sensors of joint '%s' measure the same", joint)
     elif fault == TOO_LARGE:
         warn("activesuit.jiles_atherton: the model of joint '%s' has too many parts", joint)
     elif fault == UNCERTIFIED:

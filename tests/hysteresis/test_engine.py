@@ -300,6 +300,14 @@ def test_bad_mjcf_is_one_sentence(change, sensor, message):
         mujoco.MjModel.from_xml_string(plain_mjcf({**GOOD, **change}, sensor))
 
 
+def test_two_sensors_of_one_kind_are_refused():
+    twice = plain_mjcf(GOOD, "a_torque").replace(
+        "</sensor>", '<plugin name="b_torque" instance="i"/></sensor>'
+    )
+    with pytest.raises(ValueError, match="two sensors of joint 'one' measure the same"):
+        mujoco.MjModel.from_xml_string(twice)
+
+
 def test_registration_is_idempotent_and_thread_safe():
     slots = []
     threads = [threading.Thread(target=lambda: slots.append(register())) for _ in range(8)]
