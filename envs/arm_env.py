@@ -194,7 +194,7 @@ class ArmEnv(gymnasium.Env):
         physics = np.empty(mujoco.mj_stateSize(self.model, signature))
         mujoco.mj_getState(self.model, self.data, physics, signature)
         return {
-            "config": self.config,
+            "config": self._identity(),
             "physics": physics,
             "actuator_force": self.data.actuator_force.copy(),
             "reference": self.reference,
@@ -217,10 +217,10 @@ class ArmEnv(gymnasium.Env):
         """
         signature = mujoco.mjtState.mjSTATE_INTEGRATION
         size = mujoco.mj_stateSize(self.model, signature)
-        if state["config"] != self.config or np.shape(state["physics"]) != (size,):
+        if state["config"] != self._identity() or np.shape(state["physics"]) != (size,):
             raise InputError(
-                f"the state is of {state['config']} and this environment is {self.config}: make it "
-                "with the same options"
+                f"the state is of {state['config']} and this environment is {self._identity()}: "
+                "make it with the same options"
             )
         mujoco.mj_setState(self.model, self.data, state["physics"], signature)
         self.reference = state["reference"]
@@ -235,6 +235,9 @@ class ArmEnv(gymnasium.Env):
         return self._observation(), self._info({})
 
     # --- Parts --------------------------------------------------------------------------------
+
+    def _identity(self) -> str:
+        return f"{type(self).__name__}({self.config}, control_dt={self.control_dt})"
 
     def _new_reference(self, rng: np.random.Generator) -> Reference:
         samples = round(self.duration / self.control_dt) + 1

@@ -144,6 +144,8 @@ def evaluate(
     Raises:
         InputError: no such environment or policy, or fewer than one episode.
     """
+    if isinstance(policies, str):
+        raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     if not policies:

@@ -9,7 +9,7 @@ from .certified import EXCESS, SHAPE, STEEPNESS, noise_floor
 from .curves import Curve
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
-POOR, TIMES_NOISE = 0.03, 3.0
+POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2
 LITTLE_MOTION = 0.05  # rad
 RETURNED = 0.05  # of the span
 
@@ -36,6 +36,10 @@ def remarks(
             f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
             "the sign of the torque, the order of the samples, or whether the torque begins at zero"
         )
+    elif nrmse > DISORDER:
+        found.append(
+            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
+        )
     span = max(float(np.ptp(curve.angle)) for curve in curves)
     if span < LITTLE_MOTION:
         found.append(f"the angles span only {span:.3g} rad: check their unit")
@@ -46,8 +50,10 @@ def remarks(
 
 
 def _turns_back(curve: Curve) -> bool:
-    travel = np.diff(curve.angle)
-    forth, back = travel[travel > 0].sum(), -travel[travel < 0].sum()
+    # The largest excursion, not the sum of steps: an encoder's jitter is no return.
+    angle = curve.angle
+    back = (np.maximum.accumulate(angle) - angle).max()
+    forth = (angle - np.minimum.accumulate(angle)).max()
     return bool(min(forth, back) > RETURNED * np.ptp(curve.angle))
 
 
@@ -63,5 +69,7 @@ def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) 
         if abs(values[name] - limit) <= NEAR * max(1.0, abs(limit))
     ]
     if not bounds and model.certificate().margin <= 1 - STEEPNESS[1] + NEAR:
-        found.append("the certificate limits this fit: models that fit better are not safe")
+        found.append(
+            "the fit ended at the limit of the certificate: a model that is not safe may fit better"
+        )
     return found

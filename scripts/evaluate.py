@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..envs.evaluation import Score, Trace
+from ..envs.evaluation import Score, Trace, make_env
 from ..envs.evaluation import evaluate as evaluate_policies
 from ..envs.policies import POLICIES
 from ..envs.policies.trained import training_config
@@ -36,8 +36,9 @@ def evaluate(
         json: print the result as JSON.
     """
     env = env or _trained_on(policies) or "ActiveSuit/ArmTracking-v0"
-    folder = RunFolder(out) if out else None
     options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
+    make_env(env, **options)[0].close()  # reports a mistake before the folder is made
+    folder = RunFolder(out) if out else None
     scores = run(env, policies, episodes, seed, **options)
     result = {
         "env": env,

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import tyro
 
 from ..assets import Suit, load_suit, save_suit
+from ..errors import InputError
 from ..hysteresis.jiles_atherton import PARAMETERS
 from ..identification import Fit, Trial, load_curves
 from ..identification import identify as identify_curves
@@ -48,6 +49,8 @@ def identify(
         json: print the result as JSON.
     """
     family = load_curves(curves)
+    if base and not out:
+        raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     joint_name = joint_of(curves, joint) if out or joint else None
     others = load_suit(base).joints if base else {}
     folder = RunFolder(out) if out else None

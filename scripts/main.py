@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
-        _stop(f"interrupted: {str(interrupt) or 'nothing is kept'}")
+        _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
     except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:

@@ -6,7 +6,7 @@ from typing import Annotated
 import tyro
 
 from ..assets import load_suit
-from ..envs.evaluation import share_of_oracle
+from ..envs.evaluation import make_env, share_of_oracle
 from .evaluate import run
 from .output import RunFolder, table, to_json
 from .tables import score_table
@@ -42,6 +42,7 @@ def validate(
     """
     load_suit(suit)
     worn = load_suit(plant)
+    make_env(env, suit=plant, gravity=gravity, allow_uncertified=allow_uncertified)[0].close()
     folder = RunFolder(out) if out else None
     scores = run(
         env,

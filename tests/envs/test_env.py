@@ -116,6 +116,10 @@ def test_state_of_another_environment_is_refused():
     env.reset(seed=0)
     with pytest.raises(InputError, match=r"gravity='earth'.*gravity='moon'"):
         make(gravity="moon").set_state(env.get_state())
+    with pytest.raises(InputError, match=r"control_dt=0\.01.*control_dt=0\.02"):
+        make(control_dt=0.02).set_state(env.get_state())
+    with pytest.raises(InputError, match=r"ArmTrackingEnv.*ElbowFlexionEnv"):
+        make(IDS[1]).set_state(env.get_state())
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e12])

@@ -174,6 +174,7 @@ MISTAKES = [
     (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
     (["identify", ELBOW, "--workers", "0"], "workers is 0"),
     (["identify", ELBOW, "--base", "nope", "--out", "{bad}/out"], "unknown suit 'nope'"),
+    (["identify", ELBOW, "--base", "mock-suit"], "--base mock-suit needs --out"),
     (["evaluate", "--seed", "-1"], "seed is -1"),
     (["simulate", "--seed", "-1", "--out", "{bad}/out"], "seed is -1"),
     (["demo", "--trials", "0", "--out", "{bad}/out"], "trials is 0"),
