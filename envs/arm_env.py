@@ -1,5 +1,7 @@
 """The Gymnasium environment: a suited arm follows an intention, the agent drives the motors."""
 
+import math
+from copy import copy, deepcopy
 from typing import Any, ClassVar, Literal
 
 import gymnasium
@@ -13,14 +15,13 @@ from .composition import ASSISTED, ArmConfig, bare_arm, compose
 from .observation import Observer
 from .reference import Reference, follow, random_moves
 from .rendering import Renderer
+from .reward import LOST, reward_terms
+from .state import ENERGIES, check_state, physics_of, restore_physics
+from .wearer import intend, settle
 from .wiring import Wiring
 
 Array = NDArray[np.float64]
-EFFORT_SCALE = np.array([20.0, 10.0])  # N·m at shoulder and elbow that cost 1
-ERROR_SCALE = 0.1  # rad that cost 1
-SMOOTHNESS = 0.1
-SETTLING_ITERATIONS = 8  # each one shrinks the error by stiffness of suit and weight over kp
-LOST = 1.0  # rad of tracking error at which an episode ends
+DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 
 
 class ArmEnv(gymnasium.Env):
@@ -40,9 +41,15 @@ class ArmEnv(gymnasium.Env):
     torque [N·m] of the four joints. Positions, rates and suit torques are those of this instant;
     the torques of motors and wearer are the ones applied in the last physics step.
 
-    An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost.
+    An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
+    more than 1 rad from the intention, or in a suit whose torque met its pole, or diverged.
 
-    Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness.
+    Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness;
+    never below -270.
+
+    Where MuJoCo reports that the physics diverged, `info["diverged"]` is true, and that step shows
+    the last valid observation and measurements; its reward is that of a tracking error of 1 rad at
+    both joints. All numbers stay finite.
 
     Args:
         suit: name of a shipped suit, or path of a suit file.
@@ -121,15 +128,15 @@ class ArmEnv(gymnasium.Env):
         self.reference = self._new_reference(self.np_random)
         self._step = 0
         self._clipped = 0
-        self._energy = {"assist_energy": 0.0, "human_energy": 0.0}
+        self._energy = dict.fromkeys(ENERGIES, 0.0)
         self._previous_action = np.zeros(len(ASSISTED))
-        self._intend()
-        self._settle()
+        intend(self.data, self.wiring, self.reference, 1)
+        settle(self.model, self.data, self.wiring, self.reference)
         self._dissipated_at_reset = float(self.data.sensordata[self.wiring.dissipated].sum())
         if self.render_mode == "human":
             self.render()
-        return self._observation(), self._info(
-            self._reward_terms(self._tracking_error(), np.zeros(len(ASSISTED)))
+        return self._present(
+            reward_terms(self._human_torque(), self._tracking_error(), np.zeros(len(ASSISTED)))
         )
 
     def step(
@@ -138,11 +145,12 @@ class ArmEnv(gymnasium.Env):
         """Applies `action` for one control period.
 
         Raises:
-            InputError: the action has the wrong shape or is not finite.
+            InputError: the action has the wrong shape or is not finite, or there was no reset.
         """
+        self._require_reset("step")
         command = self._checked(action)
         self.data.ctrl[self.wiring.motors] = command
-        self._intend()
+        intend(self.data, self.wiring, self.reference, self._step + 1)
         # mj_step1 of the last substep comes last: positions, velocities and the forces that
         # depend on them are then those of the new state.
         mujoco.mj_step2(self.model, self.data)
@@ -150,23 +158,19 @@ class ArmEnv(gymnasium.Env):
             mujoco.mj_step(self.model, self.data, self.substeps - 1)
         mujoco.mj_step1(self.model, self.data)
         self._step += 1
-        rate = np.abs(self.data.qvel[self.wiring.joints])
-        force = np.abs(self.data.actuator_force)
-        human_power, assist_power = (
-            force[self.wiring.human] @ rate,
-            force[self.wiring.assist] @ rate[self.wiring.assisted],
-        )
-        self._energy["human_energy"] += float(human_power) * self.control_dt
-        self._energy["assist_energy"] += float(assist_power) * self.control_dt
-        error = self._tracking_error()
-        terms = self._reward_terms(error, command - self._previous_action)
-        self._previous_action = command
-        terminated = self._failed(error)
+        change, self._previous_action = command - self._previous_action, command
+        if self._diverged():
+            terminated = True
+            observation, info = self._last_valid(change)
+        else:
+            self._count_energy()
+            error = self._tracking_error()
+            terminated = self._lost(error)
+            observation, info = self._present(reward_terms(self._human_torque(), error, change))
         if self.render_mode == "human":
             self.render()
         truncated = self._step >= len(self.reference.angle) - 1
-        info = self._info(terms)
-        return self._observation(), float(sum(terms.values())), terminated, truncated, info
+        return observation, sum(info["reward_terms"].values()), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Returns a picture (height, width, 3) for "rgb_array"; updates the window for "human"."""
@@ -189,13 +193,14 @@ class ArmEnv(gymnasium.Env):
 
         It holds the physics with the suit's memory, the intention, the counters and the random
         generator, as arrays and plain values (picklable).
+
+        Raises:
+            InputError: there was no reset.
         """
-        signature = mujoco.mjtState.mjSTATE_INTEGRATION
-        physics = np.empty(mujoco.mj_stateSize(self.model, signature))
-        mujoco.mj_getState(self.model, self.data, physics, signature)
+        self._require_reset("get_state")
         return {
             "config": self._identity(),
-            "physics": physics,
+            "physics": physics_of(self.model, self.data),
             "actuator_force": self.data.actuator_force.copy(),
             "reference": self.reference,
             "step": self._step,
@@ -203,6 +208,7 @@ class ArmEnv(gymnasium.Env):
             "energy": dict(self._energy),
             "dissipated_at_reset": self._dissipated_at_reset,
             "previous_action": self._previous_action.copy(),
+            "diverged": self._diverged(),
             "random": self.np_random.bit_generator.state,
         }
 
@@ -213,16 +219,11 @@ class ArmEnv(gymnasium.Env):
             The observation and info of that moment, without new reward terms.
 
         Raises:
-            InputError: the state is of an environment with another suit, gravity or step.
+            InputError: the state is of an environment with another suit, gravity or step, or of an
+                episode that has diverged, or not what `get_state` returned; nothing has changed.
         """
-        signature = mujoco.mjtState.mjSTATE_INTEGRATION
-        size = mujoco.mj_stateSize(self.model, signature)
-        if state["config"] != self._identity() or np.shape(state["physics"]) != (size,):
-            raise InputError(
-                f"the state is of {state['config']} and this environment is {self._identity()}: "
-                "make it with the same options"
-            )
-        mujoco.mj_setState(self.model, self.data, state["physics"], signature)
+        check_state(state, self._identity(), self.model, self._samples(), self.np_random)
+        restore_physics(self.model, self.data, state)
         self.reference = state["reference"]
         self._step = state["step"]
         self._clipped = state["clipped_actions"]
@@ -230,17 +231,22 @@ class ArmEnv(gymnasium.Env):
         self._dissipated_at_reset = state["dissipated_at_reset"]
         self._previous_action = state["previous_action"].copy()
         self.np_random.bit_generator.state = state["random"]
-        mujoco.mj_step1(self.model, self.data)
-        self.data.actuator_force[:] = state["actuator_force"]
-        return self._observation(), self._info({})
+        return self._present({})
 
     # --- Parts --------------------------------------------------------------------------------
 
     def _identity(self) -> str:
         return f"{type(self).__name__}({self.config}, control_dt={self.control_dt})"
 
+    def _require_reset(self, what: str) -> None:
+        if not hasattr(self, "reference"):
+            raise InputError(f"{what} before the first reset: call reset() first")
+
+    def _samples(self) -> int:
+        return round(self.duration / self.control_dt) + 1
+
     def _new_reference(self, rng: np.random.Generator) -> Reference:
-        samples = round(self.duration / self.control_dt) + 1
+        samples = self._samples()
         motion = np.zeros((3, samples, len(JOINTS)))
         for joint, span in self.span.items():
             motion[:, :, JOINTS.index(joint)] = random_moves(
@@ -249,30 +255,6 @@ class ArmEnv(gymnasium.Env):
         for joint, span in self.hold.items():
             motion[0, :, JOINTS.index(joint)] = rng.uniform(*span)
         return follow(self._bare_arm, self.wiring.joints, (motion[0], motion[1], motion[2]))
-
-    def _at(self, step: int) -> int:
-        return min(step, len(self.reference.angle) - 1)
-
-    def _intend(self) -> None:
-        """Gives the wearer the intention of the end of the coming control period."""
-        i = self._at(self._step + 1)
-        ctrl, where = self.data.ctrl, self.wiring.intention
-        ctrl[where[:, 0]] = self.reference.angle[i]
-        ctrl[where[:, 1]] = self.reference.rate[i] * (i == self._step + 1)  # 0 past the end
-        ctrl[where[:, 2]] = self.reference.feedforward[i]
-
-    def _settle(self) -> None:
-        """Puts the arm where the wearer holds it at rest: feedback carries what is not foreseen."""
-        data, joints = self.data, self.wiring.joints
-        intended, feedforward = self.reference.angle[0], self.reference.feedforward[0]
-        angle = intended
-        for _ in range(SETTLING_ITERATIONS):
-            data.qpos[joints] = angle
-            mujoco.mj_forward(self.model, data)
-            load = data.qfrc_bias[joints] - data.qfrc_passive[joints]
-            angle = intended - (load - feedforward) / self.wiring.stiffness
-        data.qpos[joints] = angle
-        mujoco.mj_forward(self.model, data)
 
     def _checked(self, action: NDArray[np.floating[Any]]) -> Array:
         command = np.asarray(action, dtype=np.float64)
@@ -289,20 +271,44 @@ class ArmEnv(gymnasium.Env):
 
     def _tracking_error(self) -> Array:
         angle = self.data.qpos[self.wiring.joints[self.wiring.assisted]]
-        return angle - self.reference.angle[self._at(self._step), self.wiring.assisted]
+        return angle - self.reference.angle[self.reference.at(self._step), self.wiring.assisted]
 
-    def _reward_terms(self, error: Array, change: Array) -> dict[str, float]:
-        effort = self.data.actuator_force[self.wiring.human[self.wiring.assisted]] / EFFORT_SCALE
-        error = error / ERROR_SCALE
-        return {
-            "effort": -float(effort @ effort),
-            "tracking": -float(error @ error),
-            "smoothness": -SMOOTHNESS * float(change @ change),
+    def _human_torque(self) -> Array:
+        return self.data.actuator_force[self.wiring.human[self.wiring.assisted]]
+
+    def _count_energy(self) -> None:
+        rate = np.abs(self.data.qvel[self.wiring.joints])
+        force = np.abs(self.data.actuator_force)
+        human_power = force[self.wiring.human] @ rate
+        assist_power = force[self.wiring.assist] @ rate[self.wiring.assisted]
+        self._energy["human_energy"] += float(human_power) * self.control_dt
+        self._energy["assist_energy"] += float(assist_power) * self.control_dt
+
+    def _lost(self, error: Array) -> bool:
+        faults = self.data.plugin_state[self.wiring.faults]
+        return bool(np.abs(error).max() > LOST or faults.any())
+
+    def _diverged(self) -> bool:
+        sensed = self.data.sensordata
+        total = sensed[self.wiring.suit_torque].sum() + sensed[self.wiring.dissipated].sum()
+        return bool(self.data.warning.number[DIVERGENCE].any()) or not math.isfinite(total)
+
+    def _present(self, terms: dict[str, float]) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        observation, info = self._observation(), self._info(terms)
+        self._valid = (observation.copy(), {key: copy(value) for key, value in info.items()})
+        return observation, info
+
+    def _last_valid(self, change: Array) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Returns the last valid observation and info, with the time and price of this step."""
+        observation, info = deepcopy(self._valid)
+        human_torque = info["human_torque"][self.wiring.assisted]
+        return observation, {
+            **info,
+            "time": float(self.data.time),
+            "clipped_actions": self._clipped,
+            "diverged": True,
+            "reward_terms": reward_terms(human_torque, np.full(len(ASSISTED), LOST), change),
         }
-
-    def _failed(self, error: Array) -> bool:
-        followed = np.abs(error).max() <= LOST  # false where the physics has become NaN
-        return not followed or bool(self.data.plugin_state[self.wiring.faults].any())
 
     def _observation(self) -> NDArray[np.float32]:
         return self._observer(self.data, self.reference, self._step, self._previous_action)
@@ -315,12 +321,13 @@ class ArmEnv(gymnasium.Env):
         return {
             "time": float(data.time),
             "angle": data.qpos[self.wiring.joints].copy(),
-            "target_angle": self.reference.angle[self._at(self._step)].copy(),
+            "target_angle": self.reference.angle[self.reference.at(self._step)].copy(),
             "human_torque": data.actuator_force[self.wiring.human].copy(),
             "suit_torque": self.wiring.suit_torque_of(data),
             "assist_torque": data.actuator_force[self.wiring.assist].copy(),
             **self._energy,
             "dissipated_energy": dissipated,
             "clipped_actions": self._clipped,
+            "diverged": False,
             "reward_terms": terms,
         }

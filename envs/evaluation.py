@@ -15,6 +15,7 @@ from .composition import ASSISTED
 from .policies import Policy, make_policy
 
 Array = NDArray[np.float64]
+Policies = Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]]  # names, or your own
 TAKEOVER = 0.5  # s
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 
@@ -121,7 +122,7 @@ def score(policy: str, traces: Sequence[Trace]) -> Score:
 
 def evaluate(
     env_id: str,
-    policies: Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]],
+    policies: Policies,
     *,
     episodes: int = 5,
     seed: int = 0,
@@ -137,30 +138,21 @@ def evaluate(
             (unwrapped) environment to a policy for each.
         episodes: episodes per policy; episode i is reset with seed + i.
         seed: of the first episode.
-        believed_suit: what "feedforward" believes; by default the simulated suit.
+        believed_suit: what the named policy "feedforward" believes; by default the simulated suit.
         on_episode: called with policy, episode number and trace after each episode.
         **env_options: passed to the environment (`suit`, `gravity`, ...).
 
     Raises:
-        InputError: no such environment or policy, or fewer than one episode.
+        InputError: no such environment or policy, fewer than one episode, an own policy that is no
+            function, or own policies together with `believed_suit`.
     """
-    if isinstance(policies, str):
-        raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
+    _check_policies(policies, believed_suit)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
-    if not policies:
-        raise InputError("no policy given: name at least one")
     env, arm = make_env(env_id, **env_options)
     try:
-        if isinstance(policies, Mapping):
-            built = {name: make(arm) for name, make in policies.items()}
-        else:
-            built = {
-                name: make_policy(name, arm, believed_suit=believed_suit)
-                for name in dict.fromkeys(policies)
-            }
         scores = []
-        for name, policy in built.items():
+        for name, policy in _build(policies, arm, believed_suit).items():
             traces = []
             for episode in range(episodes):
                 traces.append(run_episode(env, policy, seed + episode))
@@ -198,6 +190,41 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
     env = gymnasium.make(env_id, **options)
     assert isinstance(env.unwrapped, ArmEnv)
     return env, env.unwrapped
+
+
+def _check_policies(policies: Policies, believed_suit: str | None) -> None:
+    if isinstance(policies, str):
+        raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
+    if not policies:
+        raise InputError("no policy given: name at least one")
+    if not isinstance(policies, Mapping):
+        for policy in policies:
+            if not isinstance(policy, str):
+                raise InputError(
+                    f"policies has {policy!r}: give names, or a dict of a name and a function from "
+                    "the environment to a policy for each"
+                )
+        return
+    if believed_suit is not None:
+        raise InputError(
+            f"believed_suit is {believed_suit!r} and policies are your own: believed_suit is for "
+            "named policies only, so give yours what it believes when you make it"
+        )
+    for name, make in policies.items():
+        if not callable(make):
+            raise InputError(
+                f"policy {name!r} is {make!r}: give a function from the environment to a policy, "
+                "such as the policy's class or lambda env: policy"
+            )
+
+
+def _build(policies: Policies, arm: ArmEnv, believed_suit: str | None) -> dict[str, Policy]:
+    if isinstance(policies, Mapping):
+        return {name: make(arm) for name, make in policies.items()}
+    return {
+        name: make_policy(name, arm, believed_suit=believed_suit)
+        for name in dict.fromkeys(policies)
+    }
 
 
 def _with_reduction(scores: list[Score]) -> list[Score]:

@@ -23,6 +23,10 @@ class Reference:
     rate: Array
     feedforward: Array
 
+    def at(self, step: int) -> int:
+        """Returns the sample of control period `step`: the last one past the end."""
+        return min(step, len(self.angle) - 1)
+
 
 def minimum_jerk(fraction: Array) -> tuple[Array, Array, Array]:
     """Returns 10 s^3 - 15 s^4 + 6 s^5 and its first two derivatives for s in [0, 1]."""

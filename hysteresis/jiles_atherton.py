@@ -1,31 +1,30 @@
 """The Jiles-Atherton model of a joint's resistant torque."""
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from . import _jiles_atherton_kernels as kernels
-from .certificate import Certificate, PoleError
+from ._jiles_atherton_bulk import certificate
+from ._jiles_atherton_envelope import margin_in_range
+from ._jiles_atherton_forms import CLAMPS, FORMS
+from ._checks import number, scales
+from .certificate import ALL_ANGLES, Certificate, checked_range
+from .model import Array, HysteresisModel, State, read_only
 
 AngleUnit = Literal["rad", "deg"]
+Form = Literal["bulk", "original", "derivative", "jiles-1992"]
+Clamp = Literal["none", "jiles", "irreversible"]
 PARAMETERS = ("Ms", "a", "alpha", "c", "k")
 UNIT_PER_RADIAN: dict[str, float] = {"rad": 1.0, "deg": 180 / math.pi}
 
 
-class JilesAthertonState(NamedTuple):
-    """The whole memory of the model: the last angle [rad] and the torque [N·m] there."""
-
-    angle: float
-    torque: float
-
-
 @dataclass(frozen=True, kw_only=True)
-class JilesAtherton:
+class JilesAtherton(HysteresisModel):
     """Hysteretic resistance M of a joint, driven by its angle H (Li et al. 2022, eq. 1-4).
 
     With He = H + alpha M, Man = Ms (coth(He/a) - a/He) and delta = sign(dH),
@@ -35,7 +34,8 @@ class JilesAtherton:
     This is eq. (4) of the paper (the "bulk" form, Venkataraman and Krishnaprasad 1998), without
     the clamp of magnetics: a joint needs c > 1, where that clamp makes the torque run away.
     In a closed cycle the joint loses (c - 1) times a number that is never negative: c > 1 resists
-    the motion, c = 1 is elastic, c < 1 drives it.
+    the motion, c = 1 is elastic, c < 1 drives it. The other forms and clamps are those of
+    magnetics; the same five numbers mean different loops in each.
 
     Attributes:
         Ms: saturation torque [N·m], > 0.
@@ -45,11 +45,19 @@ class JilesAtherton:
         k: loss parameter [angle_unit], > 0.
         angle_unit: unit of a, k and alpha. The published sets are in degrees; angles that go into
             the methods are radians whatever it is.
-        allow_active: accept c < 1, a model that feeds energy into the joint.
+        form: which equation: `bulk`, `original` (Jiles and Atherton 1986), `derivative` (with
+            dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
+        clamp: whether the irreversible part stops while it points against the motion: `none`,
+            `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
+        allow_active: accept a model that feeds energy into the joint.
 
     Raises:
         InputError: a parameter is not finite or out of its range.
     """
+
+    name: ClassVar[str] = "jiles-atherton"
+    kernels: ClassVar[Any] = kernels
+    memory_size: ClassVar[int] = kernels.MEMORY_SIZE  # type: ignore[override]
 
     Ms: float
     a: float
@@ -57,143 +65,118 @@ class JilesAtherton:
     c: float
     k: float
     angle_unit: AngleUnit = "rad"
+    form: Form = "bulk"
+    clamp: Clamp = "none"
     allow_active: bool = False
 
     def __post_init__(self) -> None:
-        if self.angle_unit not in UNIT_PER_RADIAN:
-            raise InputError(f"angle_unit is {self.angle_unit!r}: use 'rad' or 'deg'")
+        for field, allowed in (("angle_unit", AngleUnit), ("form", Form), ("clamp", Clamp)):
+            if getattr(self, field) not in get_args(allowed):
+                choices = " or ".join(map(repr, get_args(allowed)))
+                raise InputError(f"{field} is {getattr(self, field)!r}: use {choices}")
         for name in PARAMETERS:
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-                raise InputError(f"parameter {name} is {value!r}: give a number")
-            if not math.isfinite(value):
-                raise InputError(f"parameter {name} is {value}: give a finite number")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, number(f"parameter {name}", getattr(self, name)))
         for name in ("Ms", "a", "k"):
             if getattr(self, name) <= 0:
                 raise InputError(f"parameter {name} is {getattr(self, name)}: it must be above 0")
-        if self.c < 1 and not self.allow_active:
+        self._check_activity()
+
+    def _check_activity(self) -> None:
+        if self.form != "bulk" and not 0 <= self.c < (1 if self.form == "jiles-1992" else math.inf):
+            limit = "and below 1 " if self.form == "jiles-1992" else ""
+            raise InputError(
+                f"parameter c is {self.c}: form {self.form!r} needs it at least 0 {limit}"
+            )
+        if self.allow_active:
+            return
+        if self.form != "bulk":
+            raise InputError(
+                f"form is {self.form!r}: it feeds energy into the joint whatever its parameters; "
+                "use 'bulk' with c >= 1, or allow_active=True if that is what you want"
+            )
+        if self.c < 1:
             raise InputError(
                 f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
                 "c >= 1, or allow_active=True if that is what you want"
             )
 
-    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> NDArray[np.float64]:
-        """Computes the resistance along a sequence of angles.
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """Ms, a, alpha, c, k in radians, the longest internal step, form and clamp."""
+        p = np.empty(kernels.PARAMETER_SIZE)
+        scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
+        form, clamp = FORMS.index(self.form), CLAMPS.index(self.clamp)
+        kernels.set_parameters(
+            p, self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale, form, clamp
+        )
+        return read_only(p)
 
-        The result depends on the order of the angles, not on time. Between two samples the motion
-        is taken as monotone; a repeated angle repeats its torque.
-
-        Args:
-            angle: joint angles [rad], shape (n,).
-            initial_torque: resistance at angle[0] [N·m].
-
-        Returns:
-            Resistance [N·m], shape (n,), with torque[0] == initial_torque.
-
-        Raises:
-            InputError: `angle` is not one finite series.
-            PoleError: the motion meets the pole of an uncertified model.
-        """
-        angle = np.ascontiguousarray(angle, dtype=np.float64)
-        if angle.ndim != 1 or angle.size == 0:
-            raise InputError(f"angle has shape {angle.shape}: give one series of at least 1 sample")
-        if not np.isfinite(angle).all():
-            bad = int(np.flatnonzero(~np.isfinite(angle))[0])
-            raise InputError(f"angle[{bad}] is {angle[bad]}: angles must be finite (rad)")
-        torque = np.empty_like(angle)
-        kernels.response(angle, _finite_torque(initial_torque), *self.kernel_arguments, torque)
-        if np.isnan(torque[-1]):
-            last = int(np.flatnonzero(np.isnan(torque))[0])
-            raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
-        return torque
-
-    def start(self, angle: float, torque: float = 0.0) -> JilesAthertonState:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        if not math.isfinite(angle):
-            raise InputError(f"angle is {angle}: give a finite angle (rad)")
-        return JilesAthertonState(float(angle), _finite_torque(torque))
-
-    def step(self, state: JilesAthertonState, angle: float) -> tuple[JilesAthertonState, float]:
-        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit.
-
-        Returns:
-            The new state and the resistance [N·m] there.
-
-        Raises:
-            InputError: `angle` is not finite.
-            PoleError: the motion meets the pole of an uncertified model.
-        """
-        if not math.isfinite(angle):
-            raise InputError(f"angle is {angle}: give a finite angle (rad)")
-        torque, _ = kernels.advance(*state, float(angle), *self.kernel_arguments)
-        if math.isnan(torque):
-            raise self._pole(state.angle, angle)
-        return JilesAthertonState(float(angle), torque), torque
-
-    def tangent(self, state: JilesAthertonState, direction: float) -> float:
-        """Returns the stiffness dM/dH [N·m/rad] of a motion that goes on with sign `direction`."""
-        delta = math.copysign(1.0, direction)
-        return kernels.tangent_stiffness(*state, delta, *self.kernel_arguments[:5])
-
-    def certificate(self) -> Certificate:
-        """Proves, where it can be proved, that no motion meets the pole (see the README, "Safety").
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").
 
         With chi = Ms/(3a), the largest slope of Man, u = M - Man obeys |u| <= k |c-1| chi for ever
         once it does: at that value its decay outweighs its source. Hence f lies between
         -(|c-1| + max(-c, 0)) chi and (|c-1| + max(c, 0)) chi, and 1 - alpha f stays positive when
         it does at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
+
+        Args:
+            angle_range: angles [rad] that the joint keeps to. In a finite range u is bounded more
+                tightly, by the longest possible run in either direction, so a model may be safe
+                there that is not for all angles.
+
+        Returns:
+            The certificate. Nothing is proved (margin -inf) for forms other than `bulk` without a
+            clamp.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
         """
-        margin, memory_bound = kernels.certificate(*self.kernel_arguments[:5])
+        low, high = checked_range(angle_range)
+        Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()
+        margin, memory_bound = certificate(Ms, a, alpha, c, k)
+        largest = memory_bound
+        if not kernels.is_exact(self.parameter_vector):
+            margin = -math.inf
+        elif margin <= 0 and math.isfinite(high - low):
+            margin, memory_bound, largest = margin_in_range(low, high, Ms, a, alpha, c, k)
         return Certificate(
             margin=margin,
-            dissipative=margin > 0 and self.c >= 1,
+            dissipative=margin > 0 and c >= 1,
+            torque_bound=Ms + largest,
             memory_bound=memory_bound,
-            torque_bound=self.Ms + memory_bound,
+            angle_range=(low, high),
         )
 
-    def anhysteretic(self, state: JilesAthertonState) -> float:
+    def anhysteretic(self, state: State) -> float:
         """Returns Man [N·m], the torque towards which the memory of `state` relaxes."""
-        return kernels.anhysteretic(*state, *self.kernel_arguments[:3])
+        return float(state.memory[kernels.MAN])
 
-    def scaled(self, *, torque: float) -> "JilesAtherton":
-        """Returns the model whose every response is `torque` (> 0) times this one's, exactly.
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "JilesAtherton":
+        """Returns the model whose response at `angle` times an angle is `torque` times this one's.
 
-        Ms -> torque Ms, alpha -> alpha / torque. With torque = P / P0 this is the pressure scaling
-        of the volume effect.
+        Exact, whatever the motion: Ms -> torque Ms, alpha -> alpha / torque (with torque = P / P0
+        the pressure scaling of the volume effect); a, k and alpha -> angle times as much.
         """
-        if not (math.isfinite(torque) and torque > 0):
-            raise InputError(f"torque scale is {torque}: give a finite number above 0")
-        return replace(self, Ms=self.Ms * torque, alpha=self.alpha / torque)
+        scales(torque=torque, angle=angle)
+        return replace(
+            self,
+            Ms=self.Ms * torque,
+            a=self.a * angle,
+            k=self.k * angle,
+            alpha=self.alpha * angle / torque,
+        )
 
     def in_unit(self, angle_unit: AngleUnit) -> "JilesAtherton":
         """Returns the same model with a, k and alpha expressed in `angle_unit`."""
         if angle_unit not in UNIT_PER_RADIAN:
             raise InputError(f"angle_unit is {angle_unit!r}: use 'rad' or 'deg'")
-        scale = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
-        a, k, alpha = self.a * scale, self.k * scale, self.alpha * scale
-        return replace(self, a=a, k=k, alpha=alpha, angle_unit=angle_unit)
+        factor = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
+        return replace(self.scaled(angle=factor), angle_unit=angle_unit)
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns the constructor's arguments; `JilesAtherton(**d)` gives the model back."""
-        return asdict(self)
-
-    @cached_property
-    def kernel_arguments(self) -> tuple[float, float, float, float, float, float]:
-        """Ms, a, alpha, c, k in radians and the longest internal step, for the kernels."""
-        scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
-        parameters = (self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale)
-        return *parameters, kernels.field_step_limit(*parameters)
-
-    def _pole(self, start: float, end: float, where: str = "") -> PoleError:
-        return PoleError(
-            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; the "
-            f"model's certificate margin is {self.certificate().margin:.3g} and must be above 0 "
-            "for arbitrary motions"
-        )
-
-
-def _finite_torque(torque: float) -> float:
-    if not math.isfinite(torque):
-        raise InputError(f"initial torque is {torque}: give a finite torque (N·m)")
-    return float(torque)
+        """Returns name and parameters for JSON; what has its default value is left out."""
+        content = asdict(self)
+        for field in fields(self):
+            if content[field.name] == field.default and field.name != "angle_unit":
+                del content[field.name]
+        return {"model": self.name, **content}

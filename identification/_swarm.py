@@ -48,58 +48,81 @@ def run_swarm(
             f"{velocity_limit}: use at least 2, at least 1, and a fraction in (0, 1]"
         )
     rng = np.random.default_rng(rng)
-    limit = velocity_limit * (high - low)
-    position = rng.random((swarm_size, low.size)) * (high - low) + low
-    velocity = rng.random((swarm_size, low.size)) * 2 * limit - limit
-    fitness = _scores(objective, position)
-    if not np.isfinite(fitness).any():
-        raise InputError(
-            f"the objective has no finite value at any of the {swarm_size} first particles: check "
-            "the bounds and the data"
-        )
-    personal, personal_fitness = position.copy(), fitness.copy()
-    history = [float(fitness.min())]
-    discarded = int(np.count_nonzero(~np.isfinite(fitness)))
-    iteration = 0
-
-    def snapshot() -> OptimizeResult:
-        best = int(np.argmin(personal_fitness))
-        return OptimizeResult(
-            x=personal[best].copy(),
-            fun=float(personal_fitness[best]),
-            nit=iteration,
-            nfev=swarm_size * (iteration + 1),
-            history=np.array(history),
-            discarded=discarded,
-            population=position.copy(),
-        )
-
-    reached = target is not None and history[0] < target
-    while iteration < max_iterations and not reached:
-        inertia, cognitive, social = coefficients(iteration, max_iterations)
-        followed = personal[leader(personal_fitness, iteration, rng)]
-        r1, r2 = rng.random((2, swarm_size, 1))
-        velocity = (
-            inertia * velocity
-            + cognitive * r1 * (personal - position)
-            + social * r2 * (followed - position)
-        )
-        velocity = np.clip(velocity, -limit, limit)
-        position = np.clip(position + velocity, low, high)
-        fitness = _scores(objective, position)
-        discarded += int(np.count_nonzero(~np.isfinite(fitness)))
-        better = fitness < personal_fitness
-        personal[better], personal_fitness[better] = position[better], fitness[better]
-        iteration += 1
-        history.append(float(personal_fitness.min()))
-        reached = target is not None and history[-1] < target
+    swarm = _Swarm(objective, low, high, swarm_size, velocity_limit, rng)
+    reached = target is not None and swarm.history[0] < target
+    while swarm.iteration < max_iterations and not reached:
+        followed = leader(swarm.personal_fitness, swarm.iteration, rng)
+        swarm.move(coefficients(swarm.iteration, max_iterations), followed)
+        reached = target is not None and swarm.history[-1] < target
         if callback is not None:
             try:
-                callback(snapshot())
+                callback(swarm.result())
             except StopIteration:
-                return OptimizeResult(snapshot(), success=False, message="stopped by the callback")
+                return OptimizeResult(
+                    swarm.result(), success=False, message="stopped by the callback"
+                )
     message = f"reached the target {target:g}" if reached else "ran all iterations"
-    return OptimizeResult(snapshot(), success=True, message=message)
+    return OptimizeResult(swarm.result(), success=True, message=message)
+
+
+class _Swarm:
+    """Particles with velocities and personal bests; scattered by eq. (5) and (6)."""
+
+    def __init__(
+        self,
+        objective: Objective,
+        low: Array,
+        high: Array,
+        size: int,
+        velocity_limit: float,
+        rng: np.random.Generator,
+    ) -> None:
+        self._objective, self._low, self._high, self._rng = objective, low, high, rng
+        self._limit = limit = velocity_limit * (high - low)
+        self._position = rng.random((size, low.size)) * (high - low) + low
+        self._velocity = rng.random((size, low.size)) * 2 * limit - limit
+        fitness = _scores(objective, self._position)
+        if not np.isfinite(fitness).any():
+            raise InputError(
+                f"the objective has no finite value at any of the {size} first particles: check "
+                "the bounds and the data"
+            )
+        self._personal, self.personal_fitness = self._position.copy(), fitness.copy()
+        self.history = [float(fitness.min())]
+        self._discarded = int(np.count_nonzero(~np.isfinite(fitness)))
+        self.iteration = 0
+
+    def move(self, coefficients: tuple[float, float, float], followed: int) -> None:
+        """Moves every particle once, by eq. (8) and (9), with particle `followed` in the lead."""
+        inertia, cognitive, social = coefficients
+        r1, r2 = self._rng.random((2, len(self._position), 1))
+        velocity = (
+            inertia * self._velocity
+            + cognitive * r1 * (self._personal - self._position)
+            + social * r2 * (self._personal[followed] - self._position)
+        )
+        self._velocity = np.clip(velocity, -self._limit, self._limit)
+        self._position = np.clip(self._position + self._velocity, self._low, self._high)
+        fitness = _scores(self._objective, self._position)
+        self._discarded += int(np.count_nonzero(~np.isfinite(fitness)))
+        better = fitness < self.personal_fitness
+        self._personal[better] = self._position[better]
+        self.personal_fitness[better] = fitness[better]
+        self.iteration += 1
+        self.history.append(float(self.personal_fitness.min()))
+
+    def result(self) -> OptimizeResult:
+        """Returns what is known by now."""
+        best = int(np.argmin(self.personal_fitness))
+        return OptimizeResult(
+            x=self._personal[best].copy(),
+            fun=float(self.personal_fitness[best]),
+            nit=self.iteration,
+            nfev=len(self._position) * (self.iteration + 1),
+            history=np.array(self.history),
+            discarded=self._discarded,
+            population=self._position.copy(),
+        )
 
 
 def checked_bounds(bounds: Sequence[tuple[float, float]]) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from ..errors import at_least
 from ..identification import Curve, Fit, Trial, identify, load_curves
 from ..identification.figures import convergence_figure, loops_figure
 from .identify import fit_summary, write_trials
-from .output import RunFolder, markdown_table, progress, table
+from .output import RunFolder, markdown_table, progress, table, telling
 from .simulate import write_trace
 from .suit_export import fitted_joint
 from .tables import Rows, parameter_table, quality_table, score_table
@@ -49,27 +49,21 @@ def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, see
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
-        _identify(curves, fits, trials, seed)
-    finally:  # Ctrl-C keeps what is done
+        with telling(lambda: _kept_fits(folder, fits)):
+            _identify(curves, fits, trials, seed)
+    finally:
         _write_fits(folder, fits, seed)
-    fit_tables = {"Identified models": parameter_table(fits), "Their quality": quality_table(fits)}
-    for title, rows in fit_tables.items():
-        table(title, *rows)
-    _draw_fits(folder, curves, fits)
-
-    suit_path = folder / "suit.json"
-    save_suit(_identified_suit(curves, fits), suit_path)
-    scores, traces = _simulate(suit_path, episodes, seed)
-    for gravity in GRAVITIES:
-        table(f"Human torque: {ENV}, {gravity}", *score_table(scores[gravity]))
-        for policy, trace in traces[gravity].items():
-            write_trace(folder, f"trace-{gravity}-{policy}.csv", trace)
-        folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
-        folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
-        folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
-    folder.json("evaluation.json", {g: [score.to_dict() for score in s] for g, s in scores.items()})
-    pictured = _picture(folder, seed)
-    folder.text("report.md", _report(fit_tables, scores, pictured))
+    suit = folder / "suit.json"
+    save_suit(_identified_suit(curves, fits), suit)
+    kept = (
+        f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
+        f"activesuit validate {suit} --episodes {episodes} --seed {seed}"
+    )
+    with telling(lambda: kept):
+        fit_tables = _show_fits(folder, curves, fits)
+        scores = _compare(folder, suit, episodes, seed)
+        pictured = _picture(folder, seed)
+        folder.text("report.md", _report(fit_tables, scores, pictured))
     print(f"report, figures, suit and data: {folder.path}/report.md")
 
 
@@ -88,7 +82,15 @@ def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int
                     family, method=method, trials=runs[method], seed=seed, on_trial=report
                 )
                 if fits[name][method].interrupted:
-                    raise KeyboardInterrupt("the finished fits are kept in fits.json, trials.csv")
+                    raise KeyboardInterrupt
+
+
+def _kept_fits(folder: RunFolder, fits: Fits) -> str:
+    done, planned = sum(map(len, fits.values())), len(METHODS) * len(fits)
+    return (
+        f"the finished fits ({done} of {planned}) are kept in {folder.path}/fits.json and "
+        "trials.csv; run the demo again for the rest"
+    )
 
 
 def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
@@ -100,7 +102,11 @@ def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
     folder.json("fits.json", summaries)
 
 
-def _draw_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) -> None:
+def _show_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) -> dict[str, Rows]:
+    """Prints the tables of the fits and draws them; returns the tables by title."""
+    tables = {"Identified models": parameter_table(fits), "Their quality": quality_table(fits)}
+    for title, rows in tables.items():
+        table(title, *rows)
     models = {n: {m: fit.model for m, fit in methods.items()} for n, methods in fits.items()}
     histories = {
         name: {m: [t.history for t in fit.trials] for m, fit in methods.items() if m != "certified"}
@@ -108,6 +114,7 @@ def _draw_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) ->
     }
     folder.figure("loops", loops_figure(curves, models))
     folder.figure("convergence", convergence_figure(histories))
+    return tables
 
 
 def _identified_suit(curves: dict[str, list[Curve]], fits: Fits) -> Suit:
@@ -124,6 +131,20 @@ def _identified_suit(curves: dict[str, list[Curve]], fits: Fits) -> Suit:
         description="Certified fits of the demo; abduction and wrist as assumed in mock-suit.",
         joints=joints | assumed,
     )
+
+
+def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[str, list[Score]]:
+    """Simulates, prints, draws and writes; returns the scores by gravity."""
+    scores, traces = _simulate(suit, episodes, seed)
+    for gravity in GRAVITIES:
+        table(f"Human torque: {ENV}, {gravity}", *score_table(scores[gravity]))
+        for policy, trace in traces[gravity].items():
+            write_trace(folder, f"trace-{gravity}-{policy}.csv", trace)
+        folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
+        folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
+        folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
+    folder.json("evaluation.json", {g: [score.to_dict() for score in s] for g, s in scores.items()})
+    return scores
 
 
 def _simulate(

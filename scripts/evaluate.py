@@ -6,7 +6,7 @@ from ..envs.evaluation import Score, Trace, make_env
 from ..envs.evaluation import evaluate as evaluate_policies
 from ..envs.policies import POLICIES
 from ..envs.policies.trained import training_config
-from .output import RunFolder, progress, table, to_json
+from .output import RunFolder, conclude, progress
 from .tables import score_table
 
 
@@ -47,14 +47,8 @@ def evaluate(
         **options,
         "policies": [score.to_dict() for score in scores],
     }
-    if folder:
-        folder.json("result.json", result)
-    if json:
-        print(to_json(result))
-    else:
-        table(f"Human torque: {env}, {gravity}, {suit}, {episodes} episodes", *score_table(scores))
-        if folder:
-            print(f"wrote {folder.path}/result.json")
+    title = f"Human torque: {env}, {gravity}, {suit}, {episodes} episodes"
+    conclude(result, title, score_table(scores), folder=folder, json=json)
 
 
 def _trained_on(policies: tuple[str, ...]) -> str | None:

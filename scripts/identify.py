@@ -64,36 +64,44 @@ def identify(
         fit = identify_curves(
             family, method=method, trials=trials, seed=seed, workers=workers, on_trial=report
         )
-    result = fit_summary(fit, seed)
-    if json:
-        print(to_json(result))
-    else:
-        table(curves.name, *parameter_table({curves.stem: {method: fit}}))
-        table("quality", *quality_table({curves.stem: {method: fit}}))
-        for remark in fit.remarks:
-            print(f"note: {remark}")
+    _print(fit, curves, seed, json)
     if folder and joint_name:
         suit = Suit(
             schema_version=1,
             name=curves.stem,
-            description=f"Identified from {curves.name} by {method}, seed {seed}"
-            + (
-                f", interrupted after {len(fit.trials)} of {total} trials."
-                if fit.interrupted
-                else "."
-            ),
+            description=_description(fit, curves, seed, total),
             joints={**others, joint_name: fitted_joint(fit, family, curves)},
         )
-        save_suit(suit, folder / "suit.json")
-        folder.json("result.json", result)
-        write_trials(folder, "trials.csv", {curves.stem: {method: fit}})
-        folder.figure(
-            "loops", loops_figure({joint_name: family}, {joint_name: {method: fit.model}})
-        )
+        _write(folder, suit, fit, seed)
+        models = {joint_name: {method: fit.model}}
+        folder.figure("loops", loops_figure({joint_name: family}, models))
         if not json:
             print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {len(fit.trials)} finished trials is kept")
+
+
+def _print(fit: Fit, curves: Path, seed: int, json: bool) -> None:
+    if json:
+        print(to_json(fit_summary(fit, seed)))
+        return
+    table(curves.name, *parameter_table({curves.stem: {fit.method: fit}}))
+    table("quality", *quality_table({curves.stem: {fit.method: fit}}))
+    for remark in fit.remarks:
+        print(f"note: {remark}")
+
+
+def _description(fit: Fit, curves: Path, seed: int, trials: int) -> str:
+    text = f"Identified from {curves.name} by {fit.method}, seed {seed}"
+    if fit.interrupted:
+        text += f", interrupted after {len(fit.trials)} of {trials} trials"
+    return f"{text}."
+
+
+def _write(folder: RunFolder, suit: Suit, fit: Fit, seed: int) -> None:
+    save_suit(suit, folder / "suit.json")
+    folder.json("result.json", fit_summary(fit, seed))
+    write_trials(folder, "trials.csv", {suit.name: {fit.method: fit}})
 
 
 def fit_summary(fit: Fit, seed: int) -> dict:

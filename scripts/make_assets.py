@@ -10,19 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
-from ..hysteresis import JilesAtherton
+from ..hysteresis import TABLE_2, JilesAtherton
 from ..identification import Curve, identify, load_curves, save_curves
 from .suit_export import fitted_joint, suit_joint
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
-PUBLISHED = {
-    "shoulder": JilesAtherton(
-        Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg"
-    ),
-    "elbow": JilesAtherton(
-        Ms=11.4488, a=128.97, alpha=-0.0515, c=6.4043, k=23.0945, angle_unit="deg"
-    ),
-}
+PUBLISHED = {joint: TABLE_2[f"{joint}-sa-pso"] for joint in ("shoulder", "elbow")}
 LOWEST = {"shoulder": 0.35, "elbow": 0.52}  # rad, sections 3.1 and 5.1
 TURNS = {"shoulder": (0.52, 0.70, 0.87, 1.05, 1.22), "elbow": (0.87, 1.05, 1.22, 1.40, 1.57)}
 PREDICTED = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}  # section 5.3

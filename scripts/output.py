@@ -6,7 +6,7 @@ import json
 import math
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,6 +85,17 @@ class RunFolder:
             imsave(scratch, pixels, format="png")
 
 
+@contextmanager
+def telling(kept: Callable[[], str]) -> Iterator[None]:
+    """Ctrl-C in the block says what is `kept`, unless something inside has said more already."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        if interrupt.args:
+            raise
+        raise KeyboardInterrupt(kept()) from None
+
+
 def to_json(content: Any) -> str:
     """Returns strict JSON; numbers that are not finite become null."""
     return json.dumps(_plain(content), indent=2, allow_nan=False)
@@ -146,6 +157,28 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
     with console.capture() as text:  # printed by print, which leaves a closed pipe to `main`
         console.print(shown)
     print(text.get(), end="")
+
+
+def conclude(
+    result: dict[str, Any],
+    title: str,
+    rows: tuple[Sequence[str], Iterable[Sequence[str]]],
+    remarks: Iterable[str] = (),
+    *,
+    folder: RunFolder | None,
+    json: bool,
+) -> None:
+    """Writes result.json if there is a folder; prints the result as JSON, or table and remarks."""
+    if folder:
+        folder.json("result.json", result)
+    if json:
+        print(to_json(result))
+        return
+    table(title, *rows)
+    for remark in remarks:
+        print(remark)
+    if folder:
+        print(f"wrote {folder.path}/result.json")
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -1,6 +1,7 @@
 """`activesuit train`: a policy by reinforcement learning (needs the extra `train`)."""
 
 import json as jsonlib
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Literal
 
@@ -8,7 +9,7 @@ from ..envs.evaluation import make_env
 from ..envs.policies.trained import algorithm_class, load_network
 from ..errors import InputError, at_least
 from ..files import replacing
-from .output import Bar, RunFolder, progress
+from .output import Bar, RunFolder, progress, telling
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
 # networks small, as the task is nearly a function of angle, rate and target.
@@ -55,50 +56,22 @@ def train(
     """
     at_least("steps", steps, 1)
     at_least("seed", seed, 0)
-    algorithm = algorithm_class(algo)
+    algorithm_class(algo)  # reports a missing extra before the folder is made
     options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
     make_env(env, **options)[0].close()
     config = {"env": env, "algo": algo, "seed": seed, **options}
     _check_folder(out, config, resume)
     folder = RunFolder(out)
     folder.json("config.json", config)
-
-    from stable_baselines3.common.env_util import make_vec_env
-
-    environments = make_vec_env(
-        f"activesuit:{env.removeprefix('activesuit:')}",
-        n_envs=PARALLEL[algo],
-        seed=seed,
-        env_kwargs=options,
-    )
-    if resume:
-        learner = load_network(algo, folder / "model.zip", env=environments)
-        if (folder / "replay.pkl").exists():
-            learner.load_replay_buffer(folder / "replay.pkl")
-    else:
-        settings = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
-        logs = str(folder / "tensorboard")
-        learner = algorithm(
-            "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **settings
-        )
-    done = learner.num_timesteps
-    if done >= steps:
-        raise InputError(f"the run has {done} steps already: give --steps above that to go on")
-    interrupted = False
-    with progress(f"{algo} on {env}", steps) as bar:
-        try:
-            learner.learn(
-                steps - done,
-                callback=_callback(learner, folder, bar, steps),
-                reset_num_timesteps=not resume,
-                tb_log_name=algo,
-            )
-        except KeyboardInterrupt:
-            interrupted = True
-    _save(learner, folder)
-    environments.close()
-    if interrupted:
-        raise KeyboardInterrupt(f"{learner.num_timesteps} steps are kept; go on with --resume")
+    with (
+        telling(lambda: _kept(folder)),
+        closing(_environments(env, algo, seed, options)) as environments,
+    ):
+        if resume:
+            learner = _resumed(algo, environments, folder)
+        else:
+            learner = _new(algo, environments, folder, seed)
+        _learn(learner, steps, folder, config, resume)
     print(
         f"trained {learner.num_timesteps} steps; compare with: activesuit evaluate --env {env} "
         f"--policies none {folder.path}"
@@ -122,6 +95,63 @@ def _check_folder(out: Path, config: dict[str, Any], resume: bool) -> None:
                     f"the run in {str(out)!r} has {key} {before.get(key)!r}, not {value!r}: resume "
                     "it with the options it was started with"
                 )
+
+
+def _kept(folder: RunFolder) -> str:
+    if (folder / "model.zip").exists():
+        return f"the last checkpoint is kept in {folder.path}; go on with --resume"
+    return "nothing was learned yet; start the training again"
+
+
+def _environments(env: str, algo: str, seed: int, options: dict[str, Any]) -> Any:
+    from stable_baselines3.common.env_util import make_vec_env
+
+    return make_vec_env(
+        f"activesuit:{env.removeprefix('activesuit:')}",
+        n_envs=PARALLEL[algo],
+        seed=seed,
+        env_kwargs=options,
+    )
+
+
+def _new(algo: str, environments: Any, folder: RunFolder, seed: int) -> Any:
+    settings = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
+    logs = str(folder / "tensorboard")
+    return algorithm_class(algo)(
+        "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **settings
+    )
+
+
+def _resumed(algo: str, environments: Any, folder: RunFolder) -> Any:
+    learner = load_network(algo, folder / "model.zip", env=environments)
+    if (folder / "replay.pkl").exists():
+        learner.load_replay_buffer(folder / "replay.pkl")
+    return learner
+
+
+def _learn(
+    learner: Any, steps: int, folder: RunFolder, config: dict[str, Any], resume: bool
+) -> None:
+    """Learns until `steps` are done in all, and saves; Ctrl-C ends it earlier."""
+    done, algo = learner.num_timesteps, config["algo"]
+    if done >= steps:
+        raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+    interrupted = False
+    with progress(f"{algo} on {config['env']}", steps) as bar:
+        try:
+            learner.learn(
+                steps - done,
+                callback=_callback(learner, folder, bar, steps),
+                reset_num_timesteps=not resume,
+                tb_log_name=algo,
+            )
+        except KeyboardInterrupt:
+            interrupted = True
+    _save(learner, folder)
+    if interrupted:
+        raise KeyboardInterrupt(
+            f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
+        )
 
 
 def _save(learner: Any, folder: RunFolder) -> None:

@@ -8,7 +8,7 @@ import tyro
 from ..assets import load_suit
 from ..envs.evaluation import make_env, share_of_oracle
 from .evaluate import run
-from .output import RunFolder, table, to_json
+from .output import RunFolder, conclude
 from .tables import score_table
 
 
@@ -65,13 +65,6 @@ def validate(
         "share_of_oracle": share,
         "policies": [score.to_dict() for score in scores],
     }
-    if folder:
-        folder.json("result.json", result)
-    if json:
-        print(to_json(result))
-        return
-    table(f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}", *score_table(scores))
-    for joint, value in share.items():
-        print(f"{joint}: {value:.1%} of the oracle's reduction")
-    if folder:
-        print(f"wrote {folder.path}/result.json")
+    title = f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}"
+    reached = [f"{joint}: {value:.1%} of the oracle's reduction" for joint, value in share.items()]
+    conclude(result, title, score_table(scores), reached, folder=folder, json=json)

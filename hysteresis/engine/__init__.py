@@ -1,7 +1,7 @@
 """Hysteretic joint torque inside MuJoCo: an engine plugin compiled by numba, and `attach`.
 
-Importing this module registers the plugin `activesuit.jiles_atherton`, once per process. Use it
-from Python with `attach`, or from MJCF:
+Importing this module registers four plugins, once per process. Use them from Python with `attach`,
+or from MJCF:
 
     <extension>
       <plugin plugin="activesuit.jiles_atherton">
@@ -15,16 +15,25 @@ from Python with `attach`, or from MJCF:
     </extension>
     <sensor><plugin name="elbow_torque" instance="elbow_suit"/></sensor>
 
-Optional keys are `start_angle` (rad), `start_torque` (N·m) and `allow_uncertified` ("true"). The
-name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
+    plugin                          config keys (radians and N·m; * may be left out)
+    activesuit.jiles_atherton       Ms a alpha c k angle_unit form* clamp*
+    activesuit.bouc_wen             elastic hysteretic A beta gamma n rest_angle*
+    activesuit.prandtl_ishlinskii   stiffness rest_angle* thresholds weights
+    activesuit.preisach             levels density elastic*
+
+and of each `joint`, `start_angle`*, `start_torque`*, `polynomial`* (coefficients of an elastic
+torque) and `allow_uncertified`* ("true"). Lists are numbers with blanks between them; `density` has
+its rows one after the other. The name of a sensor ends in `torque`, `stiffness` or `energy`, which
+is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
 MuJoCo finds the plugin's code in the process, not in the file.
 """
 
-from ._attach import attach, fault_slots
-from ._registration import PLUGIN_NAME, register
+from ._attach import attach, fault_slots, replace_model
+from ._models import PLUGIN_NAMES
+from ._registration import register
 
-__all__ = ["PLUGIN_NAME", "attach", "fault_slots", "register"]
+__all__ = ["PLUGIN_NAMES", "attach", "fault_slots", "register", "replace_model"]
 
 register()

@@ -7,19 +7,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
+from ..asymmetric import Asymmetric
+from ..bouc_wen import BoucWen
 from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton
-from ._registration import PLUGIN_NAME, register
-from ._state import FAULT
+from ..model import HysteresisModel, State
+from ..nearest import nearest_certified
+from ..prandtl_ishlinskii import PrandtlIshlinskii
+from ..preisach import Preisach
+from ._models import OWN_KEYS, PLUGIN_NAMES
+from ._registration import register
+from ._state import FAULT, POLYNOMIAL_SIZE
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+MODEL_TYPES = (JilesAtherton, BoucWen, PrandtlIshlinskii, Preisach)
 
 
 def attach(
     spec: mujoco.MjSpec,
     joint: str,
-    model: JilesAtherton,
+    model: HysteresisModel,
     *,
     start_angle: float | None = None,
     start_torque: float = 0.0,
@@ -72,15 +80,15 @@ def attach(
     )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
-    if PLUGIN_NAME not in {plugin.plugin_name for plugin in spec.plugins}:
-        spec.activate_plugin(PLUGIN_NAME)
-    config = {"joint": joint, "angle_unit": model.angle_unit, "start_torque": repr(start.torque)}
-    config |= {name: repr(getattr(model, name)) for name in PARAMETERS}
+    plugin_name, config = _config(model)
+    if plugin_name not in {plugin.plugin_name for plugin in spec.plugins}:
+        spec.activate_plugin(plugin_name)
+    config |= {"joint": joint, "start_torque": repr(float(start_torque))}
     if start_angle is not None:
         config["start_angle"] = repr(start.angle)
     if allow_uncertified:
         config["allow_uncertified"] = "true"
-    plugin = spec.add_plugin(name=instance, plugin_name=PLUGIN_NAME, active=True)
+    plugin = spec.add_plugin(name=instance, plugin_name=plugin_name, active=True)
     plugin.config = config
     for quantity in SENSORS if sensors else ():
         sensor = spec.add_sensor(name=f"{instance}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
@@ -94,8 +102,95 @@ def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     torque is held meanwhile, and MuJoCo logs a warning. Certified models never set it. With
     MuJoCo's `autoreset` on, a simulation that goes on to diverge is reset, flag included.
     """
-    ours = np.flatnonzero(model.plugin == register())
+    ours = np.flatnonzero(np.isin(model.plugin, list(register().values())))
     return model.plugin_stateadr[ours].astype(np.int64) + FAULT
+
+
+def replace_model(
+    mj_model: mujoco.MjModel,
+    plugin_state: NDArray[np.float64],
+    joint: str,
+    model: HysteresisModel,
+    *,
+    start_angle: float = 0.0,
+    start_torque: float = 0.0,
+    allow_uncertified: bool = False,
+) -> None:
+    """Gives one simulation another model of the same kind and size, as in a randomized batch.
+
+    Parameters and memory are part of the simulation's state, so each row of a batch may have its
+    own. A reset brings the compiled model's parameters back.
+
+    Args:
+        mj_model: the compiled model, with a hysteresis model attached to `joint`.
+        plugin_state: `data.plugin_state`, or one simulation's row of a batch; changed in place.
+        joint: name of the joint.
+        model: the new model.
+        start_angle: where its memory begins [rad].
+        start_torque: the resistance there [N·m].
+        allow_uncertified: accept a model without a certificate.
+
+    Raises:
+        InputError: the joint has no hysteresis model, or one of another kind or size.
+        UncertifiedModelError: the model, or its start, is outside the certificate.
+    """
+    kind = mujoco.mjtObj.mjOBJ_PLUGIN
+    names = [mujoco.mj_id2name(mj_model, kind, i) or "" for i in range(mj_model.nplugin)]
+    if f"{joint}_suit" not in names:
+        attached = (name.removesuffix("_suit") for name in names)
+        raise unknown_name("joint with a hysteresis model", joint, attached)
+    instance = names.index(f"{joint}_suit")
+    start = model.start(start_angle, start_torque)
+    if not allow_uncertified:
+        _require_certificate(model, start, joint)
+    inner, polynomial = _parts(model)
+    content = np.concatenate([[0.0], start.memory, inner.parameter_vector, polynomial])
+    address, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
+    slot = register()[PLUGIN_NAMES[MODEL_TYPES.index(type(inner))]]  # type: ignore[arg-type]
+    if mj_model.plugin[instance] != slot or content.size != size:
+        raise InputError(
+            f"joint {joint!r} was compiled with another kind or size of model than this "
+            f"{model.name} one: replace a model by one with as many parameters"
+        )
+    plugin_state[address : address + size] = content
+
+
+def _parts(model: HysteresisModel) -> tuple[HysteresisModel, NDArray[np.float64]]:
+    """Returns the model without its polynomial, and the polynomial's coefficients."""
+    polynomial = np.zeros(POLYNOMIAL_SIZE)
+    if isinstance(model, Asymmetric):
+        polynomial[: len(model.polynomial)] = model.polynomial
+        model = model.model
+    return model, polynomial
+
+
+def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
+    """Returns the name of the model's plugin and its parameters as MJCF config."""
+    model, polynomial = _parts(model)
+    kind = next(i for i, known in enumerate(MODEL_TYPES) if type(model) is known)
+    if isinstance(model, JilesAtherton):
+        config = {name: repr(getattr(model, name)) for name in PARAMETERS}
+        config |= {key: getattr(model, key) for key in ("angle_unit", "form", "clamp")}
+    elif isinstance(model, BoucWen):
+        config = {key: repr(getattr(model, key)) for key in OWN_KEYS[kind]}
+    elif isinstance(model, PrandtlIshlinskii):
+        p = model.parameter_vector  # in the form of stops, whatever the operator
+        stiffness, rest, *rows = p.tolist()
+        thresholds, weights = rows[: len(rows) // 2], rows[len(rows) // 2 :]
+        config = {"stiffness": repr(stiffness), "rest_angle": repr(rest)}
+        config |= {"thresholds": _words(thresholds), "weights": _words(weights)}
+    else:
+        assert isinstance(model, Preisach)
+        weights = [weight for row in model.density for weight in row]
+        config = {"levels": _words(model.levels), "density": _words(weights)}
+        config["elastic"] = _words(model.elastic)
+    if polynomial.any():
+        config["polynomial"] = _words(polynomial.tolist())
+    return PLUGIN_NAMES[kind], config
+
+
+def _words(numbers) -> str:
+    return " ".join(map(repr, numbers))
 
 
 def _reference(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:
@@ -104,19 +199,26 @@ def _reference(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:
     return math.radians(joint.ref) if in_degrees else joint.ref
 
 
-def _require_certificate(model: JilesAtherton, start, joint: str) -> None:
+def _require_certificate(model: HysteresisModel, start: State, joint: str) -> None:
     certificate = model.certificate()
     if not (certificate.certified and certificate.dissipative):
+        near, hint = None, "use other parameters"
+        if isinstance(model, JilesAtherton):
+            near, change = nearest_certified(model)
+            values = ", ".join(f"{name}={getattr(near, name):.6g}" for name in PARAMETERS)
+            hint = f"nearest certified ({100 * change:.2g} % change of curve): {values}"
         raise UncertifiedModelError(
             f"the model for joint {joint!r} has certificate margin {certificate.margin:.3g} and "
-            f"c = {model.c:.4g}: margin must be above 0 and c at least 1 for the torque to stay "
-            "finite and resistive in any motion; use a certified fit, or allow_uncertified=True "
-            "(--allow-uncertified)"
+            f"dissipative = {certificate.dissipative}: it needs a margin above 0 and True, for the "
+            f"torque to stay finite and resistive in any motion; {hint}, or allow_uncertified=True "
+            "(--allow-uncertified)",
+            margin=certificate.margin,
+            nearest=near,
         )
-    away = abs(start.torque - model.anhysteretic(start))
-    if not away <= certificate.memory_bound:
+    if not model.start_is_certified(start):
         raise UncertifiedModelError(
             f"the start of joint {joint!r} at {start.angle:.4g} rad, {start.torque:.4g} N·m lies "
-            f"{away:.3g} N·m from the anhysteretic torque, outside the certificate's "
-            f"{certificate.memory_bound:.3g} N·m: start nearer to it, or allow_uncertified=True"
+            f"outside the certificate, within {certificate.memory_bound:.3g} N·m of the torque at "
+            "rest: start nearer to it, or allow_uncertified=True",
+            margin=certificate.margin,
         )

@@ -1,4 +1,4 @@
-"""What MuJoCo calls: the Jiles-Atherton joint as an engine plugin, compiled to C callbacks.
+"""What MuJoCo calls: a joint with a hysteresis model as an engine plugin, compiled to C callbacks.
 
 An instance keeps parameters and memory in `mjData.plugin_state`, so they are part of the physics
 state: saved, restored, copied and batched by MuJoCo itself. `compute` only reads the memory (it
@@ -12,47 +12,24 @@ from typing import Any
 
 from numba import cfunc, njit, types
 
-from .. import _jiles_atherton_kernels as kernels
-from ._configuration import FINE, JOINT, complain, config, configure, connect, stored_energy
+from . import _models as models
+from ._configuration import configure, connect, required_size, slope_of, value_of
+from ._faults import FINE, POLE, complain
 from ._layout import Layout
-from ._memory import doubles, int32_at, pointer_at, warn
+from ._memory import doubles, int32_at, pointer_at
 from ._state import (
-    ALPHA,
-    ANGLE,
     ENERGY_SENSOR,
     FAULT,
-    LOSS,
-    MS,
-    STATE_SIZE,
-    STEP_LIMIT,
     STIFFNESS_SENSOR,
-    TORQUE,
     TORQUE_SENSOR,
-    A,
-    C,
-    K,
     joint_of,
+    kind_of,
     sensor_of,
     set_wires,
+    split,
     state_of,
     wires_of,
 )
-
-
-@njit(cache=True)
-def move(state, angle):
-    """Returns torque and loss after a motion from the committed memory to `angle`."""
-    return kernels.advance(
-        state[ANGLE],
-        state[TORQUE],
-        angle,
-        state[MS],
-        state[A],
-        state[ALPHA],
-        state[C],
-        state[K],
-        state[STEP_LIMIT],
-    )
 
 
 @njit(cache=True)
@@ -67,37 +44,31 @@ def evaluate(m, d, instance, capability, at):
     """Adds the torque at the current position, or writes the sensors; changes no memory."""
     state = state_of(m, d, instance, at)
     wires = wires_of(d, instance, at)
-    joint = joint_of(wires)
+    kind, joint = kind_of(wires), joint_of(wires)
+    memory, p, polynomial = split(kind, state)
     angle = angle_of(m, d, joint, at)
-    torque, loss = state[TORQUE], 0.0
-    if state[FAULT] == 0:
-        moved, loss = move(state, angle)
-        if math.isnan(moved):
-            angle, loss = state[ANGLE], 0.0
-        else:
-            torque = moved
+    torque, loss = memory[1], 0.0
+    sound = models.is_sound(kind, p)
+    if sound and state[FAULT] == 0:
+        torque, loss = models.move(kind, p, memory, angle)
+    if not sound or state[FAULT] != 0 or math.isnan(torque):
+        angle, torque, loss = memory[0], memory[1], 0.0
+    total = torque + value_of(polynomial, angle)
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
     if capability == at.passive:
-        doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= torque
+        doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= total
         return
     if sensor_of(wires, TORQUE_SENSOR) >= 0:
-        write_sensor(m, d, sensor_of(wires, TORQUE_SENSOR), -torque, at)
-    if sensor_of(wires, STIFFNESS_SENSOR) >= 0:
+        write_sensor(m, d, sensor_of(wires, TORQUE_SENSOR), -total, at)
+    if sound and sensor_of(wires, STIFFNESS_SENSOR) >= 0:
         velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
-        stiffness = kernels.tangent_stiffness(
-            angle,
-            torque,
-            math.copysign(1.0, velocity),
-            state[MS],
-            state[A],
-            state[ALPHA],
-            state[C],
-            state[K],
-        )
-        write_sensor(m, d, sensor_of(wires, STIFFNESS_SENSOR), stiffness, at)
-    if sensor_of(wires, ENERGY_SENSOR) >= 0:
-        energy = state[LOSS] + loss - stored_energy(state, angle, torque)
-        write_sensor(m, d, sensor_of(wires, ENERGY_SENSOR), energy, at)
+        delta = math.copysign(1.0, velocity)
+        slope = models.stiffness(kind, p, memory, angle, torque, delta)
+        slope += slope_of(polynomial, angle)
+        write_sensor(m, d, sensor_of(wires, STIFFNESS_SENSOR), slope, at)
+    if sound and sensor_of(wires, ENERGY_SENSOR) >= 0:
+        lost = models.dissipated(kind, p, memory, angle, torque, loss)
+        write_sensor(m, d, sensor_of(wires, ENERGY_SENSOR), lost, at)
 
 
 @njit(cache=True)
@@ -108,23 +79,19 @@ def write_sensor(m, d, sensor, value, at):
 
 
 @njit(cache=True)
-def commit(m, d, instance, at):
+def advance_memory(m, d, instance, at):
     """Moves the memory to the new position; at a pole the torque is held and the fault flag set."""
     state = state_of(m, d, instance, at)
-    angle = angle_of(m, d, joint_of(wires_of(d, instance, at)), at)
-    if state[FAULT] != 0 or angle == state[ANGLE] or not math.isfinite(angle):
+    wires = wires_of(d, instance, at)
+    angle = angle_of(m, d, joint_of(wires), at)
+    if state[FAULT] != 0 or not math.isfinite(angle):
         return
-    torque, loss = move(state, angle)
-    if math.isnan(torque):
+    memory, p, _ = split(kind_of(wires), state)
+    if not models.is_sound(kind_of(wires), p) or math.isnan(
+        models.commit(kind_of(wires), p, memory, angle)
+    ):
         state[FAULT] = 1.0
-        warn(
-            "activesuit.jiles_atherton: the torque of joint '%s' met its pole; it is held at its "
-            "last valid value, and the fault flag is set",
-            config(m, instance, JOINT, at),
-        )
-        return
-    state[ANGLE], state[TORQUE] = angle, torque
-    state[LOSS] += loss
+        complain(m, instance, POLE, at)
 
 
 def build(at: Layout) -> dict[str, Any]:
@@ -132,7 +99,7 @@ def build(at: Layout) -> dict[str, Any]:
 
     @cfunc(types.int32(types.intp, types.int32), cache=True)
     def nstate(m, instance):
-        return STATE_SIZE
+        return required_size(m, instance, at)
 
     @cfunc(types.int32(types.intp, types.int32, types.int32), cache=True)
     def nsensordata(m, instance, sensor):
@@ -146,7 +113,7 @@ def build(at: Layout) -> dict[str, Any]:
             fault = configure(m, instance, wires, state_of(m, d, instance, at), at)
         if fault == FINE:
             return 0
-        complain(fault, config(m, instance, JOINT, at))
+        complain(m, instance, fault, at)
         return -1
 
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
@@ -155,7 +122,8 @@ def build(at: Layout) -> dict[str, Any]:
 
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
     def reset(m, plugin_state, plugin_data, instance):
-        configure(m, instance, plugin_data, doubles(plugin_state, STATE_SIZE), at)
+        size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
+        configure(m, instance, plugin_data, doubles(plugin_state, size), at)
 
     @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
     def compute(m, d, instance, capability):
@@ -163,7 +131,7 @@ def build(at: Layout) -> dict[str, Any]:
 
     @cfunc(types.void(types.intp, types.intp, types.int32), cache=True)
     def advance(m, d, instance):
-        commit(m, d, instance, at)
+        advance_memory(m, d, instance, at)
 
     callbacks = (nstate, nsensordata, init, copy, reset, compute, advance)
     return {callback.__name__: callback for callback in callbacks}

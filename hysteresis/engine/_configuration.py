@@ -1,76 +1,76 @@
-"""Reading an instance's MJCF config into its state, and saying what is wrong with it."""
-
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+"""Sets an instance up from its MJCF config: its joint, sensors, parameters and memory."""
 
 import math
 
+import numpy as np
 from numba import njit
 
-from .. import _jiles_atherton_kernels as kernels
-from ._memory import (
-    character_at,
-    doubles,
-    ends_with,
-    equals,
-    int32_at,
-    name2id,
-    parse_number,
-    pointer_at,
-    warn,
+from ._faults import (
+    FAR_START,
+    FINE,
+    FLAG,
+    JOINT_TYPE,
+    NO_JOINT,
+    NO_START,
+    NUMBERS,
+    REASONS,
+    SENSOR_NAME,
+    SENSOR_TWICE,
+    TOO_LARGE,
+    TOO_MANY,
+    UNCERTIFIED,
+    config,
+    plugin_of,
 )
+from ._memory import doubles, int32_at, name2id, pointer_at
+from ._models import (
+    ALLOW,
+    BOUC_WEN,
+    JILES_ATHERTON,
+    JOINT,
+    POLYNOMIAL,
+    PRANDTL_ISHLINSKII,
+    PREISACH,
+    START_ANGLE,
+    START_TORQUE,
+    begin,
+    is_certified,
+)
+from ._parameters import count_parts, read_optional, read_parameters
 from ._state import (
-    ALPHA,
-    ANGLE,
     BITS,
     ENERGY_SENSOR,
     FAULT,
     LARGEST,
-    LOSS,
-    MS,
-    STEP_LIMIT,
+    MODEL_SHIFT,
+    POLYNOMIAL_SIZE,
     STIFFNESS_SENSOR,
-    TORQUE,
     TORQUE_SENSOR,
-    A,
-    C,
-    K,
     joint_of,
+    kind_of,
     sensor_of,
+    split,
+    state_size,
 )
-
-# Config keys, in the order in which MuJoCo stores their values.
-ATTRIBUTES = (
-    "joint",
-    "Ms",
-    "a",
-    "alpha",
-    "c",
-    "k",
-    "angle_unit",
-    "start_angle",
-    "start_torque",
-    "allow_uncertified",
-)
-JOINT, FIRST_PARAMETER, UNIT, START_ANGLE, START_TORQUE, ALLOW = 0, 1, 6, 7, 8, 9
-
-# What can be wrong with a config.
-FINE, NO_JOINT, JOINT_TYPE, PARAMETER, NOT_POSITIVE, ANGLE_UNIT = 0, 1, 2, 3, 4, 5
-START, FLAG, UNCERTIFIED, FAR_START, SENSOR_NAME, TOO_LARGE, SENSOR_TWICE = 6, 7, 8, 9, 10, 11, 12
-
-DEGREE = math.pi / 180
+from ._text import ends_with, equals, length, parse_numbers
 
 
 @njit(cache=True)
-def config(m, instance, index, at):
-    """Returns the address of the config value number `index`, a C string ("" if not given)."""
-    text = pointer_at(m + at.m_plugin_attr) + int32_at(
-        pointer_at(m + at.m_plugin_attradr), instance
-    )
-    for _ in range(index):
-        while character_at(text) != 0:
-            text += 1
-        text += 1
-    return text
+def model_kind(m, instance, at):
+    """Returns the number of an instance's model, by the name of its plugin."""
+    name = pointer_at(plugin_of(m, instance, at))
+    if ends_with(name, b"jiles_atherton"):
+        return JILES_ATHERTON
+    if ends_with(name, b"bouc_wen"):
+        return BOUC_WEN
+    return PRANDTL_ISHLINSKII if ends_with(name, b"prandtl_ishlinskii") else PREISACH
+
+
+@njit(cache=True)
+def required_size(m, instance, at):
+    """Returns how many numbers of plugin_state an instance needs."""
+    kind = model_kind(m, instance, at)
+    return state_size(kind, count_parts(kind, m, instance, at))
 
 
 @njit(cache=True)
@@ -80,22 +80,21 @@ def sensor_kind(name):
         return TORQUE_SENSOR
     if ends_with(name, b"stiffness"):
         return STIFFNESS_SENSOR
-    if ends_with(name, b"energy"):
-        return ENERGY_SENSOR
-    return -1
+    return ENERGY_SENSOR if ends_with(name, b"energy") else -1
 
 
 @njit(cache=True)
 def connect(m, instance, at):
-    """Returns (fault, packed numbers of the joint and of this instance's sensors)."""
+    """Returns (fault, packed numbers of the model, the joint and this instance's sensors)."""
     if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
         return TOO_LARGE, 0
-    wires = name2id(m, at.object_joint, config(m, instance, JOINT, at))
-    if wires < 0:
+    joint = name2id(m, at.object_joint, config(m, instance, JOINT, at))
+    if joint < 0:
         return NO_JOINT, 0
-    joint_type = int32_at(pointer_at(m + at.m_jnt_type), wires)
+    joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
     if joint_type not in (at.joint_slide, at.joint_hinge):
         return JOINT_TYPE, 0
+    wires = joint | model_kind(m, instance, at) << MODEL_SHIFT
     for i in range(pointer_at(m + at.m_nsensor)):
         ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
         if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
@@ -110,130 +109,71 @@ def connect(m, instance, at):
 
 
 @njit(cache=True)
-def stored_energy(state, angle, torque):
-    """Returns what a motion from here could still get back of the path part of the work [J]."""
-    return kernels.recoverable_energy(
-        angle, torque, state[MS], state[A], state[ALPHA], state[C], state[K], state[STEP_LIMIT]
-    )
-
-
-@njit(cache=True)
 def configure(m, instance, wires, state, at):
-    """Fills the state from the config; returns a fault code for `complain`, FINE if it could."""
-    fault = read_parameters(m, instance, state, at)
+    """Fills the state from the config; returns a fault for `complain`, FINE if it could."""
+    kind = kind_of(wires)
+    memory, p, polynomial = split(kind, state)
+    state[FAULT] = 1.0
+    fault = read_parameters(kind, m, instance, p, at)
     if fault == FINE:
-        fault = read_start(m, instance, wires, state, at)
+        fault = read_polynomial(m, instance, polynomial, at)
     if fault == FINE:
-        fault = judge(m, instance, state, at)
-    state[LOSS] = stored_energy(state, state[ANGLE], state[TORQUE]) if fault == FINE else 0.0
+        fault = start(kind, m, instance, joint_of(wires), memory, p, polynomial, at)
     state[FAULT] = fault != FINE
     return fault
 
 
 @njit(cache=True)
-def read_parameters(m, instance, state, at):
-    """Reads Ms, a, alpha, c, k and turns them into radians."""
-    for i in range(5):
-        value, number = parse_number(config(m, instance, FIRST_PARAMETER + i, at))
-        if not number:
-            return PARAMETER
-        state[MS + i] = value
-    if not (state[MS] > 0 and state[A] > 0 and state[K] > 0):
-        return NOT_POSITIVE
-    unit = config(m, instance, UNIT, at)
-    if equals(unit, b"deg"):
-        state[A] *= DEGREE
-        state[ALPHA] *= DEGREE
-        state[K] *= DEGREE
-    elif not equals(unit, b"rad"):
-        return ANGLE_UNIT
-    state[STEP_LIMIT] = kernels.field_step_limit(
-        state[MS], state[A], state[ALPHA], state[C], state[K]
-    )
-    return FINE
+def read_polynomial(m, instance, polynomial, at):
+    """Reads the coefficients of the elastic polynomial; there may be none."""
+    polynomial[:] = 0.0
+    count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
+    if count < 0:
+        return NUMBERS + REASONS * POLYNOMIAL
+    return FINE if count <= POLYNOMIAL_SIZE else TOO_MANY + REASONS * POLYNOMIAL
 
 
 @njit(cache=True)
-def read_start(m, instance, wires, state, at):
-    """Puts the memory at the start, by default the joint's reference position and no torque."""
-    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint_of(wires))
-    state[ANGLE] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
-    state[TORQUE] = 0.0
-    for slot, key in ((ANGLE, START_ANGLE), (TORQUE, START_TORQUE)):
-        text = config(m, instance, key, at)
-        if character_at(text) != 0:
-            value, number = parse_number(text)
-            if not number:
-                return START
-            state[slot] = value
-    return FINE
+def start(kind, m, instance, joint, memory, p, polynomial, at):
+    """Puts the memory at the start, by default the joint's reference position and no torque.
 
-
-@njit(cache=True)
-def judge(m, instance, state, at):
-    """Refuses parameters without a certificate, and starts outside it, unless told otherwise."""
+    Refuses parameters without a certificate, and starts outside it, unless told otherwise.
+    """
+    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
+    at_start = np.zeros(2)
+    at_start[0] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
+    fault = read_optional(m, instance, START_ANGLE, at_start[:1], at)
+    if fault == FINE:
+        fault = read_optional(m, instance, START_TORQUE, at_start[1:], at)
+    if fault != FINE:
+        return fault
     flag = config(m, instance, ALLOW, at)
-    if equals(flag, b"true"):
-        return FINE
-    if character_at(flag) != 0 and not equals(flag, b"false"):
-        return FLAG
-    margin, bound = kernels.certificate(state[MS], state[A], state[ALPHA], state[C], state[K])
-    if not (margin > 0 and state[C] >= 1):
+    allowed = equals(flag, b"true")
+    if not (allowed or equals(flag, b"false") or length(flag) == 0):
+        return FLAG + REASONS * ALLOW
+    if not (allowed or is_certified(kind, p)):
         return UNCERTIFIED
-    man = kernels.anhysteretic(state[ANGLE], state[TORQUE], state[MS], state[A], state[ALPHA])
-    return FINE if abs(state[TORQUE] - man) <= bound else FAR_START
+    angle, torque = at_start
+    inside = begin(kind, p, memory, angle, torque - value_of(polynomial, angle))
+    if math.isnan(inside):
+        return NO_START
+    return FINE if allowed or inside >= 0 else FAR_START
 
 
-@njit(cache=True)
-def complain(fault, joint):
-    """Issues the sentence of a fault code as a MuJoCo warning; `joint` is a C string."""
-    if fault == NO_JOINT:
-        warn(
-            "activesuit.jiles_atherton: the model has no joint '%s'; check config joint, and "
-            "attach hysteresis after a spec got its name prefix",
-            joint,
-        )
-    elif fault == JOINT_TYPE:
-        warn("activesuit.jiles_atherton: joint '%s' is not a hinge or a slide", joint)
-    elif fault == PARAMETER:
-        warn(
-            "activesuit.jiles_atherton: joint '%s' needs a finite number for each of "
-            "Ms, a, alpha, c, k",
-            joint,
-        )
-    elif fault == NOT_POSITIVE:
-        warn("activesuit.jiles_atherton: joint '%s' needs Ms, a and k above 0", joint)
-    elif fault == ANGLE_UNIT:
-        warn("activesuit.jiles_atherton: joint '%s' needs angle_unit rad or deg", joint)
-    elif fault == START:
-        warn(
-            "activesuit.jiles_atherton: joint '%s' needs finite numbers for start_angle (rad) "
-            "and start_torque (N m)",
-            joint,
-        )
-    elif fault == FLAG:
-        warn(
-            "activesuit.jiles_atherton: joint '%s': allow_uncertified must be true or false", joint
-        )
-    elif fault == FAR_START:
-        warn(
-            "activesuit.jiles_atherton: joint '%s' starts too far from its anhysteretic torque for "
-            "the certificate; change start_angle or start_torque",
-            joint,
-        )
-    elif fault == SENSOR_TWICE:
-        warn("activesuit.jiles_atherton: two sensors of joint '%s' measure the same", joint)
-    elif fault == TOO_LARGE:
-        warn("activesuit.jiles_atherton: the model of joint '%s' has too many parts", joint)
-    elif fault == UNCERTIFIED:
-        warn(
-            "activesuit.jiles_atherton: the parameters of joint '%s' have no certificate (a "
-            "motion could meet infinite torque); set allow_uncertified to true to run anyway",
-            joint,
-        )
-    elif fault == SENSOR_NAME:
-        warn(
-            "activesuit.jiles_atherton: the name of each sensor of joint '%s' must end in "
-            "torque, stiffness or energy, which is what it measures",
-            joint,
-        )
+@njit(inline="always")
+def value_of(polynomial, angle):
+    """Returns the elastic torque of the polynomial."""
+    value = 0.0
+    for i in range(POLYNOMIAL_SIZE):
+        value = value * angle + polynomial[POLYNOMIAL_SIZE - 1 - i]
+    return value
+
+
+@njit(inline="always")
+def slope_of(polynomial, angle):
+    """Returns its derivative."""
+    slope = 0.0
+    for i in range(POLYNOMIAL_SIZE - 1):
+        power = POLYNOMIAL_SIZE - 1 - i
+        slope = slope * angle + power * polynomial[power]
+    return slope

@@ -32,13 +32,46 @@ SCALARS: dict[str, Any] = {
 
 SENSOR, PASSIVE = 2, 4  # mjPLUGIN_SENSOR, mjPLUGIN_PASSIVE: the bindings do not export them
 
+
+class Plugin(ctypes.Structure):
+    """The C struct mjpPlugin of mujoco/mjplugin.h."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("nattribute", ctypes.c_int),
+        ("attributes", ctypes.POINTER(ctypes.c_char_p)),
+        ("capabilityflags", ctypes.c_int),
+        ("needstage", ctypes.c_int),
+        *(
+            (name, ctypes.c_void_p)
+            for name in (
+                "nstate",
+                "nsensordata",
+                "init",
+                "destroy",
+                "copy",
+                "reset",
+                "compute",
+                "advance",
+                "visualize",
+                "actuator_act_dot",
+                "sdf_distance",
+                "sdf_gradient",
+                "sdf_staticdistance",
+                "sdf_attribute",
+                "sdf_aabb",
+            )
+        ),
+    ]
+
+
 PROBE = """<mujoco><worldbody><body>
   <joint name="probe"/><geom size=".1"/></body></worldbody>
   <sensor><jointpos name="probe" joint="probe"/></sensor></mujoco>"""
 
 
 class Layout(NamedTuple):
-    """Byte offsets of fields in mjModel (m_) and mjData (d_), and the values of some enums."""
+    """Byte offsets of fields in mjModel (m_), mjData (d_), mjpPlugin (p_); values of some enums."""
 
     m_nsensor: int
     m_njnt: int
@@ -49,7 +82,9 @@ class Layout(NamedTuple):
     m_sensor_type: int
     m_sensor_plugin: int
     m_sensor_adr: int
+    m_plugin: int
     m_plugin_stateadr: int
+    m_plugin_statenum: int
     m_plugin_attr: int
     m_plugin_attradr: int
     m_names: int
@@ -65,6 +100,7 @@ class Layout(NamedTuple):
     joint_hinge: int
     sensor_plugin: int
     passive: int
+    p_attributes: int
 
 
 @cache
@@ -105,6 +141,7 @@ def layout() -> Layout:
         joint_hinge=int(mujoco.mjtJoint.mjJNT_HINGE),
         sensor_plugin=int(mujoco.mjtSensor.mjSENS_PLUGIN),
         passive=PASSIVE,
+        p_attributes=Plugin.attributes.offset,
     )
 
 

@@ -6,7 +6,6 @@ C functions are bound by name, not by address, so that compiled callbacks can be
 # pyright: reportCallIssue=false, reportPrivateImportUsage=false
 
 import ctypes
-import math
 import sys
 from functools import cache
 from pathlib import Path
@@ -43,12 +42,19 @@ def _bind(symbol: str, function: object) -> None:
     llvmlite.binding.add_symbol(symbol, address)
 
 
+_c_library = ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None)
 _bind("activesuit_name2id", mujoco_library().mj_name2id)
+_bind("activesuit_plugin_at", mujoco_library().mjp_getPluginAtSlot)
 _bind("activesuit_warning", mujoco_library().mju_warning)
+_bind("activesuit_strtod", _c_library.strtod)
+_bind("activesuit_localeconv", _c_library.localeconv)
 
 name2id = types.ExternalFunction(
     "activesuit_name2id", types.int32(types.intp, types.int32, types.intp)
 )
+plugin_at = types.ExternalFunction("activesuit_plugin_at", types.intp(types.int32))
+strtod = types.ExternalFunction("activesuit_strtod", types.float64(types.intp, types.intp))
+localeconv = types.ExternalFunction("activesuit_localeconv", types.intp())
 
 
 @intrinsic
@@ -89,87 +95,18 @@ def store_pointer(address, value):
     carray(_pointer(address), (1,), dtype=np.intp)[0] = value
 
 
-@njit(cache=True)
-def length(text):
-    """Returns the length of the C string at `text`."""
-    count = 0
-    while character_at(text + count) != 0:
-        count += 1
-    return count
-
-
-@njit(cache=True)
-def ends_with(text, ending):
-    """Returns whether the C string at `text` ends with the bytes `ending`."""
-    start = length(text) - len(ending)
-    if start < 0:
-        return False
-    for i in range(len(ending)):
-        if character_at(text + start + i) != ending[i]:
-            return False
-    return True
-
-
-@njit(cache=True)
-def equals(text, word):
-    """Returns whether the C string at `text` is the bytes `word`."""
-    return length(text) == len(word) and ends_with(text, word)
-
-
-@njit(cache=True)
-def parse_number(text):
-    """Parses the C string at `text`: (value, whether all of it is a finite decimal number).
-
-    C's own strtod would read "0.5" as 0 in a process whose locale has a decimal comma.
-    """
-    sign = 1.0
-    if character_at(text) == ord("-"):
-        sign = -1.0
-    if character_at(text) in (ord("-"), ord("+")):
-        text += 1
-    mantissa, exponent, digits, after_point = 0, 0, 0, False
-    while ord("0") <= character_at(text) <= ord("9") or (
-        character_at(text) == ord(".") and not after_point
-    ):
-        if character_at(text) == ord("."):
-            after_point = True
-        else:
-            digits += 1
-            if mantissa < 10**17:
-                mantissa = 10 * mantissa + (character_at(text) - ord("0"))
-                exponent -= after_point
-            else:
-                exponent += not after_point
-        text += 1
-    if digits > 0 and character_at(text) in (ord("e"), ord("E")):
-        text += 1
-        negative = character_at(text) == ord("-")
-        if character_at(text) in (ord("-"), ord("+")):
-            text += 1
-        power, digits = 0, 0
-        while ord("0") <= character_at(text) <= ord("9"):
-            power = min(10 * power + (character_at(text) - ord("0")), 10_000)
-            digits += 1
-            text += 1
-        exponent += -power if negative else power
-    value = mantissa * 10.0**exponent if exponent >= 0 else mantissa / 10.0**-exponent
-    return sign * value, digits > 0 and character_at(text) == 0 and math.isfinite(value)
-
-
-@intrinsic(prefer_literal=True)
-def warn(typing_context, message, name):
-    """Issues `message`, a literal with one %s, as a MuJoCo warning about the C string `name`."""
+@intrinsic
+def warn(typing_context, text):
+    """Issues the C string at the address `text` as a MuJoCo warning."""
 
     def codegen(context, builder, signature, arguments):
-        text = context.insert_const_string(builder.module, signature.args[0].literal_value)
+        literal = context.insert_const_string(builder.module, "%s")
         function = cgutils.get_or_insert_function(
             builder.module,
             ir.FunctionType(ir.VoidType(), [cgutils.voidptr_t], var_arg=True),
             "activesuit_warning",
         )
-        builder.call(function, [text, builder.inttoptr(arguments[1], cgutils.voidptr_t)])
+        builder.call(function, [literal, builder.inttoptr(arguments[0], cgutils.voidptr_t)])
         return context.get_dummy_value()
 
-    if isinstance(message, types.StringLiteral):
-        return types.none(message, types.intp), codegen
-    return None
+    return types.none(types.intp), codegen

@@ -1,34 +1,64 @@
 """Where an instance keeps what it needs.
 
-`mjData.plugin_state` holds what is physics: parameters (radians), memory and the fault flag. They
-are saved, copied and batched with the rest of the state, and may differ between simulations.
-`mjData.plugin_data` holds what follows from the model: the joint and the sensors, by number. A
-state may be set on any model; these numbers always fit the model at hand.
+`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians) and the elastic
+polynomial. They are saved, copied and batched with the rest of the state, and may differ between
+simulations. `mjData.plugin_data` holds what follows from the model: which hysteresis model it is,
+the joint and the sensors, by number. A state may be set on any MuJoCo model; these numbers always
+fit the one at hand, and so do the sizes, which come from mjModel.
 """
 
 from numba import njit
 
 from ._memory import doubles, int32_at, pointer_at, store_pointer
+from ._models import PRANDTL_ISHLINSKII, sizes
 
-MS, A, ALPHA, C, K, STEP_LIMIT = 0, 1, 2, 3, 4, 5
-ANGLE, TORQUE, LOSS, FAULT = 6, 7, 8, 9
-STATE_SIZE = 10
+FAULT, MEMORY = 0, 1
+POLYNOMIAL_SIZE = 6  # coefficients of angle^0 to angle^5
 
-# Four numbers of 15 bits in one pointer-sized word. Sensor numbers count from 1; 0 is none.
+# Four numbers of 15 bits and the model in one pointer-sized word. Sensors count from 1; 0 is none.
 BITS, LARGEST = 15, 2**15 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
+MODEL_SHIFT = 4 * BITS
+
+
+@njit(cache=True)
+def state_size(kind, count):
+    """Returns how many numbers an instance keeps in plugin_state."""
+    memory, parameters = sizes(kind, count)
+    return MEMORY + memory + parameters + POLYNOMIAL_SIZE
+
+
+@njit(cache=True)
+def count_in(kind, size):
+    """Returns the number of thresholds or segments of an instance whose state has `size` numbers."""
+    if kind == PRANDTL_ISHLINSKII:
+        return (size - state_size(kind, 0)) // 3
+    count = 0
+    while state_size(kind, count) < size and state_size(kind, count + 1) > state_size(kind, count):
+        count += 1
+    return count
 
 
 @njit(cache=True)
 def state_of(m, d, instance, at):
     """Returns the view of an instance's state in mjData `d`."""
     address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
-    return doubles(pointer_at(d + at.d_plugin_state) + 8 * address, STATE_SIZE)
+    size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
+    return doubles(pointer_at(d + at.d_plugin_state) + 8 * address, size)
+
+
+@njit(cache=True)
+def split(kind, state):
+    """Returns the parts of a state: memory, parameters, polynomial."""
+    memory, parameters = sizes(kind, count_in(kind, state.size))
+    start = MEMORY + memory
+    end = start + parameters
+    return state[MEMORY:start], state[start:end], state[end : end + POLYNOMIAL_SIZE]
 
 
 @njit(cache=True)
 def wires_of(d, instance, at):
-    """Returns the packed numbers of the joint and the sensors of an instance."""
+    """Returns the packed numbers of the model, the joint and the sensors of an instance."""
     return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
 
 
@@ -36,6 +66,12 @@ def wires_of(d, instance, at):
 def set_wires(d, instance, wires, at):
     """Stores the packed numbers."""
     store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, wires)
+
+
+@njit(inline="always")
+def kind_of(wires):
+    """Returns the number of the model, as in `_models`."""
+    return wires >> MODEL_SHIFT
 
 
 @njit(inline="always")

@@ -6,7 +6,7 @@ import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit, save_suit
 from activesuit.envs.composition import ASSISTED
 from activesuit.envs.evaluation import evaluate, run_episode, score
-from activesuit.envs.policies import POLICIES, make_policy
+from activesuit.envs.policies import POLICIES, NoAssist, make_policy
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
 from activesuit.scripts.suit_export import fitted_joint
@@ -122,6 +122,19 @@ def test_scores_are_what_they_say():
         (("ActiveSuit/ElbowFlexion-v0", ["nune"]), {}, "unknown policy 'nune'.*'none'"),
         (("ActiveSuit/ElbowFlexion-v0", ["none"]), {"episodes": 0}, "episodes is 0"),
         (("ActiveSuit/ElbowFlexion-v0", []), {}, "no policy given"),
+        (("ActiveSuit/ElbowFlexion-v0", {}), {}, "no policy given"),
+        (("ActiveSuit/ElbowFlexion-v0", "none"), {}, r"policies is 'none': give a list"),
+        (("ActiveSuit/ElbowFlexion-v0", [NoAssist]), {}, "policies has .*NoAssist.*: give names"),
+        (
+            ("ActiveSuit/ElbowFlexion-v0", {"mine": NoAssist, "push": 0.2}),
+            {},
+            r"policy 'push' is 0\.2: give a function from the environment to a policy",
+        ),
+        (
+            ("ActiveSuit/ElbowFlexion-v0", {"mine": NoAssist}),
+            {"believed_suit": "mock-suit"},
+            "believed_suit is 'mock-suit' and policies are your own",
+        ),
     ],
 )
 def test_bad_input(arguments, options, message):

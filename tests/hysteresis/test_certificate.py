@@ -1,9 +1,15 @@
 """What the certificate promises, attacked by random motions."""
 
+import math
+
 import numpy as np
 import pytest
-from activesuit.hysteresis import JilesAtherton
+from activesuit.errors import InputError
+from activesuit.hysteresis import JilesAtherton, PoleError, nearest_certified
 from activesuit.hysteresis import _jiles_atherton_kernels as kernels
+from activesuit.hysteresis._jiles_atherton_envelope import field_at
+from activesuit.hysteresis._langevin import langevin
+from helpers import TABLE_2, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -38,8 +44,8 @@ def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees, lag, field
     assert certificate.certified
     assert certificate.dissipative
     # A start anywhere inside the memory bound, up to its edge.
-    Ms, a, alpha, *_ = model.kernel_arguments
-    torque = Ms * kernels.langevin(field)[0] + lag * certificate.memory_bound
+    Ms, a, alpha = model.parameter_vector[:3]
+    torque = Ms * langevin(field)[0] + lag * certificate.memory_bound
     state = model.start(field * a - alpha * torque, torque)
     for angle in np.radians(degrees):
         state, torque = model.step(state, angle)
@@ -51,45 +57,116 @@ def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees, lag, field
 @settings(max_examples=200, deadline=None)
 @given(model=certified_models(), degrees=angles)
 def test_dissipated_energy_never_decreases(model, degrees):
-    arguments = model.kernel_arguments
-    angle = torque = lost = 0.0
-    dissipated = 0.0
-    scale = model.Ms * model.kernel_arguments[4] * model.c
+    state, dissipated = model.start(0.0), 0.0
+    scale = model.Ms * model.parameter_vector[4] * model.c
     for target in np.radians(degrees):
-        torque, loss = kernels.advance(angle, torque, target, *arguments)
-        angle, lost = target, lost + loss
-        recoverable = kernels.recoverable_energy(angle, torque, *arguments)
-        assert recoverable >= 0
-        assert lost - recoverable >= dissipated - 1e-7 * scale
-        dissipated = max(dissipated, lost - recoverable)
+        state, _ = model.step(state, target)
+        now = model.energy(state).dissipated
+        assert now >= dissipated - 1e-7 * scale
+        dissipated = max(dissipated, now)
 
 
-def test_work_is_elastic_energy_plus_loss(elbow):
-    Ms, a, alpha, c, k, limit = elbow.kernel_arguments
-
-    def elastic(angle, torque):
-        x = (angle + alpha * torque) / a
-        return Ms * a * np.log(np.sinh(x) / x) - alpha * torque**2 / 2
-
+def test_work_is_stored_plus_dissipated_energy(elbow):
     angle = np.concatenate([np.linspace(0.3, 1.5, 4000), np.linspace(1.5, 0.6, 4000)])
-    torque = elbow.response(angle)
-    work = np.trapezoid(torque, angle)
-    loss = sum(
-        kernels.advance(angle[i - 1], torque[i - 1], angle[i], Ms, a, alpha, c, k, limit)[1]
-        for i in range(1, angle.size)
-    )
-    change = elastic(angle[-1], torque[-1]) - elastic(angle[0], torque[0])
-    assert work == pytest.approx(change + loss, rel=1e-6)
+    work = np.trapezoid(elbow.response(angle), angle)
+    first = last = elbow.start(0.3)
+    for target in angle:
+        last, _ = elbow.step(last, target)
+    change = np.subtract(elbow.energy(last), elbow.energy(first)).sum()
+    assert work == pytest.approx(change, rel=1e-6)
 
 
 def test_recoverable_energy_is_what_turning_back_returns(elbow):
-    arguments = elbow.kernel_arguments
-    angle, torque = 1.3, elbow.response([0.5, 1.3])[-1]
-    claimed = kernels.recoverable_energy(angle, torque, *arguments)
-    returned, best = 0.0, 0.0
-    for target in np.linspace(1.3, 0.3, 4001)[1:]:
-        torque, loss = kernels.advance(angle, torque, target, *arguments)
-        angle, returned = target, returned - loss
-        best = max(best, returned)
-    assert claimed == pytest.approx(best, rel=1e-5)
+    state = elbow.start(0.5)
+    state, _ = elbow.step(state, 1.3)
+    p, s = elbow.parameter_vector, state.memory
+    claimed = kernels.recoverable(p, s[0], s[1])
+    returned = [-kernels.move(p, s, target)[1] for target in np.linspace(1.3, 0.3, 4001)]
+    assert claimed == pytest.approx(max(returned), rel=1e-5)
     assert claimed > 0
+
+
+RANGE = {"shoulder": (0.35, 1.22), "elbow": (0.52, 1.57)}
+
+
+@pytest.mark.parametrize("name", TABLE_2)
+def test_published_sets_are_safe_where_they_were_identified(table_2, name):
+    model = table_2[name]
+    low, high = RANGE[name.split("-")[0]]
+    certificate = model.certificate((low, high))
+    assert certificate.certified
+    assert certificate.dissipative
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        torque = model.response(np.concatenate([[low], rng.uniform(low, high, 60)]))
+        assert np.abs(torque).max() <= certificate.torque_bound
+
+
+def test_the_range_certificate_is_tight(shoulder):
+    # The published shoulder meets its pole on the way back from 90 degrees, not from 70.
+    assert shoulder.certificate((0.0, 1.22)).margin < shoulder.certificate((0.35, 1.22)).margin
+    assert not shoulder.certificate((0.0, np.pi / 2)).certified
+    with pytest.raises(PoleError):
+        shoulder.response([0.0, np.pi / 2, 0.0])
+    highs = np.linspace(1.0, 1.9, 91)
+    certified = max(h for h in highs if shoulder.certificate((0.35, h)).certified)
+    meets = min(h for h in highs if not swings(shoulder, 0.35, h))
+    assert 0 <= meets - certified < 0.5
+
+
+def swings(model, low, high):
+    try:
+        model.response([low, high, low, high, low])
+    except PoleError:
+        return False
+    return True
+
+
+@st.composite
+def models_and_ranges(draw):
+    Ms = 10 ** draw(st.floats(0, 2))
+    a = 10 ** draw(st.floats(-1, 3.5))
+    c = 1 + 10 ** draw(st.floats(-2, 1))
+    k = 10 ** draw(st.floats(0, 3))
+    alpha = draw(st.floats(-6, 3)) * 3 * a / ((2 * c - 1) * Ms)
+    low, width = draw(st.floats(-100, 100)), 10 ** draw(st.floats(-1, 2.3))
+    model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    return model, (math.radians(low), math.radians(low + width))
+
+
+@settings(max_examples=400, deadline=None)
+@given(
+    pair=models_and_ranges(),
+    parts=st.lists(st.floats(0, 1), min_size=2, max_size=30),
+    lag=st.floats(-1, 1),
+)
+def test_no_motion_in_a_certified_range_meets_the_pole(pair, parts, lag):
+    model, (low, high) = pair
+    certificate = model.certificate((low, high))
+    if not certificate.certified:
+        return
+    angles = low + (high - low) * np.array(parts)
+    Ms, a, alpha = model.parameter_vector[:3]
+    lag *= certificate.memory_bound  # any start that is covered
+    field = field_at(angles[0], lag, Ms, a, alpha)
+    state = model.start(angles[0], Ms * langevin(field / a)[0] + lag)
+    for angle in angles:
+        state, torque = model.step(state, angle)
+        assert abs(torque) <= certificate.torque_bound * (1 + 1e-9)
+
+
+def test_nearest_certified_set(shoulder, elbow):
+    near, change = nearest_certified(shoulder)
+    assert near.certificate().certified
+    assert near.certificate().dissipative
+    assert 0.005 < change < 0.02
+    angle = sweep(0.0, 0.5, -0.5, 0.5)
+    moved = near.response(angle) - shoulder.response(angle)
+    assert np.sqrt(np.mean(moved**2)) / np.abs(shoulder.response(angle)).max() < 0.02
+    assert nearest_certified(elbow) == (elbow, 0.0)
+
+
+def test_range_must_ascend(elbow):
+    for bad in ((1.0, 1.0), (1.0, 0.5), (math.nan, 1.0), "ab", 3.0, (1, 2, 3)):
+        with pytest.raises(InputError, match=r"angle_range is .*two ascending angles"):
+            elbow.certificate(bad)

@@ -107,6 +107,17 @@ def test_evaluate_prints_json(capsys):
     assert result["policies"][3]["reduction"]["elbow_flexion"] > 0.1
 
 
+def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
+    options = ["--policies", "none", "oracle", "--episodes", "1", "--out", tmp_path]
+    out = run(capsys, "evaluate", *options)
+    assert out.startswith("Human torque: ActiveSuit/ArmTracking-v0, earth, mock-suit, 1 episodes")
+    assert out.endswith(f"wrote {tmp_path}/result.json\n")
+    written = json.loads((tmp_path / "result.json").read_text())
+    assert json.loads(run(capsys, "evaluate", *options, "--json")) == written
+    for score in written["policies"]:
+        assert f"{score['human_rms']['elbow_flexion']:.2f}" in out
+
+
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
     out = run(
         capsys,

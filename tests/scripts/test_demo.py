@@ -8,7 +8,9 @@ import sys
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
+from activesuit.scripts import demo as demo_module
 from activesuit.scripts.demo import demo
+from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
 
 
@@ -60,20 +62,57 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
     assert "arm.png" not in (tmp_path / "report.md").read_text()
 
 
-def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys):
-    advance, calls = Bar.advance, []
+def interrupted(capsys, out, *more) -> str:
+    """Runs a demo that must be interrupted; returns what it says at the end."""
+    with pytest.raises(SystemExit) as stop:
+        main(["demo", "--trials", "1", "--episodes", "1", "--out", str(out), *more])
+    assert stop.value.code == 2
+    message = capsys.readouterr().err.strip().splitlines()[-1]
+    assert message.startswith("activesuit: interrupted: ")
+    return message
 
-    def interrupt(self, steps=1):
-        calls.append(steps)
-        if len(calls) == 3:
+
+def interrupting_call(monkeypatch, owner, name, number=1):
+    """Makes the call with that number, from 1, raise KeyboardInterrupt."""
+    real, calls = getattr(owner, name), []
+
+    def interrupt(*arguments, **options):
+        calls.append(name)
+        if len(calls) == number:
             raise KeyboardInterrupt
-        advance(self, steps)
+        return real(*arguments, **options)
 
-    monkeypatch.setattr(Bar, "advance", interrupt)
-    with pytest.raises(KeyboardInterrupt, match="finished fits are kept"):
-        demo(out=tmp_path, trials=2, episodes=1)
+    monkeypatch.setattr(owner, name, interrupt)
+
+
+def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys):
+    interrupting_call(monkeypatch, Bar, "advance", 2)
+    message = interrupted(capsys, tmp_path)
+    assert f"the finished fits (2 of 6) are kept in {tmp_path}/fits.json and trials.csv" in message
     assert "sa-pso" in json.loads((tmp_path / "fits.json").read_text())["shoulder"]
-    assert len((tmp_path / "trials.csv").read_text().splitlines()) >= 3
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 3  # header and two
+
+
+def test_interrupt_before_the_first_fit(tmp_path, monkeypatch, capsys):
+    interrupting_call(monkeypatch, demo_module, "identify")
+    assert "the finished fits (0 of 6) are kept" in interrupted(capsys, tmp_path)
+    assert json.loads((tmp_path / "fits.json").read_text()) == {"shoulder": {}, "elbow": {}}
+
+
+@pytest.mark.parametrize(
+    ("part", "number"), [("loops_figure", 1), ("evaluate", 2), ("trajectory_figure", 1)]
+)
+def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsys, part, number):
+    interrupting_call(monkeypatch, demo_module, part, number)
+    message = interrupted(capsys, tmp_path, "--seed", "3")
+    assert f"fits.json, trials.csv and suit.json are kept in {tmp_path}; go on with: " in message
+    fits = json.loads((tmp_path / "fits.json").read_text())
+    assert all(set(fits[joint]) == {"sa-pso", "mpso", "certified"} for joint in fits)
+    assert not (tmp_path / "report.md").exists()
+    command = message.split("go on with: activesuit ")[1]
+    assert command == f"validate {tmp_path}/suit.json --episodes 1 --seed 3"
+    main(command.split())  # what it says can be done
+    assert "of the oracle's reduction" in capsys.readouterr().out
 
 
 def test_needs_no_torch(tmp_path):

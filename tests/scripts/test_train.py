@@ -3,7 +3,9 @@
 import json
 
 import pytest
+from activesuit.scripts import train as train_module
 from activesuit.scripts.main import main
+from activesuit.scripts.output import Bar
 
 pytest.importorskip("stable_baselines3")
 pytestmark = pytest.mark.slow
@@ -47,22 +49,54 @@ def test_resume_goes_on(run):
     assert steps_done(run) == 4096
 
 
-def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
-    from activesuit.scripts.output import Bar
+def interrupt(*arguments, **options):
+    raise KeyboardInterrupt
 
-    def interrupt(self, steps):
+
+def interrupted(capsys, out, *more, **options) -> str:
+    """Runs a training that must be interrupted; returns what it says at the end."""
+    with pytest.raises(SystemExit) as stop:
+        train(out, *more, **options)
+    assert stop.value.code == 2
+    return capsys.readouterr().err.strip().splitlines()[-1]
+
+
+def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
+    def interrupt_late(self, steps):
         if steps >= 1000:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(Bar, "move_to", interrupt)
-    with pytest.raises(SystemExit) as stop:
-        train(tmp_path)
-    assert stop.value.code == 2
-    assert "go on with --resume" in capsys.readouterr().err
+    monkeypatch.setattr(Bar, "move_to", interrupt_late)
+    said = interrupted(capsys, tmp_path)
+    assert f"steps are kept in {tmp_path}; go on with --resume" in said
     assert 1000 <= steps_done(tmp_path) < 2048
     monkeypatch.undo()
     train(tmp_path, "--resume")
     assert steps_done(tmp_path) >= 2048
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ("make_env", "activesuit: interrupted"),
+        ("_environments", "nothing was learned yet; start the training again"),
+        ("_callback", "0 steps are kept in {out}; go on with --resume"),
+        ("_save", "nothing was learned yet; start the training again"),
+    ],
+)
+def test_interrupt_before_or_after_learning(tmp_path, monkeypatch, capsys, part, message):
+    monkeypatch.setattr(train_module, part, interrupt)
+    assert message.format(out=tmp_path) in interrupted(capsys, tmp_path)
+
+
+@pytest.mark.parametrize("part", ["load_network", "_save"])
+def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsys, part):
+    before = steps_done(run)
+    monkeypatch.setattr(train_module, part, interrupt)
+    monkeypatch.setattr(train_module, "CHECKPOINTS", 1)
+    said = interrupted(capsys, run, "--resume", steps=before + 100)
+    assert f"the last checkpoint is kept in {run}; go on with --resume" in said
+    assert steps_done(run) == before
 
 
 def test_sac_trains_and_resumes_with_its_experience(tmp_path):

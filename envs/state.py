@@ -1,0 +1,133 @@
+"""Saved states: the physics as numbers, and the check before anything is restored."""
+
+import math
+import reprlib
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assets import JOINTS
+from ..errors import InputError
+from .composition import ASSISTED
+from .reference import Reference
+
+Array = NDArray[np.float64]
+PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
+MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
+ENERGIES = ("assist_energy", "human_energy")
+KEYS = (
+    "config",
+    "physics",
+    "actuator_force",
+    "reference",
+    "step",
+    "clipped_actions",
+    "energy",
+    "dissipated_at_reset",
+    "previous_action",
+    "diverged",
+    "random",
+)
+
+
+def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+    """Returns the physics of this instant, with the suit's memory."""
+    physics = np.empty(mujoco.mj_stateSize(model, PHYSICS))
+    mujoco.mj_getState(model, data, physics, PHYSICS)
+    return physics
+
+
+def restore_physics(model: mujoco.MjModel, data: mujoco.MjData, state: dict[str, Any]) -> None:
+    """Puts the physics of a checked state back, with all that follows from it."""
+    data.warning.number[:] = 0
+    mujoco.mj_setState(model, data, state["physics"], PHYSICS)
+    mujoco.mj_step1(model, data)
+    data.actuator_force[:] = state["actuator_force"]
+
+
+def check_state(
+    state: Any, config: str, model: mujoco.MjModel, samples: int, random: np.random.Generator
+) -> None:
+    """Refuses what `get_state` of an environment like this one cannot have returned.
+
+    Args:
+        state: what the user gave.
+        config: what the environment is.
+        model: its model.
+        samples: of an intention.
+        random: its generator, which stays as it is.
+
+    Raises:
+        InputError: the state is of another environment or of an episode that has diverged; or a
+            part is missing, of another type or size, or no number.
+    """
+    if not isinstance(state, dict):
+        raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
+    missing = [key for key in KEYS if key not in state]
+    if missing:
+        raise InputError(f"the state lacks {', '.join(missing)}: give the whole dict of get_state")
+    if str(state["config"]) != config:
+        raise InputError(
+            f"the state is of {state['config']} and this environment is {config}: "
+            "make it with the same options"
+        )
+    if state["diverged"] is not False:
+        raise InputError("the state is of an episode that has diverged: go on from an earlier one")
+    for name, value, wanted, usable in _parts(state, model, samples, random):
+        if not usable:
+            raise InputError(
+                f"the state's {name} is {reprlib.repr(value)}: it must be {wanted}, as get_state "
+                "returned it"
+            )
+
+
+def _parts(
+    state: dict[str, Any], model: mujoco.MjModel, samples: int, random: np.random.Generator
+) -> Iterator[tuple[str, Any, str, bool]]:
+    """Yields name, value, what it must be, and whether it is; what follows relies on that."""
+    shapes = {
+        "physics": (mujoco.mj_stateSize(model, PHYSICS),),
+        "actuator_force": (model.nactuator,),
+        "previous_action": (len(ASSISTED),),
+    }
+    for name, shape in shapes.items():
+        yield name, state[name], f"float64 numbers of shape {shape}", _is_array(state[name], shape)
+    physics = state["physics"]
+    motion = np.empty(mujoco.mj_stateSize(model, MOTION))
+    mujoco.mj_extractState(model, physics, PHYSICS, motion, MOTION)
+    bounded = bool(np.abs(motion).max() < mujoco.mjMAXVAL)
+    yield "physics", physics, f"a motion below {mujoco.mjMAXVAL:g}", bounded
+    reference, shape = state["reference"], (samples, len(JOINTS))
+    yield "reference", reference, "a Reference", isinstance(reference, Reference)
+    for name in ("angle", "rate", "feedforward"):
+        value = getattr(reference, name)
+        yield f"reference.{name}", value, f"numbers of shape {shape}", _is_array(value, shape)
+    for name in ("step", "clipped_actions"):
+        count = state[name]
+        yield name, count, "a count from 0", isinstance(count, int) and count >= 0
+    energy = state["energy"]
+    named = isinstance(energy, dict) and set(energy) == set(ENERGIES)
+    yield "energy", energy, f"a dict of {' and '.join(ENERGIES)}", named
+    for name, value in {**energy, "dissipated_at_reset": state["dissipated_at_reset"]}.items():
+        yield name, value, "a finite number", isinstance(value, float) and math.isfinite(value)
+    yield "random", state["random"], "a generator's state", _fits(random, state["random"])
+
+
+def _is_array(value: Any, shape: tuple[int, ...]) -> bool:
+    return (
+        isinstance(value, np.ndarray)
+        and value.dtype == np.float64
+        and value.shape == shape
+        and not np.isnan(value).any()
+    )
+
+
+def _fits(random: np.random.Generator, state: Any) -> bool:
+    try:
+        type(random.bit_generator)().state = state
+    except Exception:  # a damaged state fails wherever it is damaged
+        return False
+    return True

@@ -1,0 +1,42 @@
+"""Checks of the parameters that users give to the models."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+
+
+def number(name: str, value: Any, unit: str = "") -> float:
+    """Returns a finite number, or raises an InputError that says why it is none."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        raise InputError(f"{name} is {value!r}: give a number{_in(unit)}")
+    if not math.isfinite(value):
+        raise InputError(f"{name} is {value}: give a finite number{_in(unit)}")
+    return float(value)
+
+
+def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
+    """Returns at least one finite number, or raises an InputError likewise."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        array = np.empty(0, dtype=object)
+    if array.ndim != 1 or array.dtype.kind not in "iuf" or array.size == 0:
+        raise InputError(f"{name} is {values!r}: give at least one number{_in(unit)}")
+    bad = np.flatnonzero(~np.isfinite(array))
+    if bad.size:
+        raise InputError(f"{name}[{bad[0]}] is {array[bad[0]]}: give finite numbers{_in(unit)}")
+    return tuple(array.astype(np.float64).tolist())
+
+
+def scales(**values: float) -> None:
+    """Refuses scale factors that are not finite and above 0."""
+    for name, value in values.items():
+        if not (math.isfinite(value) and value > 0):
+            raise InputError(f"{name} scale is {value}: give a finite number above 0")
+
+
+def _in(unit: str) -> str:
+    return f" ({unit})" if unit else ""

@@ -1,0 +1,164 @@
+"""Kernels of the Prandtl-Ishlinskii model: plain functions over scalars and arrays.
+
+They know the stop form only, T = K (theta - rest) + sum w_i E_i; `PrandtlIshlinskii` rewrites the
+play form. Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n], thresholds r rising.
+
+The memory s = [angle, torque, loss, F_1 ... F_n] holds the play F of each element, the angle at
+which its stop E = theta - F is zero. F follows from the turning points alone, F = max(F, theta - r)
+upwards and min(F, theta + r) downwards, so that neither the number of samples nor a closed
+excursion leaves a trace in it, not even of rounding.
+"""
+
+import math
+
+from numba import njit
+
+HEADER = 2  # numbers in p before the thresholds
+START_TOLERANCE = 1e-12  # of all torques at hand: what rounding may add to a saturated one
+
+
+@njit(inline="always", error_model="numpy")
+def stop(angle: float, play: float, threshold: float) -> tuple[float, float]:
+    """Returns E and F of an element at `angle` that arrives with the play `play`.
+
+    |E| never exceeds the threshold: subtractions are monotone, rounded or not.
+    """
+    low, high = angle - threshold, angle + threshold
+    if play <= low:
+        return threshold, low
+    if play >= high:
+        return -threshold, high
+    return angle - play, play
+
+
+@njit(cache=True, error_model="numpy")
+def first_motion(p, n, wanted, tolerance):
+    """Returns the smallest x with phi(x) = sum w_i clip(x, -r_i, r_i) = wanted, or NaN.
+
+    phi is odd and linear between thresholds: the first |phi| as large as |wanted| is it.
+    """
+    slope = 0.0
+    for i in range(n):
+        slope += p[HEADER + n + i]
+    x = phi = 0.0
+    for i in range(n):
+        reach = p[HEADER + i] - x
+        end = phi + slope * reach
+        if abs(end) >= abs(wanted) - tolerance:
+            more = (math.copysign(wanted, end) - phi) / slope if slope != 0 else 0.0
+            return math.copysign(x + min(more, reach), wanted * end)
+        x, phi = p[HEADER + i], end
+        slope -= p[HEADER + n + i]
+    return math.nan
+
+
+@njit(cache=True, error_model="numpy")
+def begin(p, s, angle, torque):
+    """Fills s as after the first loading from rest that gives `torque`; returns 1, or NaN if none.
+
+    Loading by x from the angle where all stops are at zero gives K (angle - rest) + phi(x).
+    """
+    n = s.size - 3
+    elastic = p[0] * (angle - p[1])
+    scale = abs(elastic) + abs(torque)
+    for i in range(n):
+        scale += abs(p[HEADER + n + i]) * p[HEADER + i]
+    x = first_motion(p, n, torque - elastic, START_TOLERANCE * scale)
+    if math.isnan(x):
+        return math.nan
+    s[0], s[1], s[2] = angle, torque, 0.0
+    for i in range(n):
+        s[3 + i] = angle - min(max(x, -p[HEADER + i]), p[HEADER + i])
+    return 1.0
+
+
+@njit(inline="always", error_model="numpy")
+def travel(p, s, angle, keep):
+    """Returns torque and loss of a motion to `angle`; the plays are then the memory's if `keep`."""
+    n = s.size - 3
+    torque, loss = p[0] * (angle - p[1]), 0.0
+    for i in range(n):
+        threshold, weight = p[HEADER + i], p[HEADER + n + i]
+        strain, play = stop(angle, s[3 + i], threshold)
+        torque += weight * strain
+        loss += weight * threshold * abs(play - s[3 + i])
+        if keep:
+            s[3 + i] = play
+    return torque, loss
+
+
+@njit(cache=True, error_model="numpy")
+def is_certified(p):
+    """Returns whether no motion gains energy: no weight of a stop is negative."""
+    for weight in p[HEADER + (p.size - HEADER) // 2 :]:
+        if weight < 0:
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def move(p, s, angle):
+    """Returns (torque, loss) after a monotone motion to `angle`; NaN where it is not finite."""
+    if angle == s[0]:
+        return s[1], 0.0
+    if not math.isfinite(angle):
+        return math.nan, 0.0
+    return travel(p, s, angle, False)
+
+
+@njit(cache=True, error_model="numpy")
+def commit(p, s, angle):
+    """Makes a motion to `angle` the memory and returns its torque; NaN leaves s as it is."""
+    if angle == s[0]:
+        return s[1]
+    if not math.isfinite(angle):
+        return math.nan
+    torque, loss = travel(p, s, angle, True)
+    s[0], s[1] = angle, torque
+    s[2] += loss
+    return torque
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(p, s, angle, torque, delta):
+    """Returns dT/dangle at the end of a motion if it goes on with sign `delta`."""
+    n = s.size - 3
+    slope = p[0]
+    for i in range(n):
+        strain, _ = stop(angle, s[3 + i], p[HEADER + i])
+        if delta * strain < p[HEADER + i]:
+            slope += p[HEADER + n + i]
+    return slope
+
+
+@njit(cache=True, error_model="numpy")
+def energy(p, s, angle, torque, loss):
+    """Returns (stored, dissipated); a stop is a spring of stiffness w in series with a slider."""
+    n = s.size - 3
+    twice = p[0] * (angle - p[1]) ** 2
+    for i in range(n):
+        strain, _ = stop(angle, s[3 + i], p[HEADER + i])
+        twice += p[HEADER + n + i] * strain**2
+    return 0.5 * twice, s[2] + loss
+
+
+@njit(cache=True, error_model="numpy")
+def response(p, s, H, M):
+    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
+    M[0] = s[1]
+    for i in range(1, H.size):
+        M[i] = commit(p, s, H[i])
+        if math.isnan(M[i]):
+            M[i:] = math.nan
+            return
+
+
+@njit(cache=True, error_model="numpy")
+def play_sum(slope, thresholds, weights, plays, x, y):
+    """Fills y with slope x + sum w_i F_i(x); `plays`, the F before x[0], end up at their last."""
+    for k in range(x.size):
+        total = slope * x[k]
+        for i in range(thresholds.size):
+            _, plays[i] = stop(x[k], plays[i], thresholds[i])
+            total += weights[i] * plays[i]
+        y[k] = total

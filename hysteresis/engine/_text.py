@@ -1,0 +1,156 @@
+"""C strings for numba code: the words and numbers of an MJCF config, and sentences about them."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from ._memory import character_at, localeconv, pointer_at, strtod, warn
+
+BLANKS = (ord(" "), ord("\t"), ord("\n"), ord("\r"))
+SENTENCE_LIMIT = 600
+
+
+@njit(cache=True)
+def length(text):
+    """Returns the length of the C string at `text`."""
+    count = 0
+    while character_at(text + count) != 0:
+        count += 1
+    return count
+
+
+@njit(cache=True)
+def ends_with(text, ending):
+    """Returns whether the C string at `text` ends with the bytes `ending`."""
+    start = length(text) - len(ending)
+    if start < 0:
+        return False
+    for i in range(len(ending)):
+        if character_at(text + start + i) != ending[i]:
+            return False
+    return True
+
+
+@njit(cache=True)
+def equals(text, word):
+    """Returns whether the C string at `text` is the bytes `word`."""
+    return length(text) == len(word) and ends_with(text, word)
+
+
+@njit(cache=True)
+def behind_blanks(text):
+    """Returns the address of the first character at or after `text` that is not blank."""
+    while character_at(text) in BLANKS:
+        text += 1
+    return text
+
+
+@njit(cache=True)
+def behind_digits(text):
+    """Returns the address of the first character at or after `text` that is not a digit."""
+    while ord("0") <= character_at(text) <= ord("9"):
+        text += 1
+    return text
+
+
+@njit(cache=True)
+def behind_number(text):
+    """Returns the address behind the decimal number at `text`; `text` itself if there is none."""
+    start = text + (character_at(text) in (ord("-"), ord("+")))
+    end = behind_digits(start)
+    digits = end - start
+    if character_at(end) == ord("."):
+        fraction = behind_digits(end + 1)
+        digits += fraction - end - 1
+        end = fraction
+    if digits == 0:
+        return text
+    if character_at(end) in (ord("e"), ord("E")):
+        power = end + 1 + (character_at(end + 1) in (ord("-"), ord("+")))
+        behind = behind_digits(power)
+        end = behind if behind > power else text
+    return end
+
+
+@njit(cache=True)
+def to_number(text, end):
+    """Returns the decimal number between two addresses, rounded as Python rounds it.
+
+    C's strtod does that, but it expects the decimal point of the process's locale.
+    """
+    point = pointer_at(localeconv())
+    copy = np.zeros(end - text + length(point) + 1, np.uint8)
+    n = 0
+    for i in range(text, end):
+        if character_at(i) == ord("."):
+            for j in range(length(point)):
+                copy[n] = character_at(point + j)
+                n += 1
+        else:
+            copy[n] = character_at(i)
+            n += 1
+    value = strtod(copy.ctypes.data, 0)
+    return value if copy[n] == 0 else math.nan  # reading the copy last keeps it alive till then
+
+
+@njit(cache=True)
+def parse_numbers(text, values):
+    """Fills `values` with the blank-separated numbers of the C string at `text`.
+
+    Returns how many there are, also if that is more than fit; -1 if one is not a finite number.
+    """
+    count = 0
+    text = behind_blanks(text)
+    while character_at(text) != 0:
+        end = behind_number(text)
+        if end == text or not (character_at(end) == 0 or character_at(end) in BLANKS):
+            return -1
+        value = to_number(text, end)
+        if not math.isfinite(value):
+            return -1
+        if count < values.size:
+            values[count] = value
+        count += 1
+        text = behind_blanks(end)
+    return count
+
+
+@njit(cache=True)
+def count_words(text):
+    """Returns how many blank-separated words the C string at `text` has."""
+    count = 0
+    text = behind_blanks(text)
+    while character_at(text) != 0:
+        while character_at(text) != 0 and character_at(text) not in BLANKS:
+            text += 1
+        count += 1
+        text = behind_blanks(text)
+    return count
+
+
+@njit(cache=True)
+def add_text(sentence, n, text):
+    """Appends the C string at `text` to a sentence of n characters; returns the new n."""
+    i = 0
+    while character_at(text + i) != 0 and n < SENTENCE_LIMIT - 1:
+        sentence[n] = character_at(text + i)
+        n, i = n + 1, i + 1
+    return n
+
+
+@njit(cache=True)
+def add(sentence, n, words):
+    """Appends bytes likewise."""
+    for i in range(len(words)):
+        if n < SENTENCE_LIMIT - 1:
+            sentence[n] = words[i]
+            n += 1
+    return n
+
+
+@njit(cache=True)
+def issue(sentence):
+    """Issues a sentence as a MuJoCo warning."""
+    warn(sentence.ctypes.data)
+    return sentence[0]  # keeps it alive till here

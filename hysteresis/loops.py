@@ -1,0 +1,314 @@
+"""Measured angle-torque records: reversals, branches, loops and first-order families.
+
+A record is two series in the order of measurement: angle [rad] and torque [N·m]. Time plays no
+part, but the samples should follow each other evenly enough for the noise estimate to make sense.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from .model import finite_series
+
+Array = NDArray[np.float64]
+NOISE_DEAD_BAND = 10.0  # deviations: a dwell of 1e4 Gaussian samples exceeds it once in 1e4
+STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
+LARGEST_DEAD_BAND = 0.25  # of the angle's range, for records of a few samples per branch
+TOLERANCE = 0.02  # of the angle's range, within which a loop closes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Branch:
+    """The part of a record between two reversals; neighbors share the sample at the turn.
+
+    Attributes:
+        direction: +1 for growing angles, -1 for falling ones.
+        start: index of the first sample in the record.
+        stop: index after the last sample, so that record[start:stop] is the branch.
+        angle: angles as measured [rad], shape (n,); jitter and dwell included.
+        torque: torques as measured [N·m], shape (n,).
+    """
+
+    direction: int
+    start: int
+    stop: int
+    angle: Array
+    torque: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A branch and the next one, which comes back to the angle where the first began."""
+
+    outward: Branch
+    back: Branch
+
+    @property
+    def angle(self) -> Array:
+        """Angles from start to turn and back [rad], the turn once."""
+        return np.concatenate([self.outward.angle, self.back.angle[1:]])
+
+    @property
+    def torque(self) -> Array:
+        """Torques along `angle` [N·m]."""
+        return np.concatenate([self.outward.torque, self.back.torque[1:]])
+
+    @property
+    def turn(self) -> float:
+        """The angle of the reversal [rad]."""
+        return float(self.back.angle[0])
+
+
+@dataclass(frozen=True, eq=False)
+class FirstOrderFamily:
+    """First-order transition curves that begin and end at one angle.
+
+    Attributes:
+        base: mean angle of their starts [rad], theta_min of Li et al. 2022.
+        curves: the curves in the order of measurement.
+    """
+
+    base: float
+    curves: tuple[Loop, ...]
+
+
+def angle_noise(angle: ArrayLike) -> float:
+    """Estimates the standard deviation of white noise in a measured motion [rad].
+
+    It is taken from the median of |third differences|, repeated readings left out: they are
+    sqrt(20) times as noisy as the angle, and next to nothing for smooth motion. A low-pass filter
+    hides the noise of its input from this estimate.
+
+    Raises:
+        InputError: `angle` is not one finite series.
+    """
+    third = np.diff(_without_repeats(finite_series("angle", angle, "rad")), 3)
+    return float(np.median(np.abs(third))) / (0.6745 * math.sqrt(20)) if third.size else 0.0
+
+
+def estimate_dead_band(angle: ArrayLike) -> float:
+    """Estimates from the angle's own noise how far it must come back to count as a reversal [rad].
+
+    This is 10 times `angle_noise`, at least 2.5 times the smallest step (the resolution of a coarse
+    sensor), and at most a quarter of the angle's range. Give the dead band of filtered angles
+    yourself.
+
+    Raises:
+        InputError: `angle` is not one finite series.
+    """
+    angle = finite_series("angle", angle, "rad")
+    steps = np.abs(np.diff(_without_repeats(angle)))
+    step = float(steps.min()) if steps.size else 0.0
+    dead_band = max(NOISE_DEAD_BAND * angle_noise(angle), STEP_DEAD_BAND * step)
+    return min(dead_band, LARGEST_DEAD_BAND * float(np.ptp(angle)))
+
+
+def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.intp]:
+    """Finds the turning points of a noisy motion.
+
+    An extreme angle is a turning point once the motion has come back from it by more than the dead
+    band. If the noise stays within half the dead band, and each true swing is larger than twice the
+    dead band, then exactly the true reversals are found.
+
+    Args:
+        angle: joint angles [rad], shape (n,).
+        dead_band: see above [rad], >= 0; None takes `estimate_dead_band`.
+
+    Returns:
+        Indices of the turning points, ascending; of a dwell at the extreme, its first sample. The
+        two ends of the record are not among them.
+
+    Raises:
+        InputError: `angle` is not one finite series, or the dead band is negative.
+    """
+    angle = finite_series("angle", angle, "rad")
+    turns, _ = _turning_points(angle, _dead_band(angle, dead_band))
+    return np.array(turns, dtype=np.intp)
+
+
+def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None) -> list[Branch]:
+    """Splits a record at its reversals.
+
+    Args:
+        angle: joint angles [rad], shape (n,), n >= 3.
+        torque: torques [N·m], shape (n,).
+        dead_band: as in `reversals` [rad].
+
+    Returns:
+        The branches in the order of measurement, with alternating directions.
+
+    Raises:
+        InputError: not a record, or the angle never leaves the dead band.
+    """
+    angle, torque = finite_record(angle, torque)
+    dead_band = _dead_band(angle, dead_band)
+    turns, direction = _turning_points(angle, dead_band)
+    if direction == 0:
+        raise InputError(
+            f"the angle stays within {np.ptp(angle):.3g} rad and the dead band is {dead_band:.3g} "
+            "rad: record a larger motion, or give a smaller dead_band"
+        )
+    ends = list(pairwise([0, *turns, angle.size - 1]))
+    return [
+        Branch(
+            direction=direction * (-1) ** (len(turns) - i),
+            start=start,
+            stop=end + 1,
+            angle=angle[start : end + 1],
+            torque=torque[start : end + 1],
+        )
+        for i, (start, end) in enumerate(ends)
+    ]
+
+
+def loops(
+    angle: ArrayLike,
+    torque: ArrayLike,
+    dead_band: float | None = None,
+    tolerance: float | None = None,
+) -> list[Loop]:
+    """Finds the closed loops of a record: pairs of branches that end where they began.
+
+    The first pair that closes is taken, then the first one after it, and so on: no sample but the
+    shared ends belongs to two loops. An initial curve that the motion does not come back to, and
+    swings that grow or decay, are left out.
+
+    Args:
+        angle: joint angles [rad], shape (n,), n >= 3.
+        torque: torques [N·m], shape (n,).
+        dead_band: as in `reversals` [rad].
+        tolerance: how far the two ends of a loop may be apart [rad]; None takes 2 % of the angle's
+            range, or the dead band if that is larger.
+
+    Returns:
+        The loops in the order of measurement; it can be empty.
+
+    Raises:
+        InputError: not a record, or a record without a reversal.
+    """
+    pieces, tolerance = _turned(angle, torque, dead_band, tolerance)
+    return _closed_pairs(pieces, tolerance)
+
+
+def first_order_families(
+    angle: ArrayLike,
+    torque: ArrayLike,
+    dead_band: float | None = None,
+    tolerance: float | None = None,
+    direction: int = 1,
+) -> list[FirstOrderFamily]:
+    """Splits a record into first-order transition curves and groups them by their start.
+
+    Such a curve runs from theta_min up to a turn and back down to theta_min (Li et al. 2022, sec.
+    3.1). Consecutive curves belong to one family as long as they begin at the same angle.
+
+    Args:
+        angle: joint angles [rad], shape (n,), n >= 3.
+        torque: torques [N·m], shape (n,).
+        dead_band: as in `reversals` [rad].
+        tolerance: as in `loops` [rad]; also how far the starts of a family may be apart.
+        direction: +1 for curves that begin upwards, -1 for the mirror image used in magnetics.
+
+    Returns:
+        The families in the order of measurement; it can be empty.
+
+    Raises:
+        InputError: not a record, a record without a reversal, or another direction.
+    """
+    if direction not in (1, -1):
+        raise InputError(f"direction is {direction}: use 1 (up first) or -1 (down first)")
+    pieces, tolerance = _turned(angle, torque, dead_band, tolerance)
+    groups: list[list[Loop]] = []
+    for curve in _closed_pairs(pieces, tolerance, direction):
+        if groups and abs(_start(curve) - _start(groups[-1][0])) <= tolerance:
+            groups[-1].append(curve)
+        else:
+            groups.append([curve])
+    return [
+        FirstOrderFamily(float(np.mean([_start(curve) for curve in group])), tuple(group))
+        for group in groups
+    ]
+
+
+def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
+    """Returns both series as arrays, or raises an InputError that says what is wrong with them."""
+    angle, torque = finite_series("angle", angle, "rad"), finite_series("torque", torque, "N·m")
+    if angle.size != torque.size:
+        raise InputError(
+            f"angle has {angle.size} samples and torque has {torque.size}: give as many of both"
+        )
+    if angle.size < 3:
+        raise InputError(f"the record has {angle.size} samples: a reversal takes at least 3")
+    return angle, torque
+
+
+def _without_repeats(angle: Array) -> Array:
+    return angle[np.diff(angle, prepend=np.nan) != 0]
+
+
+def _dead_band(angle: Array, dead_band: float | None) -> float:
+    if dead_band is None:
+        return estimate_dead_band(angle)
+    if not (math.isfinite(dead_band) and dead_band >= 0):
+        raise InputError(f"dead_band is {dead_band}: give a finite number, at least 0 (rad)")
+    return float(dead_band)
+
+
+def _turning_points(angle: Array, dead_band: float) -> tuple[list[int], int]:
+    """Returns the indices of the turns and the last direction: 0 if it never left the dead band."""
+    turns: list[int] = []
+    direction = lowest_at = highest_at = 0
+    lowest = highest = float(angle[0])
+    for i, value in enumerate(angle.tolist()):
+        if value > highest:
+            highest, highest_at = value, i
+        if value < lowest:
+            lowest, lowest_at = value, i
+        if direction >= 0 and highest - value > dead_band:
+            if direction:
+                turns.append(highest_at)
+            direction, lowest, lowest_at = -1, value, i
+        elif direction <= 0 and value - lowest > dead_band:
+            if direction:
+                turns.append(lowest_at)
+            direction, highest, highest_at = 1, value, i
+    return turns, direction
+
+
+def _turned(
+    angle: ArrayLike, torque: ArrayLike, dead_band: float | None, tolerance: float | None
+) -> tuple[list[Branch], float]:
+    """Returns the branches, at least two, and the tolerance of closure."""
+    angle, torque = finite_record(angle, torque)
+    dead_band = _dead_band(angle, dead_band)
+    pieces = branches(angle, torque, dead_band)
+    if len(pieces) == 1:
+        raise InputError(
+            f"the angle runs from {angle[0]:.3g} to {angle[-1]:.3g} rad and never comes back by "
+            f"more than the dead band of {dead_band:.3g} rad: a loop needs a reversal"
+        )
+    if tolerance is None:
+        return pieces, max(dead_band, TOLERANCE * float(np.ptp(angle)))
+    if not (math.isfinite(tolerance) and tolerance >= 0):
+        raise InputError(f"tolerance is {tolerance}: give a finite number, at least 0 (rad)")
+    return pieces, tolerance
+
+
+def _closed_pairs(
+    pieces: list[Branch], tolerance: float, direction: int | None = None
+) -> list[Loop]:
+    found: list[Loop] = []
+    for outward, back in pairwise(pieces):
+        free = not found or outward.start >= found[-1].back.stop - 1
+        closes = abs(back.angle[-1] - outward.angle[0]) <= tolerance
+        if free and closes and direction in (None, outward.direction):
+            found.append(Loop(outward, back))
+    return found
+
+
+def _start(loop: Loop) -> float:
+    return float(loop.outward.angle[0])

@@ -1,0 +1,1 @@
+"""What `activesuit bench` measures, one topic a file."""

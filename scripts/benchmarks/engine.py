@@ -1,0 +1,189 @@
+"""What hysteresis costs inside `mj_step`, and what the other ways to add it cost."""
+
+import ctypes
+import platform
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numba.core import runtime
+
+from ...assets import SCENE, load_suit
+from ...envs.composition import joint_models
+from ...hysteresis import State
+from ...hysteresis.engine import attach
+from .timing import Row, compare
+
+STEPS = 3000
+CALLBACK_STEPS = 500
+SIMULATIONS, BATCH_STEPS, THREADS = 1024, 20, 2
+ALLOCATION_STEPS = 20_000
+
+
+def rows(repeats: int) -> list[Row]:
+    """Times the suited arm's physics against the same model without a suit."""
+    plain = mujoco.MjSpec.from_file(str(SCENE)).compile()
+    bare, with_sensors = _suited(sensors=False), _suited(sensors=True)
+    cases: list[tuple[str, Callable[[], None], int, float | None]] = [
+        ("J-A on 4 joints", _stepper(bare), STEPS, 0.90),
+        ("J-A on 4 joints, with its 12 sensors", _stepper(with_sensors), STEPS, None),
+        ("native springyield on 4 joints", _stepper(_yielding()), STEPS, None),
+        ("J-A by Python qfrc_applied", _by_hand(plain), CALLBACK_STEPS, None),
+        ("J-A by Python mjcb_passive", _by_callback(plain), CALLBACK_STEPS, None),
+    ]
+    found = [
+        compare(
+            what,
+            work,
+            "mj_step without suit",
+            _stepper(plain),
+            repeats=repeats,
+            unit="us/step",
+            count=count,
+            reference_count=STEPS,
+            target=target,
+        )
+        for what, work, count, target in cases
+    ]
+    batch = compare(
+        f"Batch of {SIMULATIONS}, {THREADS} threads, J-A on 4 joints",
+        _batch(bare),
+        "the same without suit",
+        _batch(plain),
+        repeats=repeats,
+        unit="us/step",
+        count=SIMULATIONS * BATCH_STEPS,
+        target=0.90,
+    )
+    return [*found, batch, *_allocations(with_sensors)]
+
+
+def _suited(sensors: bool) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    for joint, model in joint_models(load_suit("mock-suit")).items():
+        attach(spec, joint, model, sensors=sensors)
+    return spec.compile()
+
+
+def _yielding() -> mujoco.MjModel:
+    """Returns the arm with MuJoCo's own elasto-plastic spring on the same joints."""
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    for joint in joint_models(load_suit("mock-suit")):
+        spec.joint(joint).stiffness = [10.0, 0.0, 0.0]
+        spec.joint(joint).springyield = 5.0
+    return spec.compile()
+
+
+def _start(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    data.ctrl[:] = model.key("reach").ctrl
+
+
+def _stepper(model: mujoco.MjModel) -> Callable[[], None]:
+    data = mujoco.MjData(model)
+
+    def run() -> None:
+        _start(model, data)
+        mujoco.mj_step(model, data, STEPS)
+
+    return run
+
+
+class _Memories:
+    """The suit's torque computed in Python, as one would without the plugin."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self.models = joint_models(load_suit("mock-suit"))
+        self.qpos = [model.joint(joint).qposadr[0] for joint in self.models]
+        self.dof = [model.joint(joint).dofadr[0] for joint in self.models]
+        self.states: list[State] = []
+
+    def start(self, data: mujoco.MjData) -> None:
+        """Forgets the past."""
+        starts = zip(self.models.values(), self.qpos, strict=True)
+        self.states = [model.start(float(data.qpos[address])) for model, address in starts]
+
+    def advance(self, data: mujoco.MjData, force: np.ndarray) -> None:
+        """Moves on to the present angles and subtracts the torques from `force`."""
+        for i, model in enumerate(self.models.values()):
+            self.states[i], torque = model.step(self.states[i], float(data.qpos[self.qpos[i]]))
+            force[self.dof[i]] -= torque
+
+
+def _by_hand(model: mujoco.MjModel) -> Callable[[], None]:
+    data, memories = mujoco.MjData(model), _Memories(model)
+
+    def run() -> None:
+        _start(model, data)
+        memories.start(data)
+        for _ in range(CALLBACK_STEPS):
+            data.qfrc_applied[:] = 0
+            memories.advance(data, data.qfrc_applied)
+            mujoco.mj_step(model, data)
+
+    return run
+
+
+def _by_callback(model: mujoco.MjModel) -> Callable[[], None]:
+    data, memories = mujoco.MjData(model), _Memories(model)
+
+    def run() -> None:
+        _start(model, data)
+        memories.start(data)
+        mujoco.set_mjcb_passive(lambda _, d: memories.advance(d, d.qfrc_passive))
+        try:
+            mujoco.mj_step(model, data, CALLBACK_STEPS)
+        finally:
+            mujoco.set_mjcb_passive(None)
+
+    return run
+
+
+def _batch(model: mujoco.MjModel) -> Callable[[], None]:
+    batch = Batch(model, nsim=SIMULATIONS, nthread=THREADS)
+    batch.reset()
+    ctrl = batch.bind("ctrl")
+
+    def run() -> None:
+        batch.reset()
+        ctrl[:] = model.key("reach").ctrl
+        for _ in range(BATCH_STEPS):
+            batch.step()
+
+    return run
+
+
+def _allocations(model: mujoco.MjModel) -> list[Row]:
+    """Counts memory that stepping allocates: by numba's counter, and by the C library's."""
+    run = _stepper(model)
+    run()
+    data = mujoco.MjData(model)
+    _start(model, data)
+    mujoco.mj_step(model, data, STEPS)
+    runtime._nrt_python.memsys_enable_stats()
+    arrays, heap = runtime.rtsys.get_allocation_stats().alloc, _heap_in_use()
+    mujoco.mj_step(model, data, ALLOCATION_STEPS)
+    arrays = runtime.rtsys.get_allocation_stats().alloc - arrays
+    rows = [
+        Row(what=f"arrays allocated in {ALLOCATION_STEPS} steps", unit="", ours=arrays, limit=0)
+    ]
+    if heap is not None:
+        grown = _heap_in_use() - heap
+        rows.append(Row(what="heap growth meanwhile", unit="bytes", ours=grown, limit=0))
+    return rows
+
+
+def _heap_in_use() -> int | None:
+    """Returns the bytes that are allocated by malloc, where the C library (glibc) can tell."""
+    if platform.libc_ver()[0] != "glibc":
+        return None
+
+    class Info(ctypes.Structure):
+        names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+        _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
+
+    mallinfo = ctypes.CDLL(None).mallinfo2
+    mallinfo.restype = Info
+    info = mallinfo()
+    return info.uordblks + info.hblkhd

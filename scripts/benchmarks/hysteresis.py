@@ -1,0 +1,183 @@
+"""The models' kernels: against the usual ways to integrate Jiles-Atherton, and against the clock."""
+
+import math
+
+import numpy as np
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from ...hysteresis import TABLE_2, JilesAtherton, PrandtlIshlinskii, Preisach
+from ...hysteresis import _jiles_atherton_kernels as kernels
+from ...hysteresis._langevin import langevin
+from .timing import Row, compare, measure
+
+RANGE = {"shoulder": (20.0, 70.0), "elbow": (30.0, 90.0)}  # degrees, of the published curves
+CYCLES, BRANCH = 50, 450
+POPULATION = 64
+BOX = np.array([[1, 100], [3, 5000], [-10, 10], [-10, 10], [1, 1000]])  # Table 1 of Li et al. 2022
+
+
+@njit(error_model="numpy")
+def textbook_langevin(x):
+    """Returns L and L' as everybody writes them: closed forms, a series very near 0."""
+    if abs(x) < 1e-3:
+        return x / 3 - x * x * x / 45, 1 / 3 - x * x / 15
+    if abs(x) > 300:
+        return math.copysign(1.0, x) - 1 / x, 1 / (x * x)
+    sinh = math.sinh(x)
+    return 1 / math.tanh(x) - 1 / x, 1 / (x * x) - 1 / (sinh * sinh)
+
+
+@njit(error_model="numpy")
+def our_langevin(x):
+    """Returns L and L' of the package."""
+    L, dL, _ = langevin(x)
+    return L, dL
+
+
+def _rk4(langevin):
+    """Returns the usual integrator of eq. (4): one classical Runge-Kutta step in H per sample."""
+
+    @njit(error_model="numpy")
+    def slope(H, M, delta, Ms, a, alpha, c, k):
+        L, dL = langevin((H + alpha * M) / a)
+        f = Ms * L - M + c * delta * k * Ms * dL / a
+        return f / (delta * k - alpha * f)
+
+    @njit(error_model="numpy")
+    def response(H, Ms, a, alpha, c, k, M):
+        M[0] = 0.0
+        for i in range(1, H.size):
+            h, m, x = H[i] - H[i - 1], M[i - 1], H[i - 1]
+            if h != 0:
+                delta = 1.0 if h > 0 else -1.0
+                k1 = slope(x, m, delta, Ms, a, alpha, c, k)
+                k2 = slope(x + h / 2, m + h / 2 * k1, delta, Ms, a, alpha, c, k)
+                k3 = slope(x + h / 2, m + h / 2 * k2, delta, Ms, a, alpha, c, k)
+                k4 = slope(x + h, m + h * k3, delta, Ms, a, alpha, c, k)
+                m += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+            M[i] = m
+
+    return response
+
+
+def rows(repeats: int) -> list[Row]:
+    """Times `response` of all models, and a population of Jiles-Atherton parameters."""
+    textbook, ours = _rk4(textbook_langevin), _rk4(our_langevin)
+    found = []
+    for name, model in TABLE_2.items():
+        angle = _cycles(name, CYCLES)
+        parameters, torque = tuple(model.parameter_vector[:5]), np.empty_like(angle)
+        for what, rk4, target in (("RK4 in H", textbook, 4.0), ("same, our Langevin", ours, None)):
+            found.append(
+                compare(
+                    f"J-A {name} (error {_error(name, model):.0e} N·m)",
+                    lambda model=model, angle=angle: model.response(angle),
+                    what,
+                    lambda rk4=rk4, angle=angle, p=parameters, M=torque: rk4(angle, *p, M),
+                    repeats=repeats,
+                    unit="ns/sample",
+                    count=angle.size,
+                    target=target,
+                )
+            )
+    return [*found, _against_scipy(repeats), _population(repeats), *_others(repeats)]
+
+
+def _cycles(name: str, count: int) -> np.ndarray:
+    low, high = np.radians(RANGE[name.split("-")[0]])
+    up = np.linspace(low, high, BRANCH)
+    return np.tile(np.concatenate([up, up[::-1]]), count)
+
+
+def _solved(model: JilesAtherton, angle: np.ndarray, rtol: float, dense: bool) -> np.ndarray:
+    """Returns the torque by SciPy, branch by branch."""
+    Ms, a, alpha, c, k = model.parameter_vector[:5]
+    torque = [np.zeros(1)]
+    for branch in angle.reshape(-1, BRANCH):
+        delta = math.copysign(1.0, branch[-1] - branch[0])
+
+        def slope(H, M, delta=delta):
+            L, dL = our_langevin((H + alpha * M[0]) / a)
+            f = Ms * L - M[0] + c * delta * k * Ms * dL / a
+            return [f / (delta * k - alpha * f)]
+
+        solved = solve_ivp(
+            slope,
+            (branch[0], branch[-1]),
+            torque[-1][-1:],
+            "DOP853" if dense else "RK45",
+            t_eval=branch,
+            rtol=rtol,
+            atol=rtol,
+        )
+        torque.append(solved.y[0])
+    return np.concatenate(torque[1:])
+
+
+def _error(name: str, model: JilesAtherton) -> float:
+    """Returns the largest difference [N·m] from a reference solution at 1e-12."""
+    angle = _cycles(name, 1)
+    return float(np.abs(model.response(angle) - _solved(model, angle, 1e-12, True)).max())
+
+
+def _against_scipy(repeats: int) -> Row:
+    name = "elbow-sa-pso"
+    model, angle = TABLE_2[name], _cycles(name, 1)
+    exact = _solved(model, angle, 1e-12, True)
+    tolerances = 10.0 ** np.arange(-3, -13, -1.0)
+    wanted = 1e-4  # N·m, far more than ours, to SciPy's advantage
+    rtol = next(
+        r for r in tolerances if np.abs(_solved(model, angle, r, False) - exact).max() < wanted
+    )
+    return compare(
+        f"J-A {name}",
+        lambda: model.response(angle),
+        f"scipy solve_ivp RK45, rtol {rtol:.0e}",
+        lambda: _solved(model, angle, rtol, False),
+        repeats=min(repeats, 5),
+        unit="ns/sample",
+        count=angle.size,
+        target=500.0,
+    )
+
+
+def _population(repeats: int) -> Row:
+    rng = np.random.default_rng(0)
+    parameters = rng.uniform(BOX[:, 0], BOX[:, 1], (POPULATION, 5))
+    branches = [np.linspace(30, turn, 150) for turn in (50, 70, 90)]
+    angle = np.concatenate([part for up in branches for part in (up, up[::-1])])
+    starts, initial = np.array([0, 300, 600, 900]), np.zeros(3)
+    torque = np.empty((POPULATION, angle.size))
+    return measure(
+        f"J-A population, {POPULATION} x {angle.size}, one core",
+        lambda: kernels.population_response(angle, starts, initial, parameters, torque),
+        repeats=repeats,
+        unit="ns/sample",
+        count=torque.size,
+        limit=15.0,
+    )
+
+
+def _others(repeats: int) -> list[Row]:
+    rng = np.random.default_rng(1)
+    n = 20
+    play = PrandtlIshlinskii(
+        stiffness=1, thresholds=np.linspace(0.02, 0.6, n), weights=rng.uniform(0, 1, n)
+    )
+    density = [rng.uniform(0, 0.1, i + 1).tolist() for i in range(n)]
+    relays = Preisach(levels=np.linspace(0, 2, n + 1), density=density, elastic=[1] * n)
+    nested = 1 + np.array([(-1) ** i * (1 - i / (n + 1)) for i in range(n)])
+    inside = 1 + 0.5 / (n + 1) * np.sin(np.linspace(0, 600, 45_000))
+    angle = np.concatenate([nested, inside])
+    return [
+        measure(
+            f"{model.name}, {n} {parts}",
+            lambda model=model: model.response(angle),
+            repeats=repeats,
+            unit="ns/sample",
+            count=angle.size,
+            limit=100.0,
+        )
+        for model, parts in ((relays, "turning points"), (play, "elements"))
+    ]

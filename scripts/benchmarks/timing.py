@@ -1,0 +1,98 @@
+"""Times as paired medians: two things in turn in one run, so that a noisy machine hits both."""
+
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any
+
+Work = Callable[[], Any]
+UNITS = {"ns": 1e9, "us": 1e6, "ms": 1e3}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One measurement.
+
+    Attributes:
+        what: what was measured.
+        against: what ran in turn with it, if anything.
+        unit: of the times, for example "ns/sample".
+        ours: median time.
+        reference: median time of the other.
+        ratio: median of the paired ratios, reference / ours: above 1 is faster.
+        lowest: smallest ratio.
+        highest: largest ratio.
+        target: what the ratio should reach, if anything.
+        limit: what `ours` should stay below, if anything.
+    """
+
+    what: str
+    against: str = ""
+    unit: str
+    ours: float
+    reference: float | None = None
+    ratio: float | None = None
+    lowest: float | None = None
+    highest: float | None = None
+    target: float | None = None
+    limit: float | None = None
+
+    @property
+    def met(self) -> bool:
+        """Whether target and limit are met; true if there are none."""
+        fast = self.target is None or (self.ratio is not None and self.ratio >= self.target)
+        return fast and (self.limit is None or self.ours <= self.limit)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the numbers for JSON."""
+        return {**asdict(self), "met": self.met}
+
+
+def compare(
+    what: str,
+    ours: Work,
+    against: str,
+    reference: Work,
+    *,
+    repeats: int,
+    unit: str,
+    count: int = 1,
+    reference_count: int | None = None,
+    target: float | None = None,
+) -> Row:
+    """Times two things in turn; `count` is how many units of work a call does."""
+    ours()
+    reference()
+    other = reference_count or count
+    pairs = [(seconds(ours) / count, seconds(reference) / other) for _ in range(repeats)]
+    ratios = [b / a for a, b in pairs]
+    scale = UNITS[unit.split("/")[0]]
+    return Row(
+        what=what,
+        against=against,
+        unit=unit,
+        ours=statistics.median(a for a, _ in pairs) * scale,
+        reference=statistics.median(b for _, b in pairs) * scale,
+        ratio=statistics.median(ratios),
+        lowest=min(ratios),
+        highest=max(ratios),
+        target=target,
+    )
+
+
+def measure(
+    what: str, work: Work, *, repeats: int, unit: str, count: int, limit: float | None = None
+) -> Row:
+    """Times one thing that has a limit of its own."""
+    work()
+    scale = UNITS[unit.split("/")[0]] / count
+    ours = statistics.median(seconds(work) for _ in range(repeats)) * scale
+    return Row(what=what, unit=unit, ours=ours, limit=limit)
+
+
+def seconds(work: Work) -> float:
+    """Returns how long one call takes."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start

@@ -1,0 +1,150 @@
+"""Lost and diverged episodes: they end, and no number of theirs would poison a learner."""
+
+import gymnasium
+import mujoco
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate
+from activesuit.errors import InputError
+
+ACTION = np.array([0.3, -0.2])
+LEAST = -270.0  # as documented
+
+
+def make() -> ArmEnv:
+    env = gymnasium.make("ActiveSuit/ArmTracking-v0", observe="oracle").unwrapped
+    assert isinstance(env, ArmEnv)
+    return env
+
+
+@pytest.fixture(scope="module")
+def env():
+    return make()
+
+
+def begin(env, steps):
+    """Returns what the environment showed last, after a reset and some steps."""
+    observation, info = env.reset(seed=0)
+    for _ in range(steps):
+        observation, *_, info = env.step(ACTION)
+    return observation, info
+
+
+def assert_finite(observation, reward, info):
+    assert np.isfinite(observation).all()
+    assert LEAST <= reward <= 0
+    assert np.isfinite(list(info["reward_terms"].values())).all()
+    for key in info.keys() - {"reward_terms"}:
+        assert np.isfinite(info[key]).all(), key
+
+
+@pytest.mark.parametrize("steps", [0, 30])
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e12, 1e6])
+def test_divergence_ends_the_episode_with_what_was_valid_last(env, value, steps):
+    observation, info = begin(env, steps)
+    assert not info["diverged"]
+    env.data.qvel[2] = value
+    shown, reward, terminated, truncated, told = env.step(ACTION)
+    assert terminated
+    assert not truncated
+    assert told["diverged"]
+    assert_finite(shown, reward, told)
+    assert reward == pytest.approx(sum(told["reward_terms"].values()))
+    assert told["reward_terms"]["tracking"] == pytest.approx(-200.0)  # 1 rad at both joints
+    np.testing.assert_array_equal(shown, observation)
+    assert told.keys() == info.keys()
+    assert told["time"] == pytest.approx(info["time"] + 0.01)
+    for key in info.keys() - {"time", "diverged", "reward_terms"}:
+        np.testing.assert_array_equal(told[key], info[key])
+
+
+@pytest.mark.parametrize("part", ["qpos", "qvel", "act", "plugin_state", "qfrc_applied"])
+def test_whatever_is_spoiled_all_numbers_stay_finite(env, part):
+    begin(env, 5)
+    state = env.get_state()
+    for i in range(getattr(env.data, part).size):
+        env.set_state(state)
+        getattr(env.data, part)[i] = np.nan
+        observation, reward, terminated, _, info = env.step(ACTION)
+        assert terminated or part == "plugin_state"  # where not every motion needs every number
+        assert_finite(observation, reward, info)
+
+
+def test_a_force_without_limit_diverges_by_itself(env):
+    begin(env, 5)
+    env.data.qfrc_applied[2] = 1e14
+    observation, reward, terminated, _, info = env.step(ACTION)
+    assert terminated
+    assert info["diverged"]
+    assert_finite(observation, reward, info)
+
+
+def test_what_the_caller_does_to_an_answer_stays_with_the_caller(env):
+    observation, info = begin(env, 5)
+    kept, angle = observation.copy(), info["angle"].copy()
+    observation[:] = np.nan
+    info["angle"][:] = np.nan
+    env.data.qvel[0] = np.nan
+    for _ in range(2):  # it stays diverged
+        shown, *_, told = env.step(ACTION)
+        np.testing.assert_array_equal(shown, kept)
+        np.testing.assert_array_equal(told["angle"], angle)
+        shown[:] = np.nan
+        told["angle"][:] = np.nan
+
+
+def test_after_divergence_a_reset_or_an_earlier_state_goes_on():
+    env, twin = make(), make()
+    begin(env, 10)
+    state = env.get_state()
+    expected = env.step(ACTION)[0]
+    env.data.qvel[1] = np.nan
+    env.step(ACTION)
+    with pytest.raises(InputError, match="episode that has diverged: go on from an earlier one"):
+        env.set_state(env.get_state())
+    assert not env.set_state(state)[1]["diverged"]
+    observation, _, terminated, _, info = env.step(ACTION)
+    np.testing.assert_array_equal(observation, expected)
+    assert not terminated
+    assert not info["diverged"]
+    env.data.qvel[1] = np.nan
+    env.step(ACTION)
+    for one in (env, twin):
+        begin(one, 3)
+    first, second = env.step(ACTION), twin.step(ACTION)
+    np.testing.assert_array_equal(first[0], second[0])
+    assert first[1:4] == second[1:4]
+
+
+@pytest.mark.parametrize(("part", "joint", "value"), [("qpos", 1, 2.5), ("qvel", 2, 1e3)])
+def test_a_lost_arm_ends_the_episode_at_a_bounded_price(env, part, joint, value):
+    begin(env, 5)
+    getattr(env.data, part)[joint] = value
+    mujoco.mj_forward(env.model, env.data)
+    observation, reward, terminated, _, info = env.step(ACTION)
+    assert terminated
+    assert not info["diverged"]
+    assert_finite(observation, reward, info)
+    assert -200.0 <= info["reward_terms"]["tracking"] <= -100.0
+
+
+def test_a_diverged_episode_is_scored_as_failed():
+    class Saboteur:
+        def __init__(self, env):
+            self.env = env
+
+        def reset(self):
+            self.steps = 0
+
+        def act(self, observation, info):
+            self.steps += 1
+            if self.steps == 80:
+                self.env.data.qvel[:] = np.nan
+            return np.zeros(2)
+
+    (result,) = evaluate("ActiveSuit/ElbowFlexion-v0", {"saboteur": Saboteur}, episodes=2)
+    assert result.failures == 2
+    for by_joint in (result.human_rms, result.human_peak, result.tracking_rmse):
+        assert np.isfinite(list(by_joint.values())).all()
+    assert np.isfinite([result.assist_energy, result.mean_return]).all()

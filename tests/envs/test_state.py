@@ -1,0 +1,162 @@
+"""Saved states: they continue bit for bit, and anything else is refused in one sentence."""
+
+import copy
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.reference import Reference
+from activesuit.errors import InputError
+
+ACTIONS = np.random.default_rng(5).uniform(-1, 1, (100, 2))
+
+
+def make(task="ArmTracking", **options) -> ArmEnv:
+    env = gymnasium.make(f"ActiveSuit/{task}-v0", **options).unwrapped
+    assert isinstance(env, ArmEnv)
+    return env
+
+
+def play(env, steps):
+    """Returns observations and rewards, shape (steps, n)."""
+    return np.array([np.append(*env.step(action)[:2]) for action in ACTIONS[:steps]])
+
+
+@pytest.fixture(scope="module")
+def saved():
+    """A state that tests may take apart (after a deep copy)."""
+    env = make()
+    env.reset(seed=1)
+    play(env, 20)
+    return env.get_state()
+
+
+def test_branching_from_a_saved_state():
+    env = make()
+    env.reset(seed=1)
+    play(env, 60)
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    first = play(env, 80)
+    env.reset(seed=9)
+    env.set_state(state)
+    np.testing.assert_array_equal(first, play(env, 80))
+    other = make()
+    other.set_state(state)  # a reset is not needed before
+    np.testing.assert_array_equal(first, play(other, 80))
+    after, again = env.reset()[0], other.reset()[0]
+    np.testing.assert_array_equal(after, again)
+
+
+def test_state_shows_its_own_moment():
+    env = make(observe="oracle")
+    env.reset(seed=0)
+    for _ in range(40):
+        observation, *_, info = env.step(np.array([0.5, 0.5], np.float32))
+    state = env.get_state()
+    env.reset(seed=1)
+    again, told = env.set_state(state)
+    np.testing.assert_array_equal(again, observation)
+    assert told.keys() == info.keys()
+    for key in info.keys() - {"reward_terms"}:
+        np.testing.assert_array_equal(told[key], info[key])
+
+
+def test_deepcopy_and_pickle_continue_alike():
+    env = make()
+    env.reset(seed=1)
+    play(env, 30)
+    copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    first = play(env, 50)
+    for other in copies:
+        np.testing.assert_array_equal(first, play(other, 50))
+
+
+def test_state_of_another_environment_is_refused(saved):
+    with pytest.raises(InputError, match=r"gravity='earth'.*gravity='moon'"):
+        make(gravity="moon").set_state(saved)
+    with pytest.raises(InputError, match=r"control_dt=0\.01.*control_dt=0\.02"):
+        make(control_dt=0.02).set_state(saved)
+    with pytest.raises(InputError, match=r"ArmTrackingEnv.*ElbowFlexionEnv"):
+        make("ElbowFlexion").set_state(saved)
+
+
+def test_needs_a_reset_first():
+    env = make()
+    with pytest.raises(InputError, match="get_state before the first reset: call reset"):
+        env.get_state()
+    with pytest.raises(InputError, match="step before the first reset: call reset"):
+        env.step(np.zeros(2))
+
+
+@pytest.mark.parametrize("junk", [None, 3, "state", [1, 2], np.zeros(5)])
+def test_what_is_no_dict_is_refused(junk):
+    with pytest.raises(InputError, match=f"the state is a {type(junk).__name__}: give the dict"):
+        make().set_state(junk)
+
+
+def test_a_state_without_a_part_is_refused(saved):
+    env = make()
+    for key in saved:
+        part = {name: value for name, value in saved.items() if name != key}
+        with pytest.raises(InputError, match=f"the state lacks {key}: give"):
+            env.set_state(part)
+    with pytest.raises(InputError, match=r"the state lacks config, physics, .*random: give"):
+        env.set_state({})
+
+
+def spoiled(values, index=0, value=np.nan):
+    values = values.copy()
+    values.flat[index] = value
+    return values
+
+
+JUNK = [
+    ("config", lambda old: None, "the state is of None and"),
+    ("physics", lambda old: old.tolist(), r"physics is \[.*float64 numbers of shape"),
+    ("physics", lambda old: old[:-1], r"physics is array.*must be float64 numbers of shape"),
+    ("physics", lambda old: old.astype(np.float32), "must be float64 numbers"),
+    ("physics", lambda old: spoiled(old, -1), "must be float64 numbers"),
+    ("physics", lambda old: spoiled(old, 1, np.inf), "must be a motion below"),
+    ("physics", lambda old: spoiled(old, 1, -1e11), "must be a motion below"),
+    ("physics", lambda old: None, "physics is None"),
+    ("actuator_force", lambda old: np.zeros((2, 3)), r"actuator_force is .* of shape \(6,\)"),
+    ("previous_action", lambda old: "left", r"previous_action is 'left'.* of shape \(2,\)"),
+    ("reference", lambda old: {}, r"reference is {}: it must be a Reference"),
+    (
+        "reference",
+        lambda old: Reference(old.angle[:5], old.rate, old.feedforward),
+        r"reference\.angle is .* of shape \(1001, 4\)",
+    ),
+    (
+        "reference",
+        lambda old: Reference(old.angle, old.rate, spoiled(old.feedforward)),
+        r"reference\.feedforward is ",
+    ),
+    ("step", lambda old: -1, "step is -1: it must be a count"),
+    ("step", lambda old: 2.5, r"step is 2\.5: it must be a count"),
+    ("clipped_actions", lambda old: "none", "clipped_actions is 'none': it must be a count"),
+    ("energy", lambda old: 1.0, r"energy is 1\.0: it must be a dict of assist_energy and human"),
+    ("energy", lambda old: {"assist_energy": 1.0}, "must be a dict of assist_energy and human"),
+    ("energy", lambda old: {**old, "human_energy": None}, "human_energy is None: it must be a fi"),
+    ("dissipated_at_reset", lambda old: np.inf, "dissipated_at_reset is inf: it must be a finite"),
+    ("random", lambda old: None, "random is None: it must be a generator's state"),
+    ("random", lambda old: {**old, "state": {}}, "it must be a generator's state"),
+    ("diverged", lambda old: True, "an episode that has diverged: go on from an earlier one"),
+]
+
+
+@pytest.mark.parametrize(("key", "change", "message"), JUNK)
+def test_a_spoiled_state_is_refused_and_changes_nothing(saved, key, change, message):
+    env, twin = make(), make()
+    for one in (env, twin):
+        one.reset(seed=4)
+        play(one, 5)
+    state = copy.deepcopy(saved)
+    state[key] = change(state[key])
+    with pytest.raises(InputError, match=message) as refusal:
+        env.set_state(state)
+    assert len(str(refusal.value).splitlines()) == 1
+    np.testing.assert_array_equal(play(env, 20), play(twin, 20))
+    np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])

@@ -1,0 +1,187 @@
+"""Hysteresis in plain MJCF: what works, and one sentence for each mistake."""
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.hysteresis import Asymmetric, BoucWen, JilesAtherton, PrandtlIshlinskii, Preisach
+from activesuit.hysteresis.engine import attach
+
+ARM = """<mujoco><worldbody>
+  <body><joint name="one" axis="0 1 0"/><geom size=".1"/></body>
+  <body><joint name="ball" type="ball"/><geom size=".1"/></body>
+  <body><joint name="free" type="free"/><geom size=".1"/></body>
+  </worldbody></mujoco>"""
+
+JILES_ATHERTON = {
+    "joint": "one",
+    "Ms": 11.4,
+    "a": 129,
+    "alpha": -0.05,
+    "c": 6.4,
+    "k": 23,
+    "angle_unit": "deg",
+}
+BOUC_WEN = {
+    "joint": "one",
+    "elastic": 1,
+    "hysteretic": 5,
+    "A": 1,
+    "beta": 3,
+    "gamma": 1,
+    "n": 1.5,
+}
+PRANDTL_ISHLINSKII = {
+    "joint": "one",
+    "stiffness": 1,
+    "thresholds": "0.1 0.2 0.5",
+    "weights": "3 2 1",
+}
+PREISACH = {"joint": "one", "levels": "-1 0 1", "density": "0.5 0.25 0.5", "elastic": "3 4"}
+GOOD = {
+    "jiles_atherton": JILES_ATHERTON,
+    "bouc_wen": BOUC_WEN,
+    "prandtl_ishlinskii": PRANDTL_ISHLINSKII,
+    "preisach": PREISACH,
+}
+
+
+def mjcf(name, config, *sensors):
+    keys = "".join(f'<config key="{k}" value="{v}"/>' for k, v in config.items())
+    extension = (
+        f'<extension><plugin plugin="activesuit.{name}"><instance name="i">{keys}</instance>'
+        "</plugin></extension>"
+    )
+    rows = "".join(f'<plugin name="{sensor}" instance="i"/>' for sensor in sensors)
+    return ARM.replace("<mujoco>", "<mujoco>" + extension).replace(
+        "</mujoco>", f"<sensor>{rows}</sensor></mujoco>"
+    )
+
+
+def numbers(text):
+    return [float(word) for word in text.split()]
+
+
+def twin(name):
+    """The same model from Python."""
+    config = {k: v for k, v in GOOD[name].items() if k != "joint"}
+    if name == "jiles_atherton":
+        return JilesAtherton(**config)
+    if name == "bouc_wen":
+        return BoucWen(**config)
+    if name == "prandtl_ishlinskii":
+        lists = {k: numbers(config[k]) for k in ("thresholds", "weights")}
+        return PrandtlIshlinskii(stiffness=1, **lists)
+    return Preisach(levels=[-1, 0, 1], density=[[0.5], [0.25, 0.5]], elastic=[3, 4])
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_plain_mjcf_works(name):
+    model = mujoco.MjModel.from_xml_string(mjcf(name, GOOD[name], "a_torque", "a_energy"))
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.4
+    mujoco.mj_forward(model, data)
+    assert data.sensor("a_torque").data[0] < -0.5
+    assert data.sensor("a_torque").data[0] == -twin(name).response([0.0, 0.4])[-1]
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_a_polynomial_adds_to_any_model(name):
+    config = {**GOOD[name], "polynomial": " 0.5\t-1 2\n", "start_torque": "0.6"}
+    model = mujoco.MjModel.from_xml_string(mjcf(name, config, "a_torque"))
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.4
+    mujoco.mj_forward(model, data)
+    asymmetric = Asymmetric(model=twin(name), polynomial=[0.5, -1, 2])
+    expected = asymmetric.response([0.0, 0.4], initial_torque=0.6)[-1]
+    assert data.sensor("a_torque").data[0] == pytest.approx(-expected, rel=1e-14)
+
+
+def test_saving_keeps_every_bit(elbow):
+    spec = mujoco.MjSpec.from_string(ARM)
+    attach(spec, "one", elbow, start_angle=0.1)
+    again = mujoco.MjModel.from_xml_string(spec.to_xml())
+    np.testing.assert_array_equal(
+        mujoco.MjData(again).plugin_state, mujoco.MjData(spec.compile()).plugin_state
+    )
+
+
+@pytest.mark.parametrize("text", ["1e-300", "3.14159265358979323846", "  12.5 ", "+7.e-1", "1e308"])
+def test_numbers_are_read_as_python_reads_them(text):
+    config = {**JILES_ATHERTON, "start_angle": text, "allow_uncertified": "true"}
+    model = mujoco.MjModel.from_xml_string(mjcf("jiles_atherton", config))
+    assert mujoco.MjData(model).plugin_state[1] == float(text)
+
+
+def say(key, value, what):
+    return f"'one': {key} is '{value}': {what}"
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("jiles_atherton", {"joint": "nope"}, "of joint 'nope': the model has no such joint"),
+        ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': it is not a hinge or a slide"),
+        ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': it is not a hinge or a slide"),
+        ("jiles_atherton", {"Ms": "many"}, say("Ms", "many", "give one finite number")),
+        ("jiles_atherton", {"k": "1e999"}, say("k", "1e999", "give one finite number")),
+        ("jiles_atherton", {"c": "0x10"}, say("c", "0x10", "give one finite number")),
+        ("jiles_atherton", {"c": "1e"}, say("c", "1e", "give one finite number")),
+        ("jiles_atherton", {"c": "."}, say("c", ".", "give one finite number")),
+        ("jiles_atherton", {"c": "1 2"}, say("c", "1 2", "give one finite number")),
+        ("jiles_atherton", {"c": ""}, say("c", "", "give one finite number")),
+        ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
+        ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
+        ("jiles_atherton", {"angle_unit": "d"}, say("angle_unit", "d", "use rad or deg")),
+        ("jiles_atherton", {"form": "wiki"}, say("form", "wiki", "use bulk, original")),
+        ("jiles_atherton", {"clamp": "on"}, say("clamp", "on", "use none, jiles or irr")),
+        ("jiles_atherton", {"alpha": "5"}, "have no certificate .* allow_uncertified to true"),
+        ("jiles_atherton", {"c": "0.5"}, "have no certificate"),
+        ("jiles_atherton", {"form": "original"}, "have no certificate"),
+        ("jiles_atherton", {"form": "original", "c": "-1"}, say("c", "-1", "give a number of at")),
+        ("jiles_atherton", {"start_angle": "1 rad"}, say("start_angle", "1 rad", "give one")),
+        ("jiles_atherton", {"start_angle": "3"}, "starts too far from rest"),
+        ("jiles_atherton", {"allow_uncertified": "1"}, say("allow_uncertified", "1", "use true")),
+        ("jiles_atherton", {"polynomial": "1 x"}, say("polynomial", "1 x", "give finite numbers")),
+        ("jiles_atherton", {"polynomial": "1 1 1 1 1 1 1"}, "give at most 6 coefficients"),
+        ("jiles_atherton", {"colour": "red"}, "unrecognized attribute 'plugin:colour'"),
+        ("bouc_wen", {"Ms": "1"}, "unrecognized attribute 'plugin:Ms'"),
+        ("bouc_wen", {"A": "0"}, say("A", "0", "give a number above 0")),
+        ("bouc_wen", {"n": "0.5"}, say("n", "0.5", "give a number from 1 to 1e6")),
+        ("bouc_wen", {"hysteretic": "0"}, say("hysteretic", "0", "give a number other than 0")),
+        ("bouc_wen", {"beta": "text"}, say("beta", "text", "give one finite number")),
+        ("bouc_wen", {"gamma": "-4"}, "have no certificate"),
+        ("bouc_wen", {"start_torque": "40"}, "starts too far from rest"),
+        ("prandtl_ishlinskii", {"thresholds": "0.1 x"}, say("thresholds", "0.1 x", "give finite")),
+        ("prandtl_ishlinskii", {"thresholds": ""}, say("thresholds", "", "give finite numbers")),
+        ("prandtl_ishlinskii", {"thresholds": "0.1 0.5 0.2"}, "give increasing numbers"),
+        ("prandtl_ishlinskii", {"thresholds": "0 0.1 0.2"}, "give increasing numbers"),
+        ("prandtl_ishlinskii", {"weights": "1 2"}, say("weights", "1 2", "give as many numbers")),
+        ("prandtl_ishlinskii", {"weights": "1 2 3 4"}, "give as many numbers as thresholds"),
+        ("prandtl_ishlinskii", {"weights": "3 -2 1"}, "have no certificate"),
+        ("prandtl_ishlinskii", {"start_torque": "40"}, "cannot hold start_torque at start_angle"),
+        ("preisach", {"levels": "0"}, say("levels", "0", "give increasing numbers")),
+        ("preisach", {"levels": "0 0 1"}, say("levels", "0 0 1", "give increasing numbers")),
+        ("preisach", {"levels": ""}, "levels is ''"),
+        ("preisach", {"density": "1 2"}, r"n \(n \+ 1\) / 2 numbers"),
+        ("preisach", {"density": "1 -2 1"}, "have no certificate"),
+        ("preisach", {"elastic": "1"}, say("elastic", "1", "give as many numbers")),
+        ("preisach", {"elastic": "1 nan"}, say("elastic", "1 nan", "give finite numbers")),
+    ],
+)
+def test_bad_mjcf_is_one_sentence(name, change, message):
+    with pytest.raises(ValueError, match=message):
+        mujoco.MjModel.from_xml_string(mjcf(name, {**GOOD[name], **change}, "a_torque"))
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_bad_sensors(name):
+    with pytest.raises(ValueError, match="must end in torque, stiffness or energy"):
+        mujoco.MjModel.from_xml_string(mjcf(name, GOOD[name], "elbow"))
+    with pytest.raises(ValueError, match="two of its sensors measure the same"):
+        mujoco.MjModel.from_xml_string(mjcf(name, GOOD[name], "a_torque", "b_torque"))
+
+
+def test_very_long_values_are_cut_off():
+    config = {**JILES_ATHERTON, "Ms": "9" * 5000 + "x"}
+    with pytest.raises(ValueError, match="'one': Ms is '999"):
+        mujoco.MjModel.from_xml_string(mjcf("jiles_atherton", config))

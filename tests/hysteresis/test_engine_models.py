@@ -1,0 +1,190 @@
+"""Every model inside the engine: the torque of `response`, its energy, one set per simulation."""
+
+import math
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import (
+    Asymmetric,
+    BoucWen,
+    JilesAtherton,
+    PrandtlIshlinskii,
+    Preisach,
+    UncertifiedModelError,
+)
+from activesuit.hysteresis.engine import attach, fault_slots, replace_model
+from helpers import TABLE_2
+from mujoco.batch import Batch
+
+PENDULUM = """<mujoco><option timestep="0.002" integrator="implicitfast"/><worldbody>
+  <body><joint name="j" axis="0 1 0" damping=".2"/>
+    <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".05" mass="3"/></body></worldbody>
+  <actuator><motor joint="j" gear="40"/></actuator></mujoco>"""
+ELBOW = JilesAtherton(
+    **dict(zip(("Ms", "a", "alpha", "c", "k"), TABLE_2["elbow-sa-pso"], strict=True)),
+    angle_unit="deg",
+)
+DENSITY = [np.full(i + 1, 0.1).tolist() for i in range(10)]
+MODELS = {
+    "jiles-atherton": ELBOW,
+    "bouc-wen": BoucWen(elastic=3, hysteretic=9, beta=4, gamma=-1, n=1.7),
+    "bouc-wen, n = 1": BoucWen(elastic=3, hysteretic=9, beta=4, gamma=1, n=1),
+    "preisach": Preisach(levels=np.linspace(-2, 2, 11), density=DENSITY, elastic=[4] * 10),
+    "prandtl-ishlinskii": PrandtlIshlinskii(
+        stiffness=1.5, thresholds=[0.05, 0.2, 0.7], weights=[6, 4, 2]
+    ),
+    "play": PrandtlIshlinskii(
+        stiffness=9, thresholds=[0.05, 0.2], weights=[-3, -2], operator="play"
+    ),
+    "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
+}
+
+
+def pendulum(model, timestep=0.002, integrator="implicitfast", **options):
+    spec = mujoco.MjSpec.from_string(PENDULUM)
+    spec.option.timestep = timestep
+    spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    attach(spec, "j", model, **options)
+    return spec.compile()
+
+
+@pytest.fixture(params=MODELS)
+def model(request):
+    return MODELS[request.param]
+
+
+@pytest.mark.parametrize("integrator", ["implicitfast", "RK4"])
+def test_the_torque_is_the_response_bit_by_bit(model, integrator):
+    compiled = pendulum(model, integrator=integrator)
+    data = mujoco.MjData(compiled)
+    rng = np.random.default_rng(4)
+    angles, torques, energies = [0.0], [], []
+    for i in range(600):
+        if i % 30 == 0:
+            data.ctrl[0] = rng.uniform(-1, 1)
+        mujoco.mj_step(compiled, data)
+        mujoco.mj_forward(compiled, data)
+        angles.append(data.qpos[0])
+        torques.append(data.sensor("j_suit_torque").data[0])
+        energies.append(data.sensor("j_suit_dissipated_energy").data[0])
+    expected = model.response(angles)[1:]
+    if isinstance(model, Asymmetric):
+        np.testing.assert_allclose(-np.array(torques), expected, atol=1e-12)
+    else:
+        np.testing.assert_array_equal(-np.array(torques), expected)
+    assert np.ptp(angles) > 1
+    assert np.diff(energies).min() > -1e-8
+    state = model.start(0.0)
+    for angle in angles[1:]:
+        state, _ = model.step(state, angle)
+    assert energies[-1] == pytest.approx(model.energy(state).dissipated, rel=1e-9)
+    stiffness = data.sensor("j_suit_stiffness").data[0]
+    assert stiffness == pytest.approx(model.tangent(state, data.qvel[0]), rel=1e-12)
+
+
+def swing(model, timestep, integrator, seconds=2.0):
+    """Free swing from 1 rad: gap of the energy ledger over time, relative to what was lost; torque."""
+    compiled = pendulum(model, timestep, integrator)
+    compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    data = mujoco.MjData(compiled)
+    data.qpos[0] = 1.0
+    state, _ = model.step(model.start(0.0), 1.0)
+    damped, ledger, losses, torques = 0.0, [], [], []
+    for _ in range(round(seconds / timestep)):
+        mujoco.mj_forward(compiled, data)
+        before = data.qvel[0]
+        stored, lost = model.energy(state)
+        ledger.append(data.energy.sum() + stored + lost + damped)
+        losses.append(lost)
+        torques.append(-data.sensor("j_suit_torque").data[0])
+        mujoco.mj_step(compiled, data)
+        damped += compiled.dof_damping[0] * timestep * (before**2 + data.qvel[0] ** 2) / 2
+        state, _ = model.step(state, data.qpos[0])
+    assert np.diff(losses).min() > -1e-8
+    return np.abs(np.array(ledger) - ledger[0]) / (damped + np.ptp(losses)), np.array(torques)
+
+
+def test_energy_ledger_of_a_damped_swing_closes(model):
+    """Kinetic, potential, stored, dissipated and damped energy stay together what they were."""
+    runs = [swing(model, dt, "implicitfast") for dt in (0.002, 0.001, 0.0005)]
+    (coarse, first), (middle, second), (fine, third) = runs
+    assert middle[-1] < 1e-3
+    assert fine.max() < 0.6 * middle.max() < 0.4 * coarse.max()
+    # The torque converges with the time step too.
+    change = np.abs(second[::2] - first).max()
+    assert np.abs(third[::4] - second[::2]).max() < 0.6 * change < 0.1
+    # A better integrator closes the ledger at every instant: the rest was the velocity's half step.
+    assert swing(model, 0.001, "RK4")[0].max() < 1e-3
+
+
+def test_one_set_of_parameters_per_simulation(model):
+    compiled = pendulum(model)
+    batch = Batch(compiled, nsim=3, nthread=2)
+    batch.reset()
+    states = batch.bind("plugin_state").reshape(3, -1)
+    factors = (0.5, 1.0, 2.0)
+    for row, factor in zip(states, factors, strict=True):
+        replace_model(compiled, row, "j", model.scaled(torque=factor))
+    ctrl = batch.bind("ctrl")
+    for i in range(200):
+        ctrl[:] = math.sin(i / 20)
+        batch.step()
+    for sim, factor in enumerate(factors):
+        alone = pendulum(model.scaled(torque=factor))
+        data = mujoco.MjData(alone)
+        for i in range(200):
+            data.ctrl[:] = math.sin(i / 20)
+            mujoco.mj_step(alone, data)
+        np.testing.assert_allclose(batch.bind("qpos").reshape(3, -1)[sim], data.qpos, atol=1e-9)
+
+
+def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
+    compiled = pendulum(elbow)
+    state = mujoco.MjData(compiled).plugin_state
+    with pytest.raises(InputError, match="compiled with another kind or size of model"):
+        replace_model(compiled, state, "j", MODELS["bouc-wen"])
+    with pytest.raises(InputError, match="unknown joint with a hysteresis model 'knee'"):
+        replace_model(compiled, state, "knee", elbow)
+    with pytest.raises(UncertifiedModelError):
+        replace_model(compiled, state, "j", shoulder)
+    play = MODELS["prandtl-ishlinskii"]
+    other = replace(play, thresholds=[0.1], weights=[1])
+    compiled = pendulum(play)
+    with pytest.raises(InputError, match="another kind or size"):
+        replace_model(compiled, mujoco.MjData(compiled).plugin_state, "j", other)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e9, -1e300, 0.0])
+def test_a_garbage_state_never_harms_the_process(model, value):
+    compiled = pendulum(model)
+    data = mujoco.MjData(compiled)
+    data.plugin_state[1:] = value
+    data.qpos[0] = 0.3
+    mujoco.mj_forward(compiled, data)
+    mujoco.mj_step(compiled, data, 3)
+
+
+def test_a_pole_holds_the_torque_of_any_model():
+    runaway = BoucWen(elastic=0, hysteretic=1, beta=1, gamma=-3, n=2)
+    with pytest.raises(UncertifiedModelError, match=r"margin -0\.5.*use other parameters"):
+        pendulum(runaway)
+    compiled = pendulum(runaway, allow_uncertified=True)
+    data = mujoco.MjData(compiled)
+    data.qpos[0] = 0.5
+    mujoco.mj_step(compiled, data)
+    held = -runaway.response([0.0, 0.5])[-1]
+    data.qpos[0] = 30.0
+    mujoco.mj_step(compiled, data)
+    assert data.plugin_state[fault_slots(compiled)].tolist() == [1.0]
+    mujoco.mj_forward(compiled, data)
+    assert data.sensor("j_suit_torque").data[0] == pytest.approx(held, rel=1e-3)
+
+
+def test_the_nearest_certified_model_is_offered(shoulder):
+    with pytest.raises(UncertifiedModelError, match=r"margin -0\.245.*nearest certified") as caught:
+        pendulum(shoulder)
+    assert caught.value.margin == pytest.approx(-0.2447, abs=1e-4)
+    pendulum(caught.value.nearest)

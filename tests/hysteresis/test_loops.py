@@ -1,0 +1,187 @@
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis.loops import (
+    branches,
+    estimate_dead_band,
+    first_order_families,
+    loops,
+    reversals,
+)
+from helpers import sweep
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+FAMILY = (0.35, 0.52, 0.35, 0.70, 0.35, 0.87, 0.35)  # Li et al. 2022, shoulder
+
+
+def friction(angle):
+    """A torque that tells the direction of every step."""
+    return np.sign(np.diff(angle, prepend=angle[0])) + angle
+
+
+def with_dwell(turns, samples, dwell):
+    """Motion through `turns` that rests at each of them."""
+    pieces = [np.linspace(a, b, samples) for a, b in pairwise(turns)]
+    rests = [np.full(dwell, b) for _, b in pairwise(turns)]
+    return np.concatenate([x for pair in zip(pieces, rests, strict=True) for x in pair])
+
+
+@st.composite
+def noisy_motions(draw):
+    """Turns, a motion through them with dwell, the dead band, and noise of less than half of it."""
+    dead_band = 10 ** draw(st.floats(-4, 0))
+    swings = draw(st.lists(st.floats(2.01, 30), min_size=1, max_size=8))
+    sign = draw(st.sampled_from([-1, 1]))
+    steps = [sign * (-1) ** i * swing * dead_band for i, swing in enumerate(swings)]
+    turns = np.concatenate([[0.3], 0.3 + np.cumsum(steps)])
+    motion = with_dwell(turns, draw(st.integers(3, 40)), draw(st.integers(0, 10)))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    noise = draw(st.sampled_from([0, 0.1, 0.49])) * dead_band
+    return turns, motion, dead_band, rng.uniform(-noise, noise, motion.size)
+
+
+@settings(max_examples=300, deadline=None)
+@given(noisy_motions())
+def test_noise_below_half_the_dead_band_neither_adds_nor_hides_a_reversal(motions):
+    turns, motion, dead_band, noise = motions
+    pieces = branches(motion + noise, motion, dead_band)
+    assert [piece.direction for piece in pieces] == np.sign(np.diff(turns)).tolist()
+    found = reversals(motion + noise, dead_band)
+    bound = 2 * np.abs(noise).max() + 1e-12
+    np.testing.assert_allclose(motion[found], turns[1:-1], atol=bound)
+    # The branches cover the record and share the sample at each turn.
+    assert [piece.start for piece in pieces] == [0, *found]
+    assert [piece.stop - 1 for piece in pieces] == [*found, motion.size - 1]
+    for piece in pieces:
+        np.testing.assert_array_equal(piece.angle, (motion + noise)[piece.start : piece.stop])
+        np.testing.assert_array_equal(piece.torque, motion[piece.start : piece.stop])
+
+
+def slow_reversals(angle, dead_band):
+    """Looks back over all samples since the last decision."""
+    turns, direction, since = [], 0, 0
+    for i in range(angle.size):
+        seen = angle[since : i + 1]
+        for sign in (1, -1):
+            if direction in (0, sign) and np.max(sign * (seen - angle[i])) > dead_band:
+                if direction:
+                    turns.append(since + int(np.argmax(sign * seen)))
+                direction, since = -sign, i
+                break
+    return turns
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(st.integers(-8, 8), min_size=3, max_size=40),
+    st.integers(0, 6),
+)
+def test_detector_equals_its_slow_twin(values, dead_band):
+    angle = np.array(values, dtype=float)
+    assert reversals(angle, dead_band).tolist() == slow_reversals(angle, dead_band)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_default_dead_band_survives_gaussian_noise_and_long_dwell(seed):
+    motion = with_dwell(FAMILY, 150, 300)
+    angle = motion + 0.002 * np.random.default_rng(seed).standard_normal(motion.size)
+    assert estimate_dead_band(angle) == pytest.approx(0.02, rel=0.15)
+    assert len(branches(angle, motion)) == 6
+
+
+def test_default_dead_band_of_a_coarse_sensor_that_flickers():
+    rng = np.random.default_rng(0)
+    motion = with_dwell(FAMILY, 1000, 300)
+    angle = 0.005 * np.round((motion + 1e-4 * rng.standard_normal(motion.size)) / 0.005)
+    angle += 0.005 * (rng.random(motion.size) < 0.01)
+    assert len(branches(angle, motion)) == 6
+
+
+@pytest.mark.parametrize(
+    ("angle", "turns"),
+    [
+        ([0, 1, 0], [1]),
+        ([-1, 1, -1, 1, -1], [1, 2, 3]),
+        ([0, 1, 2, 3, 2, 1, 0], [3]),
+        ([0, 1, 2, 3, 3, 3, 2, 1, 0], [3]),
+        (np.sin(np.linspace(0, 4 * np.pi, 33)), [4, 12, 20, 28]),
+        (sweep(*FAMILY, samples=8), [7, 14, 21, 28, 35]),
+    ],
+)
+def test_clean_records_need_no_dead_band(angle, turns):
+    assert reversals(angle).tolist() == turns
+
+
+def test_a_motion_without_noise_turns_even_at_a_dead_band_of_zero():
+    assert reversals([0, 1, 1, 0.999, 2], 0).tolist() == [1, 3]
+    assert reversals([1, 1, 1]).size == 0
+
+
+def test_loops_of_a_cyclic_record():
+    angle = sweep(0, 1, -1, 1, -1, 1, 0.3, samples=50)
+    found = loops(angle, friction(angle))
+    # The initial curve is left out, then the loops follow each other without a gap.
+    assert [(loop.outward.start, loop.back.stop) for loop in found] == [(49, 148), (147, 246)]
+    assert [loop.turn for loop in found] == [-1, -1]
+    np.testing.assert_array_equal(found[0].angle, angle[49:148])
+    np.testing.assert_array_equal(found[0].torque, friction(angle)[49:148])
+
+
+def test_tolerance_decides_what_closes():
+    angle = sweep(0, 1, 0.1, samples=50)
+    assert loops(angle, angle) == []
+    assert len(loops(angle, angle, tolerance=0.11)) == 1
+
+
+def test_first_order_families_of_a_long_record():
+    rng = np.random.default_rng(1)
+    second = (0.52, 0.87, 0.52, 1.22, 0.52, 1.57, 0.52)
+    motion = with_dwell((*FAMILY, *second), 100, 20)
+    angle = motion + 5e-4 * rng.standard_normal(motion.size)
+    # The first curve of the second family begins with the climb from 0.35 and does not close.
+    shoulder, elbow = first_order_families(angle, friction(motion))
+    assert shoulder.base == pytest.approx(0.35, abs=0.002)
+    assert elbow.base == pytest.approx(0.52, abs=0.002)
+    np.testing.assert_allclose([curve.turn for curve in shoulder.curves], FAMILY[1::2], atol=0.003)
+    np.testing.assert_allclose([curve.turn for curve in elbow.curves], second[3::2], atol=0.003)
+
+
+def test_a_family_that_begins_with_the_way_down_from_a_turn():
+    angle = sweep(0.87, *FAMILY, samples=50)
+    (family,) = first_order_families(angle, angle)
+    np.testing.assert_allclose([curve.turn for curve in family.curves], FAMILY[1::2])
+    (mirrored,) = first_order_families(-angle, angle, direction=-1)
+    np.testing.assert_allclose(
+        [curve.turn for curve in mirrored.curves], [-x for x in FAMILY[1::2]]
+    )
+
+
+up = [0.0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: branches([0, np.nan, 1], up), r"angle\[1\] is nan: give finite numbers \(rad\)"),
+        (lambda: branches(up, [0, 1, np.inf]), r"torque\[2\] is inf: give finite numbers \(N·m\)"),
+        (lambda: branches([up, up], up), r"angle has shape \(2, 3\)"),
+        (lambda: loops(up, [0, 1]), "angle has 3 samples and torque has 2"),
+        (lambda: loops([0, 1], [0, 1]), "the record has 2 samples: a reversal takes at least 3"),
+        (lambda: loops(up, up), "from 0 to 1 rad and never comes back by more than the dead band"),
+        (lambda: first_order_families(up, up), "a loop needs a reversal"),
+        (lambda: branches([1, 1, 1], up), "the angle stays within 0 rad"),
+        (lambda: branches(up, up, 2), "stays within 1 rad and the dead band is 2 rad"),
+        (lambda: reversals(up, -1), "dead_band is -1: give a finite number, at least 0"),
+        (lambda: reversals(up, np.nan), "dead_band is nan"),
+        (lambda: reversals([]), r"angle has shape \(0,\)"),
+        (lambda: loops([0, 1, 0], up, tolerance=-1), "tolerance is -1"),
+        (lambda: first_order_families([0, 1, 0], up, direction=0), "direction is 0: use 1"),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(InputError, match=message) as error:
+        call()
+    assert str(error.value).count(". ") == 0

@@ -1,0 +1,224 @@
+"""What every model promises, asked of each in the same words."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import (
+    MODELS,
+    Asymmetric,
+    BoucWen,
+    JilesAtherton,
+    PrandtlIshlinskii,
+    Preisach,
+    model_from_dict,
+)
+from helpers import TABLE_2, sweep
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+SEQUENCES = 40  # random motions per example; with 300 examples 12,000 sequences
+
+
+def jiles_atherton():
+    return JilesAtherton(
+        **dict(zip(("Ms", "a", "alpha", "c", "k"), TABLE_2["elbow-sa-pso"], strict=True)),
+        angle_unit="deg",
+    )
+
+
+def preisach():
+    rng = np.random.default_rng(2)
+    density = [rng.uniform(0, 0.1, i + 1).tolist() for i in range(8)]
+    return Preisach(levels=np.linspace(-1, 2, 9), density=density, elastic=rng.uniform(1, 3, 8))
+
+
+EXAMPLES = {
+    "jiles-atherton": jiles_atherton(),
+    "bouc-wen": BoucWen(elastic=3, hysteretic=9, beta=4, gamma=-1, n=1.7, rest_angle=0.4),
+    "preisach": preisach(),
+    "prandtl-ishlinskii": PrandtlIshlinskii(
+        stiffness=1.5, thresholds=[0.05, 0.2, 0.7], weights=[6, 4, 2], rest_angle=0.3
+    ),
+    "asymmetric": Asymmetric(model=jiles_atherton(), polynomial=[0.3, -0.5, 0.8]),
+}
+
+
+@pytest.fixture(params=EXAMPLES)
+def model(request):
+    return EXAMPLES[request.param]
+
+
+def walk(seed=0, size=300, scale=0.2):
+    angle = 0.5 + np.cumsum(np.random.default_rng(seed).normal(0, scale, size))
+    angle[100:104] = angle[100]
+    return angle
+
+
+def test_every_model_is_asked():
+    assert set(EXAMPLES) == set(MODELS)
+
+
+def test_step_is_the_bitwise_twin_of_response(model):
+    angle = walk()
+    torque = model.response(angle, initial_torque=0.2)
+    assert torque[0] == 0.2
+    assert torque[100] == torque[103]
+    state = model.start(angle[0], 0.2)
+    for i in range(1, angle.size):
+        before = state.memory.copy()
+        after, stepped = model.step(state, angle[i])
+        np.testing.assert_array_equal(state.memory, before)
+        assert stepped == torque[i] == after.torque
+        assert after.angle == angle[i]
+        state = after
+
+
+def test_a_state_cannot_be_changed(model):
+    with pytest.raises(ValueError, match="read-only"):
+        model.start(0.5).memory[0] = 1.0
+
+
+def test_splitting_a_motion_changes_nothing(model):
+    turns = (0.4, 1.3, 0.1, 0.9, 0.2, 1.5)
+    fine = model.response(sweep(*turns, samples=500))[::499]
+    np.testing.assert_allclose(model.response(turns), fine, atol=2e-7)
+
+
+def test_tangent_is_the_slope(model):
+    state = model.start(0.5, 0.1)
+    for angle in (0.83, 0.61):
+        state, torque = model.step(state, angle)
+        for direction in (1, -1):
+            step = 1e-7 * direction
+            slope = (model.step(state, angle + step)[1] - torque) / step
+            assert model.tangent(state, direction) == pytest.approx(slope, rel=1e-4, abs=1e-4)
+
+
+def test_work_is_stored_plus_dissipated(model):
+    turns = (0.5, 1.2, 0.3, 0.8, 0.2)
+    angle = sweep(*turns, samples=20_000)
+    work = np.trapezoid(model.response(angle), angle)
+    first = last = model.start(turns[0])
+    for target in turns[1:]:
+        last, _ = model.step(last, target)
+    change = np.subtract(model.energy(last), model.energy(first)).sum()
+    assert change == pytest.approx(work, rel=1e-6)
+
+
+def test_inverse_takes_the_response_back(model):
+    angle = sweep(0.5, 1.1, 0.4, 0.9, samples=12)
+    torque = model.response(angle)
+    np.testing.assert_allclose(model.inverse(torque, angle[0]), angle, atol=1e-9)
+    np.testing.assert_allclose(model.response(model.inverse(torque, angle[0])), torque, atol=1e-9)
+
+
+def test_inverse_says_what_cannot_be_reached(model):
+    with pytest.raises(InputError, match=r"torque has shape|torque\[1\] is nan"):
+        model.inverse([0.0, math.nan])
+
+
+def test_json_round_trip(model):
+    again = model_from_dict(json.loads(json.dumps(model.to_dict())))
+    assert again == model
+    angle = walk(3)
+    np.testing.assert_array_equal(again.response(angle), model.response(angle))
+
+
+def test_scalings_are_exact(model):
+    angle = walk(1)
+    scaled = model.scaled(torque=1.35, angle=2.5)
+    np.testing.assert_allclose(
+        scaled.response(2.5 * angle), 1.35 * model.response(angle), rtol=1e-9, atol=1e-9
+    )
+    for bad in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(InputError, match="torque scale is"):
+            model.scaled(torque=bad)
+        with pytest.raises(InputError, match="angle scale is"):
+            model.scaled(angle=bad)
+
+
+@pytest.mark.parametrize("bad", [[], [[0.1]], [0.1, math.nan], [0.0, math.inf]])
+def test_bad_series(model, bad):
+    with pytest.raises(InputError, match="angle"):
+        model.response(bad)
+    with pytest.raises(InputError, match=r"angle is inf: give a finite angle|angle is inf"):
+        model.start(math.inf)
+    with pytest.raises(InputError, match="initial torque is nan"):
+        model.start(0.0, math.nan)
+    with pytest.raises(InputError, match="angle is nan"):
+        model.step(model.start(0.5), math.nan)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"model": "maxwell"}, "unknown model 'maxwell'"),
+        ({}, "unknown model 'None'"),
+        ({"model": "bouc-wen", "elastic": 1}, "model 'bouc-wen': missing .* 'hysteretic'"),
+        ({**EXAMPLES["bouc-wen"].to_dict(), "color": 1}, "unexpected keyword argument 'color'"),
+        ([1, 2], "described by a dictionary"),
+    ],
+)
+def test_bad_dictionaries(content, message):
+    with pytest.raises(InputError, match=message):
+        model_from_dict(content)
+
+
+positive = st.floats(-1, 1).map(lambda e: 10**e)
+
+
+@st.composite
+def dissipative_models(draw):
+    """A certified, dissipative model of any kind."""
+    kind = draw(st.integers(0, 3))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    if kind == 0:
+        Ms, a, c = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-1, 3.7), 1 + 10 ** rng.uniform(-2, 1)
+        alpha = rng.uniform(-1.9, 0.99) * 3 * a / ((2 * c - 1) * Ms)
+        k = 10 ** rng.uniform(0, 3.3)
+        model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    elif kind == 1:
+        beta = 10 ** rng.uniform(-1, 1.5)
+        gamma, n = beta * rng.uniform(-0.99, 1), rng.choice([1, 1.3, 2, 4.5])
+        elastic, hysteretic = rng.uniform(0, 5), 10 ** rng.uniform(-1, 1)
+        model = BoucWen(elastic=elastic, hysteretic=hysteretic, beta=beta, gamma=gamma, n=n)
+    elif kind == 2:
+        size = int(rng.integers(1, 9))
+        levels = np.cumsum(rng.uniform(0.05, 0.5, size + 1)) - 1
+        density = [rng.uniform(0, 1, i + 1).tolist() for i in range(size)]
+        model = Preisach(levels=levels, density=density, elastic=rng.uniform(-1, 3, size))
+    else:
+        size = int(rng.integers(1, 9))
+        thresholds = np.cumsum(rng.uniform(0.01, 0.5, size))
+        model = PrandtlIshlinskii(
+            stiffness=rng.uniform(0, 3), thresholds=thresholds, weights=rng.uniform(0, 5, size)
+        )
+    if draw(st.booleans()):
+        model = Asymmetric(model=model, polynomial=rng.normal(size=3).tolist())
+    return model
+
+
+@settings(max_examples=300, deadline=None)
+@given(model=dissipative_models(), seed=st.integers(0, 2**32))
+def test_no_random_reversals_break_a_certificate(model, seed):
+    rng = np.random.default_rng(seed)
+    certificate = model.certificate((-7.0, 7.0))
+    assert certificate.certified
+    assert certificate.dissipative
+    p, kernels = model.parameter_vector, model.kernels
+    inner = model.model if isinstance(model, Asymmetric) else model
+    start = inner.start(0.0)
+    bound = inner.certificate((-7.0, 7.0)).torque_bound
+    for _ in range(SEQUENCES):
+        s = start.memory.copy()
+        turns = np.clip(rng.normal(0, 10 ** rng.uniform(-2, 0.3), rng.integers(2, 25)), -7, 7)
+        lost = kernels.energy(p, s, s[0], s[1], 0.0)[1]
+        for angle in turns:
+            torque = kernels.commit(p, s, angle)
+            assert abs(torque) <= bound * (1 + 1e-9)
+            now = kernels.energy(p, s, s[0], s[1], 0.0)[1]
+            assert now >= lost - 1e-7 * bound
+            lost = now
