@@ -14,13 +14,14 @@ import math
 
 from numba import njit
 
-from ._langevin import fma, langevin
+from ._langevin import SERIES_BELOW, fma, langevin, langevin_series
 
 MAX_LANGEVIN_4TH_DERIVATIVE = 0.1307  # max |L''''|, near |x| = 1.0
 LOCAL_TOLERANCE = 1e-9  # of Ms, per step in He
 NEWTON_TOLERANCE = 1e-6  # of min(a, k); the remainder enters to second order, about 1e-12 c Ms
 NEWTON_LIMIT = 60
-MARCH_LIMIT = 10_000
+SHORT = 0.25  # |dx / k| below which the decay weights come from their series
+MARCH_LIMIT = 1_000_000
 RECOVERY_TOLERANCE = 1e-6  # of min(a, k); the energy is stationary there, so this is plenty
 P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
 
@@ -49,19 +50,25 @@ def stretched(dx_max, x, per_a):
 
 
 @njit(inline="always", error_model="numpy")
+def short_decay_weights(z: float) -> tuple[float, float, float, float]:
+    """Returns what `decay_weights` does, for z < SHORT and without a branch."""
+    # sum over j of (-z)^j / (j + 3)!, grouped in pairs; the rest is below 1e-12.
+    z2 = z * z
+    phi3 = fma(
+        z2 * z2,
+        fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
+        fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
+    )
+    phi2 = fma(-z, phi3, 0.5)
+    phi1 = fma(-z, phi2, 1.0)
+    return fma(-z, phi1, 1.0), phi1, phi2, phi3
+
+
+@njit(inline="always", error_model="numpy")
 def decay_weights(z: float) -> tuple[float, float, float, float]:
     """Returns exp(-z) and phi_1, phi_2, phi_3 at -z, for z >= 0."""
-    if z < 0.25:
-        # sum over j of (-z)^j / (j + 3)!, grouped in pairs; the rest is below 1e-12.
-        z2 = z * z
-        phi3 = fma(
-            z2 * z2,
-            fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
-            fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
-        )
-        phi2 = fma(-z, phi3, 0.5)
-        phi1 = fma(-z, phi2, 1.0)
-        return fma(-z, phi1, 1.0), phi1, phi2, phi3
+    if z < SHORT:
+        return short_decay_weights(z)
     decay = math.exp(-z)
     phi1 = (1 - decay) / z
     phi2 = (1 - phi1) / z
@@ -71,11 +78,77 @@ def decay_weights(z: float) -> tuple[float, float, float, float]:
 @njit(inline="always", error_model="numpy")
 def step_field(dx, u0, man0, slope0, man1, slope1, c, per_k):
     """Returns u after He moved by `dx`, from (u0, man0, slope0) to (man1, slope1)."""
-    decay, phi1, phi2, phi3 = decay_weights(abs(dx * per_k))
+    return weigh(dx, u0, man0, slope0, man1, slope1, c, decay_weights(abs(dx * per_k)))
+
+
+@njit(inline="always", error_model="numpy")
+def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
+    """Returns what `step_field` does, from the `decay_weights` of the step."""
+    decay, phi1, phi2, phi3 = weights
     start, end = fma(6.0, phi3, fma(-4.0, phi2, phi1)), fma(6.0, phi3, -2 * phi2)
     rise = fma(6.0, phi2, -12 * phi3)
     integral = fma(dx, fma(slope0, start, slope1 * end), (man1 - man0) * rise)
     return fma(c - 1, integral, u0 * decay)
+
+
+@njit(inline="always", error_model="numpy")
+def predict(left, u, slope, curvature, alpha, c, per_k):
+    """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order."""
+    tangent = fma(c, slope, -u * per_k)
+    per_g = 1 / fma(-alpha, tangent, 1.0)
+    dx = left * per_g
+    bend = alpha * fma(tangent - slope, per_k, -c * curvature)
+    return per_g, dx, fma(-0.5 * bend * per_g * dx, dx, dx)
+
+
+@njit(inline="always", error_model="numpy")
+def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights):
+    """Returns the residual of a step dx in He, its Newton correction and where both together end.
+
+    `at_end` is the Langevin function at x + dx, `weights` the step's `decay_weights`. The
+    correction is NaN past the pole.
+    """
+    L, dL, ddL = at_end
+    chi = Ms * per_a
+    man1, slope1, curvature1 = Ms * L, chi * dL, chi * per_a * ddL
+    u1 = weigh(dx, u, man, slope, man1, slope1, c, weights)
+    tangent = fma(c, slope1, -u1 * per_k)
+    g = fma(-alpha, tangent, 1.0)
+    residual = fma(-alpha, man1 + u1, x + dx - H1)
+    newton = -residual / g if g > 0 else math.nan
+    return (
+        residual,
+        newton,
+        (
+            x + dx + newton,
+            fma(tangent - slope1, newton, u1),
+            fma(slope1, newton, man1),
+            fma(curvature1, newton, slope1),
+            curvature1,
+        ),
+    )
+
+
+@njit(inline="always", error_model="numpy")
+def advance_short(
+    H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance
+):
+    """Does what `advance` does, without a branch, where one step inside both series is enough.
+
+    Returns whether it is, and only then what `advance` returns, to the last bit.
+    """
+    delta = 1.0 if H1 > H0 else -1.0
+    per_k *= delta
+    limit = stretched(dx_max, x, per_a)
+    per_g, first, dx = predict(H1 - H0, u, slope, curvature, alpha, c, per_k)
+    end, z = (x + dx) * per_a, abs(dx * per_k)
+    at_end, weights = langevin_series(end), short_decay_weights(z)
+    _, newton, moved = correct(
+        dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
+    )
+    in_series = (abs(end) < SERIES_BELOW) & (z < SHORT)
+    in_limit = (per_g > 0) & (abs(first) <= limit) & (0 < delta * dx) & (delta * dx <= 2 * limit)
+    return in_series & in_limit & (abs(newton) <= tolerance), moved
 
 
 @njit(inline="always", error_model="numpy")
@@ -109,17 +182,12 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     per_k *= delta
     chi = Ms * per_a
     left = H1 - H0
-    dx = math.nan  # where the march ends nowhere: parameters out of their ranges
     for _ in range(MARCH_LIMIT):
-        tangent = fma(c, slope, -u * per_k)
-        per_g = 1 / fma(-alpha, tangent, 1.0)
+        per_g, first, dx = predict(left, u, slope, curvature, alpha, c, per_k)
         if not per_g > 0:
             return x, math.nan, man, slope, curvature
         limit = stretched(dx_max, x, per_a)
-        dx = left * per_g
-        if abs(dx) <= limit:
-            bend = alpha * fma(tangent - slope, per_k, -c * curvature)
-            dx = fma(-0.5 * bend * per_g * dx, dx, dx)
+        if abs(first) <= limit:
             if not 0 < delta * dx <= 2 * limit:
                 dx = delta * limit
             break
@@ -131,33 +199,25 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
         if delta * left1 <= 0:
             break
         x, u, man, slope, curvature, left = x + dx, u1, man1, slope1, chi * per_a * ddL, left1
-    return land(x, u, man, slope, dx, H1, Ms, alpha, c, per_a, per_k, delta, tolerance)
+    else:
+        return x, math.nan, man, slope, curvature
+    return land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
 
 
 @njit(inline="always", error_model="numpy")
-def land(x, u, man, slope, dx, H1, Ms, alpha, c, per_a, per_k, delta, tolerance):
+def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
     """Ends a motion at H1: Newton, kept inside a bracket, on the last step's dx; see `advance`."""
-    chi = Ms * per_a
     low, high = 0.0, math.inf
     for _ in range(NEWTON_LIMIT):
-        L, dL, ddL = langevin((x + dx) * per_a)
-        man1, slope1, curvature1 = Ms * L, chi * dL, chi * per_a * ddL
-        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
-        tangent = fma(c, slope1, -u1 * per_k)
-        g = fma(-alpha, tangent, 1.0)
-        residual = fma(-alpha, man1 + u1, x + dx - H1)
-        newton = -residual / g if g > 0 else math.nan
+        at_end, weights = langevin((x + dx) * per_a), decay_weights(abs(dx * per_k))
+        residual, newton, moved = correct(
+            dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
+        )
         if abs(newton) <= tolerance:
-            return (
-                x + dx + newton,
-                fma(tangent - slope1, newton, u1),
-                fma(slope1, newton, man1),
-                fma(curvature1, newton, slope1),
-                curvature1,
-            )
+            return moved
         if delta * residual > 0:
             high = abs(dx)
-        elif g > 0:
+        elif not math.isnan(newton):
             low = abs(dx)
         else:
             break

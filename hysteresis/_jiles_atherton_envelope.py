@@ -31,7 +31,7 @@ def margin_in_range(low, high, Ms, a, alpha, c, k):
 
     B covers every start without torque.
     """
-    if c < 1:
+    if c < 1 or alpha * Ms >= 3 * a:  # the latter: several fields belong to one angle and lag
         margin, bound = certificate(Ms, a, alpha, c, k)
         return margin, bound, bound
     start = Ms * langevin(max(abs(low), abs(high)) / a)[0]

@@ -5,6 +5,7 @@ starts from: the effective field, u = M - Man, Man and its first two derivatives
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -18,7 +19,7 @@ MS, A, ALPHA, C, K, STEP_LIMIT, FORM, CLAMP, PER_A, PER_K, TOLERANCE = range(11)
 PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
-BLOCK = 16  # rows of a population that take their steps in turn
+BLOCK = 32  # models of a population that take their steps together
 
 
 @njit(cache=True, error_model="numpy")
@@ -48,9 +49,9 @@ def remember(p, s, angle, torque):
 
 
 @njit(inline="always", error_model="numpy")
-def travel(p, s, angle):
-    """Moves on to `angle` by the exact step; see `bulk.advance`."""
-    return bulk.advance(
+def travel(p, s, angle, step: Callable = bulk.advance):
+    """Returns the end of a motion to `angle` by the exact step; see `bulk.advance`."""
+    return step(
         s[ANGLE],
         angle,
         s[FIELD],
@@ -66,6 +67,13 @@ def travel(p, s, angle):
         p[STEP_LIMIT],
         p[TOLERANCE],
     )
+
+
+@njit(inline="always", error_model="numpy")
+def store(s, angle, moved):
+    """Makes the end of `travel` the memory, but for the loss."""
+    s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE] = moved
+    s[ANGLE], s[TORQUE] = angle, s[MAN] + s[LAG]
 
 
 @njit(inline="always", error_model="numpy")
@@ -120,11 +128,11 @@ def commit(p, s, angle):
             remember(p, s, angle, torque)
             s[LOSS] += loss
         return torque
-    x, lag, man, slope, curvature = travel(p, s, angle)
+    moved = travel(p, s, angle)
+    _, lag, man, _, _ = moved
     if not math.isnan(lag):
         s[LOSS] += loss_between(p, s, angle, lag, man)
-        s[ANGLE], s[TORQUE], s[FIELD], s[LAG] = angle, man + lag, x, lag
-        s[MAN], s[SLOPE], s[CURVATURE] = man, slope, curvature
+        store(s, angle, moved)
     return man + lag
 
 
@@ -173,12 +181,25 @@ def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
     p[PER_A], p[PER_K], p[TOLERANCE] = 1 / a, 1 / k, bulk.NEWTON_TOLERANCE * min(a, k)
 
 
+@njit(inline="always", error_model="numpy")
+def advance_together(p, s, done, rows, angle):
+    """Moves the models on to `angle`: those for which a short step is enough, then the others."""
+    for row in rows:
+        done[row], moved = travel(p[:, row], s[:, row], angle, bulk.advance_short)
+        if done[row]:
+            store(s[:, row], angle, moved)
+    for row in rows:
+        if not done[row]:
+            store(s[:, row], angle, travel(p[:, row], s[:, row], angle))
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def population_response(H, starts, M0, parameters, M):
     """Fills M with the torque of n parameter rows along several curves laid end to end.
 
-    Rows take their steps in turn, so that the processor can overlap them: twice as fast as row by
-    row, and the same to the last bit.
+    The models take each step together. The loop over them has no branch and one array per quantity,
+    and so compiles to vector instructions: about six times as fast as one by one, and the same to
+    the last bit.
 
     Args:
         H: angles of all curves (samples,).
@@ -187,23 +208,18 @@ def population_response(H, starts, M0, parameters, M):
         parameters: rows of Ms, a, alpha, c, k in the unit of H (n, 5), form bulk without clamp.
         M: the result (n, samples).
     """
-    n = parameters.shape[0]
-    p, s = np.empty((n, PARAMETER_SIZE)), np.empty((n, MEMORY_SIZE))
-    for row in range(n):
-        Ms, a, alpha, c, k = parameters[row]
-        set_parameters(p[row], Ms, a, alpha, c, k, forms.BULK, forms.NO_CLAMP)
-    for first in range(0, n, BLOCK):
-        rows = range(first, min(first + BLOCK, n))
+    p, s = np.zeros((PARAMETER_SIZE, BLOCK)), np.zeros((MEMORY_SIZE, BLOCK))
+    done = np.empty(BLOCK, np.bool_)
+    for first in range(0, len(parameters), BLOCK):
+        rows = range(min(BLOCK, len(parameters) - first))
+        for row in rows:
+            Ms, a, alpha, c, k = parameters[first + row]
+            set_parameters(p[:, row], Ms, a, alpha, c, k, forms.BULK, forms.NO_CLAMP)
         for curve in range(M0.size):
             for row in rows:
-                remember(p[row], s[row], H[starts[curve]], M0[curve])
-                M[row, starts[curve]] = M0[curve]
-            for i in range(starts[curve] + 1, starts[curve + 1]):
+                remember(p[:, row], s[:, row], H[starts[curve]], M0[curve])
+            for i in range(starts[curve], starts[curve + 1]):
+                if H[i] != s[ANGLE, 0]:
+                    advance_together(p, s, done, rows, H[i])
                 for row in rows:
-                    if H[i] == H[i - 1]:
-                        M[row, i] = M[row, i - 1]
-                        continue
-                    x, lag, man, slope, curvature = travel(p[row], s[row], H[i])
-                    s[row, ANGLE], s[row, FIELD], s[row, LAG] = H[i], x, lag
-                    s[row, MAN], s[row, SLOPE], s[row, CURVATURE] = man, slope, curvature
-                    M[row, i] = man + lag
+                    M[first + row, i] = s[TORQUE, row]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ._checks import numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, Energy, HysteresisModel, State, finite_series
+from .model import Array, Energy, HysteresisModel, State, finite, finite_series
 
 LARGEST_DEGREE = 5
 
@@ -81,6 +81,7 @@ class Asymmetric(HysteresisModel):
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
+        finite("angle", angle, "rad")
         inner = self.model.start(angle, torque - float(self.elastic(angle)))
         return replace(inner, torque=float(torque))
 

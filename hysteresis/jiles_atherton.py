@@ -9,10 +9,10 @@ import numpy as np
 
 from ..errors import InputError
 from . import _jiles_atherton_kernels as kernels
+from ._checks import number, scales
 from ._jiles_atherton_bulk import certificate
 from ._jiles_atherton_envelope import margin_in_range
 from ._jiles_atherton_forms import CLAMPS, FORMS
-from ._checks import number, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, HysteresisModel, State, read_only
 

@@ -9,7 +9,6 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
@@ -126,8 +125,8 @@ class HysteresisModel(ABC):
         Raises:
             InputError: a number is not finite, or the model cannot have that torque there.
         """
-        _finite("angle", angle, "rad")
-        _finite("initial torque", torque, "N·m")
+        finite("angle", angle, "rad")
+        finite("initial torque", torque, "N·m")
         memory = np.zeros(self.memory_size)
         inside = self.kernels.begin(self.parameter_vector, memory, float(angle), float(torque))
         if math.isnan(inside):
@@ -153,7 +152,7 @@ class HysteresisModel(ABC):
             InputError: `angle` is not finite.
             PoleError: the motion meets the pole of an uncertified model.
         """
-        _finite("angle", angle, "rad")
+        finite("angle", angle, "rad")
         p, memory = self.parameter_vector, state.memory.copy()
         torque = self.kernels.commit(p, memory, float(angle))
         if math.isnan(torque):
@@ -161,7 +160,7 @@ class HysteresisModel(ABC):
         return _state(memory, torque), float(torque)
 
     def tangent(self, state: State, direction: float) -> float:
-        """Returns the stiffness dM/dtheta [N·m/rad] of a motion that goes on with sign `direction`."""
+        """Returns the stiffness [N·m/rad] of a motion that goes on with sign `direction`."""
         s, delta = state.memory, math.copysign(1.0, direction)
         return float(self.kernels.stiffness(self.parameter_vector, s, s[0], s[1], delta))
 
@@ -207,7 +206,7 @@ class HysteresisModel(ABC):
 
 
 def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
-    """Returns `values` as one contiguous finite series, or raises an InputError that says why not."""
+    """Returns `values` as one finite series, or raises an InputError that says why not."""
     series = np.ascontiguousarray(values, dtype=np.float64)
     if series.ndim != 1 or series.size == 0:
         raise InputError(f"{name} has shape {series.shape}: give one series of at least 1 sample")
@@ -219,6 +218,8 @@ def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
 
 def find_angle(model: HysteresisModel, state: State, target: float, what: str) -> float:
     """Returns the first angle [rad] at which a motion from `state` meets the torque `target`."""
+    from scipy.optimize import brentq  # SciPy's optimizers take a third of a start of the package
+
     missing = target - state.torque
     if missing == 0:
         return state.angle
@@ -264,6 +265,7 @@ def _state(memory: Array, torque: float) -> State:
     return State(memory, float(torque))
 
 
-def _finite(name: str, value: float, unit: str) -> None:
+def finite(name: str, value: float, unit: str) -> None:
+    """Refuses a number that is not finite."""
     if not math.isfinite(value):
         raise InputError(f"{name} is {value}: give a finite number ({unit})")

@@ -1,11 +1,9 @@
 """The certified Jiles-Atherton model whose curves differ least from a given one's."""
 
 from dataclasses import replace
-
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from .certificate import PoleError
 from .jiles_atherton import JilesAtherton
@@ -39,6 +37,8 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
     Returns:
         A certified model in the same angle unit, and how much its curves differ.
     """
+    from scipy.optimize import least_squares  # slow to import, rarely needed
+
     certificate = model.certificate()
     if certificate.certified and certificate.dissipative:
         return Nearest(model, 0.0)

@@ -19,15 +19,15 @@ from ._layout import Layout
 from ._memory import doubles, int32_at, pointer_at
 from ._state import (
     ENERGY_SENSOR,
-    FAULT,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
+    address_of,
+    has_sensors,
     joint_of,
     kind_of,
+    parts,
     sensor_of,
     set_wires,
-    split,
-    state_of,
     wires_of,
 )
 
@@ -40,19 +40,26 @@ def angle_of(m, d, joint, at):
 
 
 @njit(cache=True)
+def reached(kind, p, memory, fault, angle):
+    """Returns angle, torque and loss at a trial angle; those of the memory if it has no torque."""
+    # The angles are equal after every step, when the memory has just been moved there.
+    if angle != memory[0] and fault == 0 and models.is_sound(kind, p):
+        torque, loss = models.move(kind, p, memory, angle)
+        if not math.isnan(torque):
+            return angle, torque, loss
+    return memory[0], memory[1], 0.0
+
+
+@njit(cache=True)
 def evaluate(m, d, instance, capability, at):
     """Adds the torque at the current position, or writes the sensors; changes no memory."""
-    state = state_of(m, d, instance, at)
     wires = wires_of(d, instance, at)
+    if capability != at.passive and not has_sensors(wires):
+        return
     kind, joint = kind_of(wires), joint_of(wires)
-    memory, p, polynomial = split(kind, state)
-    angle = angle_of(m, d, joint, at)
-    torque, loss = memory[1], 0.0
-    sound = models.is_sound(kind, p)
-    if sound and state[FAULT] == 0:
-        torque, loss = models.move(kind, p, memory, angle)
-    if not sound or state[FAULT] != 0 or math.isnan(torque):
-        angle, torque, loss = memory[0], memory[1], 0.0
+    address, size = address_of(m, d, instance, at)
+    fault, memory, p, polynomial = parts(kind, address, size)
+    angle, torque, loss = reached(kind, p, memory, fault[0], angle_of(m, d, joint, at))
     total = torque + value_of(polynomial, angle)
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
     if capability == at.passive:
@@ -60,13 +67,15 @@ def evaluate(m, d, instance, capability, at):
         return
     if sensor_of(wires, TORQUE_SENSOR) >= 0:
         write_sensor(m, d, sensor_of(wires, TORQUE_SENSOR), -total, at)
-    if sound and sensor_of(wires, STIFFNESS_SENSOR) >= 0:
+    if not models.is_sound(kind, p):
+        return
+    if sensor_of(wires, STIFFNESS_SENSOR) >= 0:
         velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
         delta = math.copysign(1.0, velocity)
         slope = models.stiffness(kind, p, memory, angle, torque, delta)
         slope += slope_of(polynomial, angle)
         write_sensor(m, d, sensor_of(wires, STIFFNESS_SENSOR), slope, at)
-    if sound and sensor_of(wires, ENERGY_SENSOR) >= 0:
+    if sensor_of(wires, ENERGY_SENSOR) >= 0:
         lost = models.dissipated(kind, p, memory, angle, torque, loss)
         write_sensor(m, d, sensor_of(wires, ENERGY_SENSOR), lost, at)
 
@@ -81,16 +90,15 @@ def write_sensor(m, d, sensor, value, at):
 @njit(cache=True)
 def advance_memory(m, d, instance, at):
     """Moves the memory to the new position; at a pole the torque is held and the fault flag set."""
-    state = state_of(m, d, instance, at)
     wires = wires_of(d, instance, at)
+    kind = kind_of(wires)
+    address, size = address_of(m, d, instance, at)
+    fault, memory, p, _ = parts(kind, address, size)
     angle = angle_of(m, d, joint_of(wires), at)
-    if state[FAULT] != 0 or not math.isfinite(angle):
+    if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):
         return
-    memory, p, _ = split(kind_of(wires), state)
-    if not models.is_sound(kind_of(wires), p) or math.isnan(
-        models.commit(kind_of(wires), p, memory, angle)
-    ):
-        state[FAULT] = 1.0
+    if not models.is_sound(kind, p) or math.isnan(models.commit(kind, p, memory, angle)):
+        fault[0] = 1.0
         complain(m, instance, POLE, at)
 
 
@@ -110,7 +118,8 @@ def build(at: Layout) -> dict[str, Any]:
         fault, wires = connect(m, instance, at)
         if fault == FINE:
             set_wires(d, instance, wires, at)
-            fault = configure(m, instance, wires, state_of(m, d, instance, at), at)
+            address, size = address_of(m, d, instance, at)
+            fault = configure(m, instance, wires, address, size, at)
         if fault == FINE:
             return 0
         complain(m, instance, fault, at)
@@ -123,7 +132,7 @@ def build(at: Layout) -> dict[str, Any]:
     @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
     def reset(m, plugin_state, plugin_data, instance):
         size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
-        configure(m, instance, plugin_data, doubles(plugin_state, size), at)
+        configure(m, instance, plugin_data, plugin_state, size, at)
 
     @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
     def compute(m, d, instance, capability):

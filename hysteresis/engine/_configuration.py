@@ -40,7 +40,6 @@ from ._parameters import count_parts, read_optional, read_parameters
 from ._state import (
     BITS,
     ENERGY_SENSOR,
-    FAULT,
     LARGEST,
     MODEL_SHIFT,
     POLYNOMIAL_SIZE,
@@ -48,8 +47,8 @@ from ._state import (
     TORQUE_SENSOR,
     joint_of,
     kind_of,
+    parts,
     sensor_of,
-    split,
     state_size,
 )
 from ._text import ends_with, equals, length, parse_numbers
@@ -109,17 +108,17 @@ def connect(m, instance, at):
 
 
 @njit(cache=True)
-def configure(m, instance, wires, state, at):
+def configure(m, instance, wires, address, size, at):
     """Fills the state from the config; returns a fault for `complain`, FINE if it could."""
     kind = kind_of(wires)
-    memory, p, polynomial = split(kind, state)
-    state[FAULT] = 1.0
+    flag, memory, p, polynomial = parts(kind, address, size)
+    flag[0] = 1.0
     fault = read_parameters(kind, m, instance, p, at)
     if fault == FINE:
         fault = read_polynomial(m, instance, polynomial, at)
     if fault == FINE:
         fault = start(kind, m, instance, joint_of(wires), memory, p, polynomial, at)
-    state[FAULT] = fault != FINE
+    flag[0] = fault != FINE
     return fault
 
 

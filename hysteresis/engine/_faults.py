@@ -60,7 +60,7 @@ def plugin_of(m, instance, at):
 
 
 @njit(cache=True)
-def reason_for(sentence, n, reason):
+def reason_for(sentence, n, reason):  # noqa: PLR0912 (one branch a sentence)
     """Appends what is wrong and how to mend it; returns the new length."""
     if reason == NO_JOINT:
         return add(

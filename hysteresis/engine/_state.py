@@ -1,10 +1,10 @@
 """Where an instance keeps what it needs.
 
-`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians) and the elastic
-polynomial. They are saved, copied and batched with the rest of the state, and may differ between
-simulations. `mjData.plugin_data` holds what follows from the model: which hysteresis model it is,
-the joint and the sensors, by number. A state may be set on any MuJoCo model; these numbers always
-fit the one at hand, and so do the sizes, which come from mjModel.
+`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians) and the
+elastic polynomial. They are saved, copied and batched with the rest of the state, and may differ
+between simulations. `mjData.plugin_data` holds what follows from the model: which hysteresis model
+it is, the joint and the sensors, by number. A state may be set on any MuJoCo model; these numbers
+always fit the one at hand, and so do the sizes, which come from mjModel.
 """
 
 from numba import njit
@@ -30,7 +30,7 @@ def state_size(kind, count):
 
 @njit(cache=True)
 def count_in(kind, size):
-    """Returns the number of thresholds or segments of an instance whose state has `size` numbers."""
+    """Returns the number of thresholds or segments of an instance with a state of that size."""
     if kind == PRANDTL_ISHLINSKII:
         return (size - state_size(kind, 0)) // 3
     count = 0
@@ -39,21 +39,26 @@ def count_in(kind, size):
     return count
 
 
-@njit(cache=True)
-def state_of(m, d, instance, at):
-    """Returns the view of an instance's state in mjData `d`."""
+@njit(inline="always")
+def address_of(m, d, instance, at):
+    """Returns the address of an instance's state in mjData `d`, and its size."""
     address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
     size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
-    return doubles(pointer_at(d + at.d_plugin_state) + 8 * address, size)
+    return pointer_at(d + at.d_plugin_state) + 8 * address, size
 
 
-@njit(cache=True)
-def split(kind, state):
-    """Returns the parts of a state: memory, parameters, polynomial."""
-    memory, parameters = sizes(kind, count_in(kind, state.size))
-    start = MEMORY + memory
-    end = start + parameters
-    return state[MEMORY:start], state[start:end], state[end : end + POLYNOMIAL_SIZE]
+@njit(inline="always")
+def parts(kind, address, size):
+    """Returns views of the parts of a state: fault flag, memory, parameters, polynomial."""
+    memory, parameters = sizes(kind, count_in(kind, size))
+    start = address + 8 * MEMORY
+    end = start + 8 * (memory + parameters)
+    return (
+        doubles(address, 1),
+        doubles(start, memory),
+        doubles(start + 8 * memory, parameters),
+        doubles(end, POLYNOMIAL_SIZE),
+    )
 
 
 @njit(cache=True)
@@ -78,6 +83,12 @@ def kind_of(wires):
 def joint_of(wires):
     """Returns the number of the joint."""
     return wires & LARGEST
+
+
+@njit(inline="always")
+def has_sensors(wires):
+    """Returns whether any sensor is wired."""
+    return (wires >> BITS) & (2 ** (3 * BITS) - 1) != 0
 
 
 @njit(inline="always")

@@ -17,7 +17,7 @@ from .timing import Row, compare
 
 STEPS = 3000
 CALLBACK_STEPS = 500
-SIMULATIONS, BATCH_STEPS, THREADS = 1024, 20, 2
+SIMULATIONS, FRAMES, SUBSTEPS, THREADS = 1024, 4, 5, 2
 ALLOCATION_STEPS = 20_000
 
 
@@ -47,13 +47,13 @@ def rows(repeats: int) -> list[Row]:
         for what, work, count, target in cases
     ]
     batch = compare(
-        f"Batch of {SIMULATIONS}, {THREADS} threads, J-A on 4 joints",
+        f"Batch of {SIMULATIONS} x {SUBSTEPS} substeps, {THREADS} threads, J-A on 4 joints",
         _batch(bare),
         "the same without suit",
         _batch(plain),
         repeats=repeats,
         unit="us/step",
-        count=SIMULATIONS * BATCH_STEPS,
+        count=SIMULATIONS * FRAMES * SUBSTEPS,
         target=0.90,
     )
     return [*found, batch, *_allocations(with_sensors)]
@@ -148,8 +148,8 @@ def _batch(model: mujoco.MjModel) -> Callable[[], None]:
     def run() -> None:
         batch.reset()
         ctrl[:] = model.key("reach").ctrl
-        for _ in range(BATCH_STEPS):
-            batch.step()
+        for _ in range(FRAMES):
+            batch.step(nstep=SUBSTEPS)
 
     return run
 

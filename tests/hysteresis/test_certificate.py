@@ -134,7 +134,7 @@ def models_and_ranges(draw):
     return model, (math.radians(low), math.radians(low + width))
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=1500, deadline=None)
 @given(
     pair=models_and_ranges(),
     parts=st.lists(st.floats(0, 1), min_size=2, max_size=30),

@@ -86,7 +86,7 @@ def test_the_torque_is_the_response_bit_by_bit(model, integrator):
 
 
 def swing(model, timestep, integrator, seconds=2.0):
-    """Free swing from 1 rad: gap of the energy ledger over time, relative to what was lost; torque."""
+    """Free swing from 1 rad: gap of the energy ledger, relative to what was lost, and torque."""
     compiled = pendulum(model, timestep, integrator)
     compiled.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
     data = mujoco.MjData(compiled)

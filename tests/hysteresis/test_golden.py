@@ -6,6 +6,7 @@ COMSOL default material (a COMSOL probe reads 917.0 A/m and 1.224 T) and the AlN
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -104,7 +105,7 @@ def test_forms_against_their_printed_equations(parameters, form):
     # set, there Mr 928127.7 and Hc 126.4, here and by this integration 979135.8 and 928.5.
     turns = np.array([0, 5, -5, 3, -1, 4]) * parameters[1]
     expected = [0.0]
-    for start, end in zip(turns[:-1], turns[1:], strict=True):
+    for start, end in pairwise(turns):
         delta = math.copysign(1, end - start)
         solved = solve_ivp(
             lambda H, M, delta=delta: [dmdh(form, H, M[0], delta, parameters)],

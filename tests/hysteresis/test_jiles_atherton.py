@@ -143,18 +143,6 @@ def test_angle_unit_does_not_matter(elbow):
     assert model_from_dict(json.loads(json.dumps(elbow.to_dict()))) == elbow
 
 
-def test_population_is_the_models_one_by_one(table_2):
-    angle = np.degrees(np.concatenate([sweep(0.4, 1.2, 0.4), sweep(0.4, 0.9, 0.4)]))
-    starts, initial = np.array([0, angle.size // 2, angle.size]), np.zeros(2)
-    parameters = np.array(list(TABLE_2.values()))
-    torque = np.empty((4, angle.size))
-    kernels.population_response(angle, starts, initial, parameters, torque)
-    for row, model in zip(torque, table_2.values(), strict=True):
-        for part in np.split(np.arange(angle.size), 2):
-            expected = model.response(np.radians(angle[part]))
-            np.testing.assert_allclose(row[part], expected, atol=1e-9)
-
-
 def test_pole_is_an_error_that_says_where(shoulder):
     with pytest.raises(PoleError, match=r"infinite between 1\.57.* rad .*margin is -0\.24"):
         shoulder.response(sweep(0.0, math.pi / 2, 0.0))
