@@ -19,6 +19,7 @@ from ._langevin import SERIES_BELOW, fma, langevin, langevin_series
 MAX_LANGEVIN_4TH_DERIVATIVE = 0.1307  # max |L''''|, near |x| = 1.0
 LOCAL_TOLERANCE = 1e-9  # of Ms, per step in He
 NEWTON_TOLERANCE = 1e-6  # of min(a, k); the remainder enters to second order, about 1e-12 c Ms
+RESOLUTION = 1e-14  # of the angle: no Newton step can be told from rounding below that
 NEWTON_LIMIT = 60
 SHORT = 0.25  # |dx / k| below which the decay weights come from their series
 MARCH_LIMIT = 1_000_000
@@ -148,7 +149,8 @@ def advance_short(
     )
     in_series = (abs(end) < SERIES_BELOW) & (z < SHORT)
     in_limit = (per_g > 0) & (abs(first) <= limit) & (0 < delta * dx) & (delta * dx <= 2 * limit)
-    return in_series & in_limit & (abs(newton) <= tolerance), moved
+    landed = abs(newton) <= fma(RESOLUTION, abs(H1), tolerance)
+    return in_series & in_limit & landed, moved
 
 
 @njit(inline="always", error_model="numpy")
@@ -207,6 +209,7 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
 @njit(inline="always", error_model="numpy")
 def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
     """Ends a motion at H1: Newton, kept inside a bracket, on the last step's dx; see `advance`."""
+    tolerance = fma(RESOLUTION, abs(H1), tolerance)
     low, high = 0.0, math.inf
     for _ in range(NEWTON_LIMIT):
         at_end, weights = langevin((x + dx) * per_a), decay_weights(abs(dx * per_k))

@@ -1,7 +1,7 @@
 """The Langevin function L(x) = coth x - 1/x and its derivatives, to machine precision."""
 
 import math
-from collections.abc import Callable
+from typing import Any
 
 from numba import njit, types
 from numba.extending import intrinsic
@@ -30,7 +30,7 @@ def _fused(typing_context, x, y, z):
     return real(real, real, real), codegen
 
 
-fma: Callable[[float, float, float], float] = intrinsic(_fused)
+fma: Any = intrinsic(_fused)  # a float of three floats
 
 
 @njit(inline="always", error_model="numpy")

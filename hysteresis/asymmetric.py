@@ -1,6 +1,5 @@
 """An elastic polynomial beside any hysteresis model."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ._checks import numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, Energy, HysteresisModel, State, finite, finite_series
+from .model import Array, Energy, HysteresisModel, Numbers, State, finite, finite_series
 
 LARGEST_DEGREE = 5
 
@@ -37,7 +36,7 @@ class Asymmetric(HysteresisModel):
     name = "asymmetric"
 
     model: HysteresisModel
-    polynomial: Sequence[float]
+    polynomial: Numbers
 
     def __post_init__(self) -> None:
         if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Asymmetric):
@@ -69,7 +68,8 @@ class Asymmetric(HysteresisModel):
 
     def elastic(self, angle: ArrayLike) -> Array:
         """Returns the torque [N·m] of the polynomial at angles [rad]."""
-        return poly.polyval(np.asarray(angle, dtype=np.float64), np.array(self.polynomial))
+        angles = np.asarray(angle, dtype=np.float64)
+        return np.asarray(poly.polyval(angles, np.array(self.polynomial)), dtype=np.float64)
 
     def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
         """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""

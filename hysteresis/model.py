@@ -2,6 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -14,6 +15,7 @@ from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
 
 Array = NDArray[np.float64]
+Numbers = Sequence[float] | Array
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # rad, where the search of an inverse begins and gives up
 
 
@@ -243,13 +245,11 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
             f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
             "reaches it; keep torques within the model's torque bound"
         )
-    root = brentq(
-        lambda r: model.step(state, here + direction * r)[1] - target if r else -missing,
-        near,
-        far,
-        xtol=1e-14,
-        rtol=1e-14,
-    )
+
+    def excess(distance: float) -> float:
+        return model.step(state, here + direction * distance)[1] - target if distance else -missing
+
+    root: Any = brentq(excess, near, far, xtol=1e-14, rtol=np.float64(1e-14))
     return here + direction * float(root)
 
 

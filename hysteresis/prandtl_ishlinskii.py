@@ -1,7 +1,6 @@
 """The Prandtl-Ishlinskii model: springs with sliders in parallel, and the inverse of their sum."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -15,7 +14,7 @@ from ..errors import InputError
 from . import _prandtl_ishlinskii_kernels
 from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, HysteresisModel, State, finite_series, read_only
+from .model import Array, HysteresisModel, Numbers, State, finite_series, read_only
 
 Operator = Literal["stop", "play"]
 
@@ -50,8 +49,8 @@ class PrandtlIshlinskii(HysteresisModel):
     kernels: ClassVar[ModuleType] = _prandtl_ishlinskii_kernels
 
     stiffness: float
-    thresholds: Sequence[float]
-    weights: Sequence[float]
+    thresholds: Numbers
+    weights: Numbers
     operator: Operator = "stop"
     rest_angle: float = 0.0
 

@@ -14,7 +14,7 @@ from . import _preisach_kernels as kernels
 from . import _preisach_tables
 from ._checks import numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, HysteresisModel, read_only
+from .model import Array, HysteresisModel, Numbers, read_only
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,9 +66,9 @@ class Preisach(HysteresisModel):
     name: ClassVar[str] = "preisach"
     kernels: ClassVar[ModuleType] = kernels
 
-    levels: Sequence[float]
-    density: Sequence[Sequence[float]]
-    elastic: Sequence[float] = ()
+    levels: Numbers
+    density: Sequence[Numbers]
+    elastic: Numbers = ()
 
     def __post_init__(self) -> None:
         levels = numbers("levels", self.levels, "rad")

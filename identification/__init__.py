@@ -2,6 +2,7 @@
 
 from .certified import certified_fit
 from .curves import Curve, load_curves, save_curves
+from .direct import fit_prandtl_ishlinskii, fit_preisach
 from .identify import Fit, Trial, identify
 from .mpso import mpso
 from .objective import CurveObjective
@@ -14,6 +15,8 @@ __all__ = [
     "Fit",
     "Trial",
     "certified_fit",
+    "fit_prandtl_ishlinskii",
+    "fit_preisach",
     "identify",
     "load_curves",
     "mpso",

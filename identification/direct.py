@@ -9,7 +9,7 @@ from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
 from ..errors import InputError, at_least
-from ..hysteresis.model import HysteresisModel
+from ..hysteresis.model import HysteresisModel, Numbers
 from ..hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
 from ..hysteresis.preisach import Preisach
 from .curves import Curve
@@ -121,7 +121,7 @@ def _levels(low: float, high: float, levels: int | Sequence[float]) -> Sequence[
     return np.linspace(low - (high - low) / (levels - 1), high, levels + 1).tolist()
 
 
-def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Sequence[float]:
+def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Numbers:
     if isinstance(thresholds, (int, np.integer)):
         at_least("thresholds", int(thresholds), 1)
         return (reach * np.arange(1, thresholds + 1) / (thresholds + 1)).tolist()

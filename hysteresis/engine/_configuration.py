@@ -1,5 +1,7 @@
 """Sets an instance up from its MJCF config: its joint, sensors, parameters and memory."""
 
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
 import math
 
 import numpy as np

@@ -1,5 +1,7 @@
 """C strings for numba code: the words and numbers of an MJCF config, and sentences about them."""
 
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
 import math
 
 import numpy as np

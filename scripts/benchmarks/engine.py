@@ -156,34 +156,36 @@ def _batch(model: mujoco.MjModel) -> Callable[[], None]:
 
 def _allocations(model: mujoco.MjModel) -> list[Row]:
     """Counts memory that stepping allocates: by numba's counter, and by the C library's."""
-    run = _stepper(model)
-    run()
     data = mujoco.MjData(model)
     _start(model, data)
-    mujoco.mj_step(model, data, STEPS)
-    runtime._nrt_python.memsys_enable_stats()
-    arrays, heap = runtime.rtsys.get_allocation_stats().alloc, _heap_in_use()
-    mujoco.mj_step(model, data, ALLOCATION_STEPS)
-    arrays = runtime.rtsys.get_allocation_stats().alloc - arrays
-    rows = [
-        Row(what=f"arrays allocated in {ALLOCATION_STEPS} steps", unit="", ours=arrays, limit=0)
-    ]
-    if heap is not None:
-        grown = _heap_in_use() - heap
-        rows.append(Row(what="heap growth meanwhile", unit="bytes", ours=grown, limit=0))
+    _nrt_python.memsys_enable_stats()
+    # Once for the counters themselves, which need memory at first.
+    for steps in (STEPS, ALLOCATION_STEPS):
+        arrays, heap = rtsys.get_allocation_stats().alloc, _heap_in_use()
+        mujoco.mj_step(model, data, steps)
+        heap, arrays = _heap_in_use() - heap, rtsys.get_allocation_stats().alloc - arrays
+    what = f"in {ALLOCATION_STEPS} steps"
+    rows = [Row(what=f"arrays allocated {what}", unit="", ours=arrays, limit=0)]
+    if MALLINFO:
+        rows.append(Row(what=f"heap growth {what}", unit="bytes", ours=heap, limit=0))
     return rows
 
 
-def _heap_in_use() -> int | None:
-    """Returns the bytes that are allocated by malloc, where the C library (glibc) can tell."""
-    if platform.libc_ver()[0] != "glibc":
-        return None
-
-    class Info(ctypes.Structure):
-        names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
-        _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
-
-    mallinfo = ctypes.CDLL(None).mallinfo2
-    mallinfo.restype = Info
-    info = mallinfo()
+def _heap_in_use() -> int:
+    """Returns the bytes that are allocated by malloc; 0 where the C library cannot tell."""
+    if not MALLINFO:
+        return 0
+    info = MALLINFO()
     return info.uordblks + info.hblkhd
+
+
+class _Info(ctypes.Structure):
+    """What glibc's mallinfo2 returns."""
+
+    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+    _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
+
+
+MALLINFO = getattr(ctypes.CDLL(None), "mallinfo2", None) if platform.libc_ver()[0] == "glibc" else None
+if MALLINFO:
+    MALLINFO.restype = _Info

@@ -6,10 +6,11 @@ integrate the same motion by itself.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...hysteresis import Asymmetric, BoucWen, JilesAtherton, PrandtlIshlinskii, Preisach
 from ...hysteresis.model import Array, HysteresisModel
@@ -32,12 +33,12 @@ class Twin(ABC):
     def move(self, angle: float) -> float:
         """Makes a monotone motion to `angle` [rad] and returns the torque [N·m] there."""
         if angle != self.angle:
-            self.torque, self.angle = self.torque_after(angle), float(angle)
+            self.torque, self.angle = self._torque_after(angle), float(angle)
         return self.torque
 
     @abstractmethod
-    def torque_after(self, angle: float) -> float:
-        """Returns the torque [N·m] after a monotone motion to `angle`; moves the memory only."""
+    def _torque_after(self, angle: float) -> float:
+        """Moves the memory by a monotone motion to `angle` and returns the torque [N·m] there."""
 
     @abstractmethod
     def slope(self, angle: float, torque: float, delta: float) -> float:
@@ -47,7 +48,7 @@ class Twin(ABC):
         """
 
     def knots(self, end: float) -> list[float]:
-        """Returns the angles [rad] between here and `end` at which the slope is not smooth."""
+        """Returns angles [rad], among them those on the way to `end` where the slope is not smooth."""
         return []
 
 
@@ -66,7 +67,7 @@ class JilesAthertonTwin(Twin):
         numerator = Ms * L - M + c * delta * k * Ms / a * dL
         return numerator / (delta * k - alpha * numerator)
 
-    def torque_after(self, angle: float) -> float:
+    def _torque_after(self, angle: float) -> float:
         H, end = self.angle * self.unit, angle * self.unit
         steps = math.ceil(abs(angle - self.angle) * 180 / math.pi / FIELD_STEP)
         h, M = (end - H) / steps, self.torque
@@ -75,6 +76,7 @@ class JilesAthertonTwin(Twin):
         return M
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
         return self.equation(angle * self.unit, torque, delta) * self.unit
 
 
@@ -123,15 +125,27 @@ class BoucWenTwin(Twin):
             return self.step(self.step(z, h / 2), h / 2)
         return after
 
-    def torque_after(self, angle: float) -> float:
+    def _torque_after(self, angle: float) -> float:
         steps = math.ceil(abs(angle - self.angle) / ANGLE_STEP)
         for _ in range(steps):
             self.z = self.step(self.z, (angle - self.angle) / steps)
         return self.model.elastic * (angle - self.model.rest_angle) + self.model.hysteretic * self.z
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
         dz = self.equation(angle, self.z_of(angle, torque), delta)
         return self.model.elastic + self.model.hysteretic * dz
+
+    def knots(self, end: float) -> list[float]:
+        """Returns the angle [rad] at which z is zero."""
+        angle, z, h = self.angle, self.z, math.copysign(ANGLE_STEP, end - self.angle)
+        while z * h < 0 < (end - angle) * h and abs(h) > 1e-12:
+            after = runge_kutta(self.equation, 0.0, z, h)
+            if z * after < 0:
+                h /= 2
+            else:
+                angle, z = angle + h, after
+        return [angle]
 
 
 class PrandtlIshlinskiiTwin(Twin):
@@ -149,12 +163,13 @@ class PrandtlIshlinskiiTwin(Twin):
         pairs = zip(self.model.weights, parts, strict=True)
         return self.model.stiffness * u + sum(weight * part for weight, part in pairs)
 
-    def torque_after(self, angle: float) -> float:
+    def _torque_after(self, angle: float) -> float:
         pairs = zip(self.stops, self.model.thresholds, strict=True)
         self.stops = [min(max(stop + angle - self.angle, -r), r) for stop, r in pairs]
         return self.sum(angle)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
         moved, total = abs(angle - self.angle), self.model.stiffness
         parts = zip(self.model.weights, self.model.thresholds, self.stops, strict=True)
         for weight, r, stop in parts:
@@ -163,6 +178,7 @@ class PrandtlIshlinskiiTwin(Twin):
         return total
 
     def knots(self, end: float) -> list[float]:
+        """Returns the angles [rad] at which a stop begins to slip."""
         delta = math.copysign(1.0, end - self.angle)
         pairs = zip(self.stops, self.model.thresholds, strict=True)
         return [self.angle + delta * r - stop for stop, r in pairs]
@@ -179,8 +195,8 @@ class PreisachTwin(Twin):
     def __init__(self, model: Preisach, angles: Array, torque: float) -> None:
         levels = self.levels = np.array(model.levels)
         self.elastic_slopes = np.array(model.elastic)
-        turns = np.clip([angles[0], *turning_points(angles)], levels[0], levels[-1])
-        self.grid = np.unique([*levels, *turns])
+        cuts = np.clip(angles[[0, *turn_indices(angles)]], levels[0], levels[-1])
+        self.grid = np.unique([*levels, *cuts])
         width = np.diff(self.grid)
         cell = np.searchsorted(levels, self.grid[:-1], side="right") - 1
         part = width / np.diff(levels)[cell]
@@ -211,7 +227,7 @@ class PreisachTwin(Twin):
         start = self.levels[0]
         return sum(k * (min(max(angle, a), b) - max(a, start)) for k, (a, b) in pieces)
 
-    def torque_after(self, angle: float) -> float:
+    def _torque_after(self, angle: float) -> float:
         if angle > self.angle:
             self.up = np.maximum(self.up, self.risen(angle))
         else:
@@ -219,6 +235,7 @@ class PreisachTwin(Twin):
         return float(self.offset + self.elastic(angle) - self.weight @ self.up)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
         if delta > 0:
             way, width, able = angle - self.up_from, self.up_width, 1 - self.up
         else:
@@ -229,6 +246,7 @@ class PreisachTwin(Twin):
         return float(self.elastic_slopes[i] - self.weight @ (switching * share * able))
 
     def knots(self, end: float) -> list[float]:
+        """Returns the angles [rad] at which patches end."""
         return self.grid.tolist()
 
 
@@ -237,21 +255,23 @@ class AsymmetricTwin(Twin):
 
     def __init__(self, model: Asymmetric, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
-        self.coefficients: Sequence[float] = model.polynomial
+        self.coefficients = [float(p) for p in model.polynomial]
         self.inner = twin_of(model.model, angles, torque - self.polynomial(self.angle))
 
     def polynomial(self, angle: float) -> float:
         """Returns the elastic torque [N·m]."""
         return sum(p * angle**i for i, p in enumerate(self.coefficients))
 
-    def torque_after(self, angle: float) -> float:
+    def _torque_after(self, angle: float) -> float:
         return self.inner.move(angle) + self.polynomial(angle)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
         bend = sum(i * p * angle ** (i - 1) for i, p in enumerate(self.coefficients) if i)
         return self.inner.slope(angle, torque - self.polynomial(angle), delta) + bend
 
     def knots(self, end: float) -> list[float]:
+        """Returns the angles [rad] of the inner twin."""
         return self.inner.knots(end)
 
 
@@ -272,8 +292,8 @@ def twin_of(model: HysteresisModel, angles: Array, torque: float) -> Twin:
     return TWINS[type(model)](model, angles, torque)
 
 
-def turning_points(angles: Array) -> Array:
-    """Returns the angles [rad] at which a motion turns, and its last."""
-    moving = angles[np.flatnonzero(np.diff(angles, prepend=math.inf))]
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(moving)))) + 1
-    return np.append(moving[turns], moving[-1])
+def turn_indices(angles: Array) -> NDArray[np.intp]:
+    """Returns the samples at which a motion turns, and its last."""
+    moved = np.flatnonzero(np.diff(angles, prepend=math.inf))
+    turned = np.diff(np.sign(np.diff(angles[moved])))
+    return np.append(moved[1:-1][turned != 0], angles.size - 1)
