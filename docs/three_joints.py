@@ -12,27 +12,24 @@ MODELS = {
     "wrist": PrandtlIshlinskii(stiffness=1, thresholds=[0.05, 0.2, 0.5], weights=[15, 8, 4]),
 }
 
-spec = mujoco.MjSpec.from_file("arm.xml")  # or your own robot
-for joint, hysteresis in MODELS.items():
-    attach(spec, joint, hysteresis)
-arm = spec.compile()
-data = mujoco.MjData(arm)
+spec = mujoco.MjSpec.from_file("arm.xml")  # or your robot's file
+for joint, model in MODELS.items():
+    attach(spec, joint, model)
+data = mujoco.MjData(spec.compile())
 
 rows = []
-while data.time < 16:
-    for joint in MODELS:
-        data.actuator(joint).ctrl = 0.065 * data.time * np.sin(np.pi * data.time)
+while data.time < 16:  # swing all joints, ever wider
+    data.ctrl[:] = 0.065 * data.time * np.sin(np.pi * data.time)
     angles = [data.joint(joint).qpos[0] for joint in MODELS]
-    mujoco.mj_step(arm, data)
+    mujoco.mj_step(data.model, data)  # its sensors speak of the positions before the step
     torques = [data.sensor(f"{joint}_suit_torque").data[0] for joint in MODELS]
     rows.append([data.time, *angles, *torques])
-time, *columns = np.array(rows).T
+time, *series = np.transpose(rows)
 
-figure, axes = plt.subplots(1, 3, figsize=(11, 3.9), layout="constrained")
-for i, (axis, joint) in enumerate(zip(axes, MODELS, strict=True)):
-    dots = axis.scatter(columns[i], -columns[i + 3], c=time, s=3, cmap="viridis")
-    lost = data.sensor(f"{joint}_suit_dissipated_energy").data[0]
-    axis.set_title(f"{joint}: {MODELS[joint].name}, {lost:.1f} J lost")
-    axis.set(xlabel="angle [rad]", ylabel="resistance [N·m]")
-figure.colorbar(dots, label="time [s]")
-figure.savefig("three_joints.png", dpi=150)
+plt.style.use("seaborn-v0_8-whitegrid")
+figure, axes = plt.subplots(1, 3, figsize=(11, 3.8), layout="constrained")
+for i, (axis, (joint, model)) in enumerate(zip(axes, MODELS.items(), strict=True)):
+    dots = axis.scatter(series[i], -series[i + 3], c=time, s=2, cmap="plasma", vmax=19)
+    axis.set(title=f"{joint}: {model.name}", xlabel="angle [rad]", ylabel="resistance [N·m]")
+figure.colorbar(dots, label="time [s]").ax.set_ylim(0, 16)
+figure.savefig("three_joints.png", dpi=160)

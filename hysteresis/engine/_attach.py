@@ -17,7 +17,7 @@ from ..prandtl_ishlinskii import PrandtlIshlinskii
 from ..preisach import Preisach
 from ._models import OWN_KEYS, PLUGIN_NAMES
 from ._registration import register
-from ._state import FAULT, POLYNOMIAL_SIZE
+from ._state import FAULT
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -157,11 +157,9 @@ def replace_model(
 
 def _parts(model: HysteresisModel) -> tuple[HysteresisModel, NDArray[np.float64]]:
     """Returns the model without its polynomial, and the polynomial's coefficients."""
-    polynomial = np.zeros(POLYNOMIAL_SIZE)
     if isinstance(model, Asymmetric):
-        polynomial[: len(model.polynomial)] = model.polynomial
-        model = model.model
-    return model, polynomial
+        return model.model, np.array(model.polynomial)
+    return model, np.empty(0)
 
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
@@ -184,7 +182,7 @@ def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
         weights = [weight for row in model.density for weight in row]
         config = {"levels": _words(model.levels), "density": _words(weights)}
         config["elastic"] = _words(model.elastic)
-    if polynomial.any():
+    if polynomial.size:
         config["polynomial"] = _words(polynomial.tolist())
     return PLUGIN_NAMES[kind], config
 

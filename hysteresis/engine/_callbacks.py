@@ -58,7 +58,7 @@ def evaluate(m, d, instance, capability, at):
         return
     kind, joint = kind_of(wires), joint_of(wires)
     address, size = address_of(m, d, instance, at)
-    fault, memory, p, polynomial = parts(kind, address, size)
+    fault, memory, p, polynomial = parts(wires, address, size)
     angle, torque, loss = reached(kind, p, memory, fault[0], angle_of(m, d, joint, at))
     total = torque + value_of(polynomial, angle)
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
@@ -93,7 +93,7 @@ def advance_memory(m, d, instance, at):
     wires = wires_of(d, instance, at)
     kind = kind_of(wires)
     address, size = address_of(m, d, instance, at)
-    fault, memory, p, _ = parts(kind, address, size)
+    fault, memory, p, _ = parts(wires, address, size)
     angle = angle_of(m, d, joint_of(wires), at)
     if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):
         return

@@ -44,7 +44,8 @@ from ._state import (
     ENERGY_SENSOR,
     LARGEST,
     MODEL_SHIFT,
-    POLYNOMIAL_SIZE,
+    POLYNOMIAL_LIMIT,
+    POLYNOMIAL_SHIFT,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
     joint_of,
@@ -53,7 +54,7 @@ from ._state import (
     sensor_of,
     state_size,
 )
-from ._text import ends_with, equals, length, parse_numbers
+from ._text import count_words, ends_with, equals, length, parse_numbers
 
 
 @njit(cache=True)
@@ -71,7 +72,14 @@ def model_kind(m, instance, at):
 def required_size(m, instance, at):
     """Returns how many numbers of plugin_state an instance needs."""
     kind = model_kind(m, instance, at)
-    return state_size(kind, count_parts(kind, m, instance, at))
+    polynomial = polynomial_size(m, instance, at)
+    return state_size(kind, count_parts(kind, m, instance, at)) + polynomial
+
+
+@njit(cache=True)
+def polynomial_size(m, instance, at):
+    """Returns how many coefficients an instance's elastic polynomial has."""
+    return min(count_words(config(m, instance, POLYNOMIAL, at)), POLYNOMIAL_LIMIT)
 
 
 @njit(cache=True)
@@ -96,6 +104,7 @@ def connect(m, instance, at):
     if joint_type not in (at.joint_slide, at.joint_hinge):
         return JOINT_TYPE, 0
     wires = joint | model_kind(m, instance, at) << MODEL_SHIFT
+    wires |= polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
     for i in range(pointer_at(m + at.m_nsensor)):
         ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
         if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
@@ -113,7 +122,7 @@ def connect(m, instance, at):
 def configure(m, instance, wires, address, size, at):
     """Fills the state from the config; returns a fault for `complain`, FINE if it could."""
     kind = kind_of(wires)
-    flag, memory, p, polynomial = parts(kind, address, size)
+    flag, memory, p, polynomial = parts(wires, address, size)
     flag[0] = 1.0
     fault = read_parameters(kind, m, instance, p, at)
     if fault == FINE:
@@ -127,11 +136,10 @@ def configure(m, instance, wires, address, size, at):
 @njit(cache=True)
 def read_polynomial(m, instance, polynomial, at):
     """Reads the coefficients of the elastic polynomial; there may be none."""
-    polynomial[:] = 0.0
     count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
     if count < 0:
         return NUMBERS + REASONS * POLYNOMIAL
-    return FINE if count <= POLYNOMIAL_SIZE else TOO_MANY + REASONS * POLYNOMIAL
+    return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY + REASONS * POLYNOMIAL
 
 
 @njit(cache=True)
@@ -165,8 +173,8 @@ def start(kind, m, instance, joint, memory, p, polynomial, at):
 def value_of(polynomial, angle):
     """Returns the elastic torque of the polynomial."""
     value = 0.0
-    for i in range(POLYNOMIAL_SIZE):
-        value = value * angle + polynomial[POLYNOMIAL_SIZE - 1 - i]
+    for power in range(polynomial.size - 1, -1, -1):
+        value = value * angle + polynomial[power]
     return value
 
 
@@ -174,7 +182,6 @@ def value_of(polynomial, angle):
 def slope_of(polynomial, angle):
     """Returns its derivative."""
     slope = 0.0
-    for i in range(POLYNOMIAL_SIZE - 1):
-        power = POLYNOMIAL_SIZE - 1 - i
+    for power in range(polynomial.size - 1, 0, -1):
         slope = slope * angle + power * polynomial[power]
     return slope

@@ -130,7 +130,7 @@ def reason_without_key(sentence, n, reason):
     if reason == SENSOR_TWICE:
         return add(sentence, n, b"two of its sensors measure the same; leave one out")
     if reason == TOO_LARGE:
-        return add(sentence, n, b"the model has more than 32767 joints or sensors; make it smaller")
+        return add(sentence, n, b"the model has more than 16383 joints or sensors; make it smaller")
     return add(
         sentence,
         n,

@@ -13,19 +13,20 @@ from ._memory import doubles, int32_at, pointer_at, store_pointer
 from ._models import PRANDTL_ISHLINSKII, sizes
 
 FAULT, MEMORY = 0, 1
-POLYNOMIAL_SIZE = 6  # coefficients of angle^0 to angle^5
+POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
 
-# Four numbers of 15 bits and the model in one pointer-sized word. Sensors count from 1; 0 is none.
-BITS, LARGEST = 15, 2**15 - 1
+# Four numbers of 14 bits, then the model (2 bits) and the length of the polynomial, in one
+# pointer-sized word. Sensors count from 1; 0 is none.
+BITS, LARGEST = 14, 2**14 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
-MODEL_SHIFT = 4 * BITS
+MODEL_SHIFT, POLYNOMIAL_SHIFT = 4 * BITS, 4 * BITS + 2
 
 
 @njit(cache=True)
 def state_size(kind, count):
-    """Returns how many numbers an instance keeps in plugin_state."""
+    """Returns how many numbers an instance keeps in plugin_state, without polynomial."""
     memory, parameters = sizes(kind, count)
-    return MEMORY + memory + parameters + POLYNOMIAL_SIZE
+    return MEMORY + memory + parameters
 
 
 @njit(cache=True)
@@ -40,6 +41,12 @@ def count_in(kind, size):
 
 
 @njit(inline="always")
+def kind_of(wires):
+    """Returns the number of the model, as in `_models`."""
+    return (wires >> MODEL_SHIFT) & 3
+
+
+@njit(inline="always")
 def address_of(m, d, instance, at):
     """Returns the address of an instance's state in mjData `d`, and its size."""
     address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
@@ -48,22 +55,23 @@ def address_of(m, d, instance, at):
 
 
 @njit(inline="always")
-def parts(kind, address, size):
+def parts(wires, address, size):
     """Returns views of the parts of a state: fault flag, memory, parameters, polynomial."""
-    memory, parameters = sizes(kind, count_in(kind, size))
+    kind, polynomial = kind_of(wires), wires >> POLYNOMIAL_SHIFT
+    memory, parameters = sizes(kind, count_in(kind, size - polynomial))
     start = address + 8 * MEMORY
     end = start + 8 * (memory + parameters)
     return (
         doubles(address, 1),
         doubles(start, memory),
         doubles(start + 8 * memory, parameters),
-        doubles(end, POLYNOMIAL_SIZE),
+        doubles(end, polynomial),
     )
 
 
 @njit(cache=True)
 def wires_of(d, instance, at):
-    """Returns the packed numbers of the model, the joint and the sensors of an instance."""
+    """Returns the packed numbers of an instance."""
     return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
 
 
@@ -71,12 +79,6 @@ def wires_of(d, instance, at):
 def set_wires(d, instance, wires, at):
     """Stores the packed numbers."""
     store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, wires)
-
-
-@njit(inline="always")
-def kind_of(wires):
-    """Returns the number of the model, as in `_models`."""
-    return wires >> MODEL_SHIFT
 
 
 @njit(inline="always")

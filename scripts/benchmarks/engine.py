@@ -1,13 +1,17 @@
 """What hysteresis costs inside `mj_step`, and what the other ways to add it cost."""
 
 import ctypes
+import itertools
 import platform
 from collections.abc import Callable
+from functools import cache
+from typing import Any
 
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numba.core import runtime
+from numba.core.runtime import _nrt_python  # pyright: ignore[reportAttributeAccessIssue]
+from numba.core.runtime.nrt import rtsys
 
 from ...assets import SCENE, load_suit
 from ...envs.composition import joint_models
@@ -17,7 +21,7 @@ from .timing import Row, compare
 
 STEPS = 3000
 CALLBACK_STEPS = 500
-SIMULATIONS, FRAMES, SUBSTEPS, THREADS = 1024, 4, 5, 2
+SIMULATIONS, FRAMES, SUBSTEPS, THREADS = 1024, 10, 5, 2
 ALLOCATION_STEPS = 20_000
 
 
@@ -144,10 +148,10 @@ def _batch(model: mujoco.MjModel) -> Callable[[], None]:
     batch = Batch(model, nsim=SIMULATIONS, nthread=THREADS)
     batch.reset()
     ctrl = batch.bind("ctrl")
+    targets = itertools.cycle((model.key("reach").ctrl.copy(), model.key("home").ctrl.copy()))
 
     def run() -> None:
-        batch.reset()
-        ctrl[:] = model.key("reach").ctrl
+        ctrl[:] = next(targets)  # to and fro, without resets
         for _ in range(FRAMES):
             batch.step(nstep=SUBSTEPS)
 
@@ -159,33 +163,36 @@ def _allocations(model: mujoco.MjModel) -> list[Row]:
     data = mujoco.MjData(model)
     _start(model, data)
     _nrt_python.memsys_enable_stats()
-    # Once for the counters themselves, which need memory at first.
-    for steps in (STEPS, ALLOCATION_STEPS):
-        arrays, heap = rtsys.get_allocation_stats().alloc, _heap_in_use()
+    grown: list[int] = []
+    for steps in (STEPS, ALLOCATION_STEPS):  # twice: counting itself needs memory at first
+        before = _in_use()
         mujoco.mj_step(model, data, steps)
-        heap, arrays = _heap_in_use() - heap, rtsys.get_allocation_stats().alloc - arrays
-    what = f"in {ALLOCATION_STEPS} steps"
-    rows = [Row(what=f"arrays allocated {what}", unit="", ours=arrays, limit=0)]
-    if MALLINFO:
-        rows.append(Row(what=f"heap growth {what}", unit="bytes", ours=heap, limit=0))
-    return rows
+        grown = [b - a for a, b in zip(before, _in_use(), strict=True)]
+    kinds = (("arrays allocated", ""), ("heap growth", "bytes"))
+    return [
+        Row(what=f"{what} in {ALLOCATION_STEPS} steps", unit=unit, ours=count, limit=0)
+        for (what, unit), count in zip(kinds, grown, strict=False)
+    ]
 
 
-def _heap_in_use() -> int:
-    """Returns the bytes that are allocated by malloc; 0 where the C library cannot tell."""
-    if not MALLINFO:
-        return 0
-    info = MALLINFO()
-    return info.uordblks + info.hblkhd
+def _in_use() -> list[int]:
+    """Returns numba's arrays so far and, where the C library is glibc, the bytes of its heap."""
+    arrays, mallinfo = rtsys.get_allocation_stats().alloc, _mallinfo()
+    if mallinfo is None:
+        return [arrays]
+    info = mallinfo()
+    return [arrays, info.uordblks + info.hblkhd]
 
 
-class _Info(ctypes.Structure):
-    """What glibc's mallinfo2 returns."""
+@cache
+def _mallinfo() -> Any:
+    if platform.libc_ver()[0] != "glibc":
+        return None
 
-    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
-    _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
+    class Info(ctypes.Structure):
+        names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+        _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
 
-
-MALLINFO = getattr(ctypes.CDLL(None), "mallinfo2", None) if platform.libc_ver()[0] == "glibc" else None
-if MALLINFO:
-    MALLINFO.restype = _Info
+    mallinfo = ctypes.CDLL(None).mallinfo2
+    mallinfo.restype = Info
+    return mallinfo

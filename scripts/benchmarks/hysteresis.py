@@ -1,6 +1,7 @@
-"""The models' kernels: against the usual ways to integrate Jiles-Atherton, and against the clock."""
+"""The models' kernels against the usual ways to integrate Jiles-Atherton, and the clock."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numba import njit
@@ -35,7 +36,7 @@ def our_langevin(x):
     return L, dL
 
 
-def _rk4(langevin):
+def _rk4(langevin: Callable) -> Callable[..., None]:
     """Returns the usual integrator of eq. (4): one classical Runge-Kutta step in H per sample."""
 
     @njit(error_model="numpy")
@@ -67,14 +68,14 @@ def rows(repeats: int) -> list[Row]:
     found = []
     for name, model in TABLE_2.items():
         angle = _cycles(name, CYCLES)
-        parameters, torque = tuple(model.parameter_vector[:5]), np.empty_like(angle)
+        arguments = (angle, *model.parameter_vector[:5], np.empty_like(angle))
         for what, rk4, target in (("RK4 in H", textbook, 4.0), ("same, our Langevin", ours, None)):
             found.append(
                 compare(
                     f"J-A {name} (error {_error(name, model):.0e} N·m)",
                     lambda model=model, angle=angle: model.response(angle),
                     what,
-                    lambda rk4=rk4, angle=angle, p=parameters, M=torque: rk4(angle, *p, M),
+                    lambda rk4=rk4, arguments=arguments: rk4(*arguments),
                     repeats=repeats,
                     unit="ns/sample",
                     count=angle.size,
@@ -85,7 +86,7 @@ def rows(repeats: int) -> list[Row]:
 
 
 def _cycles(name: str, count: int) -> np.ndarray:
-    low, high = np.radians(RANGE[name.split("-")[0]])
+    low, high = np.radians(RANGE[name.partition("-")[0]])
     up = np.linspace(low, high, BRANCH)
     return np.tile(np.concatenate([up, up[::-1]]), count)
 

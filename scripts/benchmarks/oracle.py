@@ -54,7 +54,7 @@ def cases() -> list[Case]:
     published = [
         Case(name=f"J-A {name}", model=model, low=low, high=high)
         for name, model in TABLE_2.items()
-        for low, high in [ranges[name.split("-")[0]]]
+        for low, high in [ranges[name.partition("-")[0]]]
     ]
     rng = np.random.default_rng(SEED)
     density = [rng.uniform(0, 0.3, i + 1).tolist() for i in range(8)]
@@ -76,18 +76,18 @@ def cases() -> list[Case]:
         Case(name="bouc-wen, n = 1.7", model=BoucWen(**yields, gamma=-1, n=1.7), **around_zero),
         Case(name="preisach", model=relays, low=-0.2, high=2.2, start_torque=0.3),
         Case(
-            name="prandtl-ishlinskii, stops",
+            name="prandtl-ishlinskii stops",
             model=springs,
             **around_zero,
             start_torque=springs.stiffness * at_rest,
         ),
         Case(
-            name="prandtl-ishlinskii, plays",
+            name="prandtl-ishlinskii plays",
             model=plays,
             **around_zero,
             start_torque=(plays.stiffness + sum(plays.weights)) * at_rest,
         ),
-        Case(name="asymmetric, J-A elbow-sa-pso", model=bent, low=0.52, high=1.57),
+        Case(name="asymmetric, elbow-sa-pso", model=bent, low=0.52, high=1.57),
     ]
 
 
@@ -185,10 +185,8 @@ def setpoints(case: Case, timestep: float) -> Array:
     low, high = case.low + MARGIN * width, case.high - MARGIN * width
     turns = [case.low, high]
     for i in range(TURNS):
-        ends = (
-            (low, turns[-1] - MARGIN * width) if i % 2 == 0 else (turns[-1] + MARGIN * width, high)
-        )
-        turns.append(rng.uniform(*ends))
+        down, up = (low, turns[-1] - MARGIN * width), (turns[-1] + MARGIN * width, high)
+        turns.append(rng.uniform(*(up if i % 2 else down)))
     ramps = []
     for start, end in pairwise(turns):
         steps = math.ceil(abs(end - start) / (rng.uniform(*SPEEDS) * timestep))

@@ -67,7 +67,7 @@ def compare(
     other = reference_count or count
     pairs = [(seconds(ours) / count, seconds(reference) / other) for _ in range(repeats)]
     ratios = [b / a for a, b in pairs]
-    scale = UNITS[unit.split("/")[0]]
+    scale = UNITS[unit.partition("/")[0]]
     return Row(
         what=what,
         against=against,
@@ -86,7 +86,7 @@ def measure(
 ) -> Row:
     """Times one thing that has a limit of its own."""
     work()
-    scale = UNITS[unit.split("/")[0]] / count
+    scale = UNITS[unit.partition("/")[0]] / count
     ours = statistics.median(seconds(work) for _ in range(repeats)) * scale
     return Row(what=what, unit=unit, ours=ours, limit=limit)
 

@@ -48,7 +48,7 @@ class Twin(ABC):
         """
 
     def knots(self, end: float) -> list[float]:
-        """Returns angles [rad], among them those on the way to `end` where the slope is not smooth."""
+        """Returns angles [rad] with all on the way to `end` where the slope is not smooth."""
         return []
 
 
