@@ -6,6 +6,7 @@ Angles are radians and torques N·m throughout. Nothing here imports MuJoCo but 
 from .asymmetric import Asymmetric
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
+from .held import Held
 from .jiles_atherton import JilesAtherton
 from .model import Energy, HysteresisModel, State
 from .nearest import nearest_certified
@@ -21,6 +22,7 @@ __all__ = [
     "BoucWen",
     "Certificate",
     "Energy",
+    "Held",
     "HysteresisModel",
     "JilesAtherton",
     "PoleError",

@@ -13,7 +13,7 @@ from ._checks import number, scales
 from ._jiles_atherton_bulk import certificate
 from ._jiles_atherton_envelope import margin_in_range
 from ._jiles_atherton_forms import CLAMPS, FORMS
-from .certificate import ALL_ANGLES, Certificate, checked_range
+from .certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
 from .model import Array, HysteresisModel, State, read_only
 
 AngleUnit = Literal["rad", "deg"]
@@ -137,11 +137,11 @@ class JilesAtherton(HysteresisModel):
         largest = memory_bound
         if not kernels.is_exact(self.parameter_vector):
             margin = -math.inf
-        elif margin <= 0 and math.isfinite(high - low):
+        elif margin <= ROUNDING and math.isfinite(high - low):
             margin, memory_bound, largest = margin_in_range(low, high, Ms, a, alpha, c, k)
         return Certificate(
             margin=margin,
-            dissipative=margin > 0 and c >= 1,
+            dissipative=margin > ROUNDING and c >= 1,
             torque_bound=Ms + largest,
             memory_bound=memory_bound,
             angle_range=(low, high),

@@ -26,21 +26,19 @@ class State:
     Attributes:
         memory: the kernel's numbers, read-only: angle, torque of the hysteretic part, the path part
             of the work done so far, then what the model adds.
+        angle: the last angle [rad].
         torque: the resistance [N·m].
     """
 
     memory: Array
+    angle: float
     torque: float
-
-    @property
-    def angle(self) -> float:
-        """The last angle [rad]."""
-        return float(self.memory[0])
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, State):
             return NotImplemented
-        return self.torque == other.torque and np.array_equal(self.memory, other.memory)
+        same = self.angle == other.angle and self.torque == other.torque
+        return same and np.array_equal(self.memory, other.memory)
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -262,7 +260,7 @@ def read_only(values: ArrayLike) -> Array:
 
 def _state(memory: Array, torque: float) -> State:
     memory.setflags(write=False)
-    return State(memory, float(torque))
+    return State(memory, float(memory[0]), float(torque))
 
 
 def finite(name: str, value: float, unit: str) -> None:

@@ -6,13 +6,15 @@ from typing import Any
 from ..errors import InputError, unknown_name
 from .asymmetric import Asymmetric
 from .bouc_wen import BoucWen
+from .held import Held
 from .jiles_atherton import JilesAtherton
 from .model import HysteresisModel
 from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
 
 MODELS: dict[str, type[HysteresisModel]] = {
-    model.name: model for model in (JilesAtherton, BoucWen, Preisach, PrandtlIshlinskii, Asymmetric)
+    model.name: model
+    for model in (JilesAtherton, BoucWen, Preisach, PrandtlIshlinskii, Asymmetric, Held)
 }
 
 
@@ -28,7 +30,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     name = parameters.pop("model", None)
     if name not in MODELS:
         raise unknown_name("model", str(name), MODELS)
-    if name == Asymmetric.name and "hysteresis" in parameters:
+    if name in (Asymmetric.name, Held.name) and "hysteresis" in parameters:
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))
     try:
         return MODELS[name](**parameters)

@@ -22,9 +22,9 @@ or from MJCF:
     activesuit.preisach             levels density elastic*
 
 and of each `joint`, `start_angle`*, `start_torque`*, `polynomial`* (coefficients of an elastic
-torque) and `allow_uncertified`* ("true"). Lists are numbers with blanks between them; `density` has
-its rows one after the other. The name of a sensor ends in `torque`, `stiffness` or `energy`, which
-is what it measures.
+torque), `angle_range`* (outside which the torque is held) and `allow_uncertified`* ("true"). Lists
+are numbers with blanks between them; `density` has its rows one after the other. The name of a
+sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
 MuJoCo finds the plugin's code in the process, not in the file.

@@ -10,6 +10,7 @@ from ...errors import InputError, unknown_name
 from ..asymmetric import Asymmetric
 from ..bouc_wen import BoucWen
 from ..certificate import UncertifiedModelError
+from ..held import Held
 from ..jiles_atherton import PARAMETERS, JilesAtherton
 from ..model import HysteresisModel, State
 from ..nearest import nearest_certified
@@ -143,8 +144,9 @@ def replace_model(
     start = model.start(start_angle, start_torque)
     if not allow_uncertified:
         _require_certificate(model, start, joint)
-    inner, polynomial = _parts(model)
-    content = np.concatenate([[0.0], start.memory, inner.parameter_vector, polynomial])
+    inner, polynomial, limits = _parts(model)
+    parts = ([0.0], start.memory, inner.parameter_vector, polynomial, limits)
+    content = np.concatenate(parts)
     address, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     slot = register()[PLUGIN_NAMES[MODEL_TYPES.index(type(inner))]]  # type: ignore[arg-type]
     if mj_model.plugin[instance] != slot or content.size != size:
@@ -155,16 +157,21 @@ def replace_model(
     plugin_state[address : address + size] = content
 
 
-def _parts(model: HysteresisModel) -> tuple[HysteresisModel, NDArray[np.float64]]:
-    """Returns the model without its polynomial, and the polynomial's coefficients."""
+def _parts(
+    model: HysteresisModel,
+) -> tuple[HysteresisModel, NDArray[np.float64], NDArray[np.float64]]:
+    """Returns the bare model, the coefficients of a polynomial, the range it is held outside."""
+    polynomial, limits = np.empty(0), np.empty(0)
     if isinstance(model, Asymmetric):
-        return model.model, np.array(model.polynomial)
-    return model, np.empty(0)
+        model, polynomial = model.model, np.array(model.polynomial)
+    if isinstance(model, Held):
+        model, limits = model.model, np.array(model.angle_range)
+    return model, polynomial, limits
 
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    model, polynomial = _parts(model)
+    model, polynomial, limits = _parts(model)
     kind = next(i for i, known in enumerate(MODEL_TYPES) if type(model) is known)
     if isinstance(model, JilesAtherton):
         config = {name: repr(getattr(model, name)) for name in PARAMETERS}
@@ -184,6 +191,8 @@ def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
         config["elastic"] = _words(model.elastic)
     if polynomial.size:
         config["polynomial"] = _words(polynomial.tolist())
+    if limits.size:
+        config["angle_range"] = _words(limits.tolist())
     return PLUGIN_NAMES[kind], config
 
 

@@ -39,6 +39,14 @@ def angle_of(m, d, joint, at):
     return doubles(pointer_at(d + at.d_qpos), qpos + 1)[qpos]
 
 
+@njit(inline="always")
+def within(limits, angle):
+    """Returns the angle, or the nearest in the range outside which the torque is held."""
+    if limits.size == 0 or math.isnan(angle):
+        return angle
+    return min(max(angle, limits[0]), limits[1])
+
+
 @njit(cache=True)
 def reached(kind, p, memory, fault, angle):
     """Returns angle, torque and loss at a trial angle; those of the memory if it has no torque."""
@@ -58,9 +66,13 @@ def evaluate(m, d, instance, capability, at):
         return
     kind, joint = kind_of(wires), joint_of(wires)
     address, size = address_of(m, d, instance, at)
-    fault, memory, p, polynomial = parts(wires, address, size)
-    angle, torque, loss = reached(kind, p, memory, fault[0], angle_of(m, d, joint, at))
-    total = torque + value_of(polynomial, angle)
+    fault, memory, p, polynomial, limits = parts(wires, address, size)
+    position = angle_of(m, d, joint, at)
+    inside = within(limits, position)
+    angle, torque, loss = reached(kind, p, memory, fault[0], inside)
+    if angle != inside:  # there is no torque at the position
+        position = angle
+    total = torque + value_of(polynomial, position)
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
     if capability == at.passive:
         doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= total
@@ -72,8 +84,9 @@ def evaluate(m, d, instance, capability, at):
     if sensor_of(wires, STIFFNESS_SENSOR) >= 0:
         velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
         delta = math.copysign(1.0, velocity)
-        slope = models.stiffness(kind, p, memory, angle, torque, delta)
-        slope += slope_of(polynomial, angle)
+        slope = slope_of(polynomial, position)
+        if limits.size == 0 or limits[0] < position < limits[1]:
+            slope += models.stiffness(kind, p, memory, angle, torque, delta)
         write_sensor(m, d, sensor_of(wires, STIFFNESS_SENSOR), slope, at)
     if sensor_of(wires, ENERGY_SENSOR) >= 0:
         lost = models.dissipated(kind, p, memory, angle, torque, loss)
@@ -93,8 +106,8 @@ def advance_memory(m, d, instance, at):
     wires = wires_of(d, instance, at)
     kind = kind_of(wires)
     address, size = address_of(m, d, instance, at)
-    fault, memory, p, _ = parts(wires, address, size)
-    angle = angle_of(m, d, joint_of(wires), at)
+    fault, memory, p, _, limits = parts(wires, address, size)
+    angle = within(limits, angle_of(m, d, joint_of(wires), at))
     if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):
         return
     if not models.is_sound(kind, p) or math.isnan(models.commit(kind, p, memory, angle)):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
+from .._jiles_atherton_kernels import LAG
 from ._faults import (
     FAR_START,
     FINE,
@@ -15,6 +16,7 @@ from ._faults import (
     NO_JOINT,
     NO_START,
     NUMBERS,
+    RANGE,
     REASONS,
     SENSOR_NAME,
     SENSOR_TWICE,
@@ -27,6 +29,7 @@ from ._faults import (
 from ._memory import doubles, int32_at, name2id, pointer_at
 from ._models import (
     ALLOW,
+    ANGLE_RANGE,
     BOUC_WEN,
     JILES_ATHERTON,
     JOINT,
@@ -36,12 +39,14 @@ from ._models import (
     START_ANGLE,
     START_TORQUE,
     begin,
+    certified_in_range,
     is_certified,
 )
 from ._parameters import count_parts, read_optional, read_parameters
 from ._state import (
     BITS,
     ENERGY_SENSOR,
+    HELD_SHIFT,
     LARGEST,
     MODEL_SHIFT,
     POLYNOMIAL_LIMIT,
@@ -72,14 +77,20 @@ def model_kind(m, instance, at):
 def required_size(m, instance, at):
     """Returns how many numbers of plugin_state an instance needs."""
     kind = model_kind(m, instance, at)
-    polynomial = polynomial_size(m, instance, at)
-    return state_size(kind, count_parts(kind, m, instance, at)) + polynomial
+    more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
+    return state_size(kind, count_parts(kind, m, instance, at)) + more
 
 
 @njit(cache=True)
 def polynomial_size(m, instance, at):
     """Returns how many coefficients an instance's elastic polynomial has."""
     return min(count_words(config(m, instance, POLYNOMIAL, at)), POLYNOMIAL_LIMIT)
+
+
+@njit(cache=True)
+def is_held(m, instance, at):
+    """Returns 1 if an instance holds its torque outside a range of angles, else 0."""
+    return 1 if count_words(config(m, instance, ANGLE_RANGE, at)) > 0 else 0
 
 
 @njit(cache=True)
@@ -105,6 +116,7 @@ def connect(m, instance, at):
         return JOINT_TYPE, 0
     wires = joint | model_kind(m, instance, at) << MODEL_SHIFT
     wires |= polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
+    wires |= is_held(m, instance, at) << HELD_SHIFT
     for i in range(pointer_at(m + at.m_nsensor)):
         ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
         if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
@@ -122,13 +134,15 @@ def connect(m, instance, at):
 def configure(m, instance, wires, address, size, at):
     """Fills the state from the config; returns a fault for `complain`, FINE if it could."""
     kind = kind_of(wires)
-    flag, memory, p, polynomial = parts(wires, address, size)
+    flag, memory, p, polynomial, limits = parts(wires, address, size)
     flag[0] = 1.0
     fault = read_parameters(kind, m, instance, p, at)
     if fault == FINE:
         fault = read_polynomial(m, instance, polynomial, at)
     if fault == FINE:
-        fault = start(kind, m, instance, joint_of(wires), memory, p, polynomial, at)
+        fault = read_range(m, instance, limits, at)
+    if fault == FINE:
+        fault = start(kind, m, instance, joint_of(wires), memory, p, polynomial, limits, at)
     flag[0] = fault != FINE
     return fault
 
@@ -143,7 +157,16 @@ def read_polynomial(m, instance, polynomial, at):
 
 
 @njit(cache=True)
-def start(kind, m, instance, joint, memory, p, polynomial, at):
+def read_range(m, instance, limits, at):
+    """Reads lowest and highest angle, if the torque is held outside a range."""
+    if limits.size == 0:
+        return FINE
+    count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)
+    return FINE if count == 2 and limits[0] < limits[1] else RANGE + REASONS * ANGLE_RANGE
+
+
+@njit(cache=True)
+def start(kind, m, instance, joint, memory, p, polynomial, limits, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
     Refuses parameters without a certificate, and starts outside it, unless told otherwise.
@@ -160,12 +183,19 @@ def start(kind, m, instance, joint, memory, p, polynomial, at):
     allowed = equals(flag, b"true")
     if not (allowed or equals(flag, b"false") or length(flag) == 0):
         return FLAG + REASONS * ALLOW
-    if not (allowed or is_certified(kind, p)):
+    certified, reach = is_certified(kind, p), math.inf
+    if limits.size > 0:
+        certified, reach = certified_in_range(kind, p, limits[0], limits[1])
+    if not (allowed or certified):
         return UNCERTIFIED
-    angle, torque = at_start
-    inside = begin(kind, p, memory, angle, torque - value_of(polynomial, angle))
+    angle, torque = at_start[0], at_start[1] - value_of(polynomial, at_start[0])
+    if limits.size > 0:
+        angle = min(max(angle, limits[0]), limits[1])
+    inside = begin(kind, p, memory, angle, torque)
     if math.isnan(inside):
         return NO_START
+    if reach < math.inf:
+        inside = reach - abs(memory[LAG])
     return FINE if allowed or inside >= 0 else FAR_START
 
 

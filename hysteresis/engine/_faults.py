@@ -37,7 +37,8 @@ REASONS = 32
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(25)
+    RANGE,
+) = range(26)
 
 
 @njit(cache=True)
@@ -97,6 +98,8 @@ def reason_for(sentence, n, reason):  # noqa: PLR0912 (one branch a sentence)
         return add(sentence, n, b"use bulk, original, derivative or jiles-1992")
     if reason == CLAMP:
         return add(sentence, n, b"use none, jiles or irreversible")
+    if reason == RANGE:
+        return add(sentence, n, b"give lowest and highest angle, two ascending numbers")
     if reason == FLAG:
         return add(sentence, n, b"use true or false")
     return reason_without_key(sentence, n, reason)

@@ -1,12 +1,16 @@
 """The models that the engine knows: their plugin names, config keys and kernels, by number."""
 
+import math
+
 from numba import njit
 
 from .. import _bouc_wen_kernels as bouc_wen
 from .. import _jiles_atherton_kernels as jiles_atherton
 from .. import _prandtl_ishlinskii_kernels as prandtl_ishlinskii
 from .. import _preisach_kernels as preisach
+from .._jiles_atherton_envelope import margin_in_range
 from .._preisach_tables import parameter_size
+from ..certificate import ROUNDING
 
 JILES_ATHERTON, BOUC_WEN, PRANDTL_ISHLINSKII, PREISACH = range(4)
 PLUGIN_NAMES = (
@@ -17,8 +21,15 @@ PLUGIN_NAMES = (
 )
 
 # Config keys in the order in which MuJoCo stores their values: those of every model, then its own.
-COMMON_KEYS = ("joint", "start_angle", "start_torque", "polynomial", "allow_uncertified")
-JOINT, START_ANGLE, START_TORQUE, POLYNOMIAL, ALLOW, FIRST_KEY = range(6)
+COMMON_KEYS = (
+    "joint",
+    "start_angle",
+    "start_torque",
+    "polynomial",
+    "angle_range",
+    "allow_uncertified",
+)
+JOINT, START_ANGLE, START_TORQUE, POLYNOMIAL, ANGLE_RANGE, ALLOW, FIRST_KEY = range(7)
 OWN_KEYS = (
     ("Ms", "a", "alpha", "c", "k", "angle_unit", "form", "clamp"),
     ("elastic", "hysteretic", "A", "beta", "gamma", "n", "rest_angle"),
@@ -111,6 +122,19 @@ def is_certified(kind, p):
     if kind == PRANDTL_ISHLINSKII:
         return prandtl_ishlinskii.is_certified(p)
     return preisach.is_certified(p)
+
+
+@njit(cache=True)
+def certified_in_range(kind, p, low, high):
+    """Returns whether a model held outside a range is certified, and how far its start may be off.
+
+    The distance is that from the torque at rest; it is infinite where `begin` alone decides.
+    """
+    if kind != JILES_ATHERTON or jiles_atherton.is_certified(p):
+        return is_certified(kind, p), math.inf
+    Ms, a, alpha, c, k = p[:5]
+    margin, start, _ = margin_in_range(low, high, Ms, a, alpha, c, k)
+    return jiles_atherton.is_exact(p) and c >= 1 and margin > ROUNDING, start
 
 
 @njit(cache=True)

@@ -1,10 +1,10 @@
 """Where an instance keeps what it needs.
 
-`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians) and the
-elastic polynomial. They are saved, copied and batched with the rest of the state, and may differ
-between simulations. `mjData.plugin_data` holds what follows from the model: which hysteresis model
-it is, the joint and the sensors, by number. A state may be set on any MuJoCo model; these numbers
-always fit the one at hand, and so do the sizes, which come from mjModel.
+`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians), the elastic
+polynomial and the range. They are saved, copied and batched with the rest of the state, and may
+differ between simulations. `mjData.plugin_data` holds what follows from the model: which hysteresis
+model it is, the joint and the sensors, by number. A state may be set on any MuJoCo model; these
+numbers always fit the one at hand, and so do the sizes, which come from mjModel.
 """
 
 from numba import njit
@@ -15,16 +15,16 @@ from ._models import PRANDTL_ISHLINSKII, sizes
 FAULT, MEMORY = 0, 1
 POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
 
-# Four numbers of 14 bits, then the model (2 bits) and the length of the polynomial, in one
-# pointer-sized word. Sensors count from 1; 0 is none.
+# Four numbers of 14 bits, the model (2 bits), the length of the polynomial (3) and whether the
+# torque is held outside a range (1) in one pointer-sized word. Sensors count from 1; 0 is none.
 BITS, LARGEST = 14, 2**14 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
-MODEL_SHIFT, POLYNOMIAL_SHIFT = 4 * BITS, 4 * BITS + 2
+MODEL_SHIFT, POLYNOMIAL_SHIFT, HELD_SHIFT = 4 * BITS, 4 * BITS + 2, 4 * BITS + 5
 
 
 @njit(cache=True)
 def state_size(kind, count):
-    """Returns how many numbers an instance keeps in plugin_state, without polynomial."""
+    """Returns how many numbers an instance keeps in plugin_state, without polynomial and range."""
     memory, parameters = sizes(kind, count)
     return MEMORY + memory + parameters
 
@@ -56,9 +56,10 @@ def address_of(m, d, instance, at):
 
 @njit(inline="always")
 def parts(wires, address, size):
-    """Returns views of the parts of a state: fault flag, memory, parameters, polynomial."""
-    kind, polynomial = kind_of(wires), wires >> POLYNOMIAL_SHIFT
-    memory, parameters = sizes(kind, count_in(kind, size - polynomial))
+    """Returns views of the parts of a state: fault flag, memory, parameters, polynomial, range."""
+    kind, polynomial = kind_of(wires), (wires >> POLYNOMIAL_SHIFT) & 7
+    limits = 2 * (wires >> HELD_SHIFT)
+    memory, parameters = sizes(kind, count_in(kind, size - polynomial - limits))
     start = address + 8 * MEMORY
     end = start + 8 * (memory + parameters)
     return (
@@ -66,6 +67,7 @@ def parts(wires, address, size):
         doubles(start, memory),
         doubles(start + 8 * memory, parameters),
         doubles(end, polynomial),
+        doubles(end + 8 * polynomial, limits),
     )
 
 

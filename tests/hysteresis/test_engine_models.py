@@ -10,6 +10,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
+    Held,
     JilesAtherton,
     PrandtlIshlinskii,
     Preisach,
@@ -40,6 +41,10 @@ MODELS = {
         stiffness=9, thresholds=[0.05, 0.2], weights=[-3, -2], operator="play"
     ),
     "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
+    "held": Held(model=ELBOW, angle_range=(-0.4, 0.6)),
+    "held, asymmetric": Asymmetric(
+        model=Held(model=ELBOW, angle_range=(-0.4, 0.6)), polynomial=[0, 1, 2]
+    ),
 }
 
 

@@ -10,6 +10,7 @@ from activesuit.hysteresis import (
     MODELS,
     Asymmetric,
     BoucWen,
+    Held,
     JilesAtherton,
     PrandtlIshlinskii,
     Preisach,
@@ -42,6 +43,7 @@ EXAMPLES = {
     "prandtl-ishlinskii": PrandtlIshlinskii(
         stiffness=1.5, thresholds=[0.05, 0.2, 0.7], weights=[6, 4, 2], rest_angle=0.3
     ),
+    "held": Held(model=jiles_atherton(), angle_range=(-5.0, 5.0)),
     "asymmetric": Asymmetric(model=jiles_atherton(), polynomial=[0.3, -0.5, 0.8]),
 }
 

@@ -1,0 +1,80 @@
+"""Models that hold their torque outside a range, and what that makes safe."""
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import Asymmetric, Held, UncertifiedModelError
+from activesuit.hysteresis.engine import attach
+from helpers import sweep
+
+RANGE = (0.35, 1.22)
+
+
+@pytest.fixture
+def held(shoulder):
+    return Held(model=shoulder, angle_range=RANGE)
+
+
+def test_it_is_the_model_inside_and_constant_outside(held, shoulder):
+    inside = sweep(0.4, 1.2, 0.5, 1.1)
+    np.testing.assert_array_equal(held.response(inside), shoulder.response(inside))
+    torque = held.response([0.35, 1.22, 1.5, 2.0, 1.3, 1.22, 0.9])
+    assert torque[1] == torque[2] == torque[3] == torque[4] == torque[5] > torque[6]
+    assert held.tangent(held.start(2.0), 1) == held.tangent(held.start(2.0), -1) == 0
+    assert held.tangent(held.start(1.22), 1) == 0
+    assert held.tangent(held.start(1.22), -1) > 0
+
+
+def test_the_published_shoulder_is_safe_when_held(held, shoulder):
+    assert not shoulder.certificate().certified
+    certificate = held.certificate()
+    assert certificate.certified
+    assert certificate.dissipative
+    assert certificate.angle_range == (-np.inf, np.inf)
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        torque = held.response(rng.normal(0.8, 1.5, 40))
+        assert np.abs(torque).max() <= certificate.torque_bound
+
+
+def test_energy_balances_across_the_ends(held):
+    angle = np.concatenate([sweep(0.5, 1.6, 0.1, 0.9, samples=20_000)])
+    work = np.trapezoid(held.response(angle), angle)
+    first = state = held.start(0.5)
+    for target in (1.6, 0.1, 0.9):
+        state, _ = held.step(state, target)
+    change = np.subtract(held.energy(state), held.energy(first)).sum()
+    assert change == pytest.approx(work, rel=1e-5)
+
+
+def test_the_engine_accepts_it(held, shoulder):
+    text = '<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody></mujoco>'
+    with pytest.raises(UncertifiedModelError):
+        attach(mujoco.MjSpec.from_string(text), "j", shoulder, start_angle=0.35)
+    spec = mujoco.MjSpec.from_string(text)
+    attach(spec, "j", held, start_angle=0.35)
+    compiled = spec.compile()
+    compiled.opt.gravity[:] = 0
+    data = mujoco.MjData(compiled)
+    angles = [0.35, 1.5, 0.0, 3.0, 1.0, 0.5]
+    for angle, expected in zip(angles[1:], held.response(angles)[1:], strict=True):
+        data.qpos[0], data.qvel[0] = angle, 0
+        mujoco.mj_forward(compiled, data)
+        assert data.sensor("j_suit_torque").data[0] == pytest.approx(-expected, rel=1e-3)
+        mujoco.mj_step(compiled, data)
+    with pytest.raises(UncertifiedModelError, match="start of joint 'j'"):
+        attach(mujoco.MjSpec.from_string(text), "j", held, start_angle=0.35, start_torque=9.0)
+
+
+@pytest.mark.parametrize("bad", [(1, 0), (0, np.inf), (0, np.nan), 3, (0.5, 0.5)])
+def test_bad_ranges(shoulder, bad):
+    with pytest.raises(InputError, match="angle_range is"):
+        Held(model=shoulder, angle_range=bad)
+
+
+def test_bad_models(held):
+    asymmetric = Asymmetric(model=held, polynomial=[0, 1])
+    for model in (held, asymmetric, "shoulder"):
+        with pytest.raises(InputError, match="give one hysteresis model, not held or asymmetric"):
+            Held(model=model, angle_range=(0, 1))
