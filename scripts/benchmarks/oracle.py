@@ -13,6 +13,7 @@ from ...hysteresis import (
     TABLE_2,
     Asymmetric,
     BoucWen,
+    Held,
     HysteresisModel,
     PrandtlIshlinskii,
     Preisach,
@@ -66,6 +67,7 @@ def cases() -> list[Case]:
     plays = PrandtlIshlinskii(
         stiffness=12, thresholds=thresholds, weights=[-5, -3, -2], operator="play", rest_angle=0.2
     )
+    held = Held(model=TABLE_2["elbow-sa-pso"], angle_range=(0.7, 1.3))
     bent = Asymmetric(model=TABLE_2["elbow-sa-pso"], polynomial=[0.3, -0.5, 0.8])
     yields = {"elastic": 3, "hysteretic": 9, "beta": 4, "rest_angle": 0.1}
     around_zero = {"low": -1.0, "high": 1.0}
@@ -87,6 +89,7 @@ def cases() -> list[Case]:
             **around_zero,
             start_torque=(plays.stiffness + sum(plays.weights)) * at_rest,
         ),
+        Case(name="held, elbow-sa-pso", model=held, low=0.52, high=1.57),
         Case(name="asymmetric, elbow-sa-pso", model=bent, low=0.52, high=1.57),
     ]
 

@@ -12,7 +12,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...hysteresis import Asymmetric, BoucWen, JilesAtherton, PrandtlIshlinskii, Preisach
+from ...hysteresis import (
+    Asymmetric,
+    BoucWen,
+    Held,
+    JilesAtherton,
+    PrandtlIshlinskii,
+    Preisach,
+)
 from ...hysteresis.model import Array, HysteresisModel
 
 FIELD_STEP = 0.05  # of the Runge-Kutta steps of Jiles-Atherton, in degrees
@@ -275,11 +282,33 @@ class AsymmetricTwin(Twin):
         return self.inner.knots(end)
 
 
+class HeldTwin(Twin):
+    """Another twin that is asked for no angle outside a range."""
+
+    def __init__(self, model: Held, angles: Array, torque: float) -> None:
+        super().__init__(angles[0], torque)
+        self.range = model.angle_range
+        self.inner = twin_of(model.model, np.clip(angles, *self.range), torque)
+
+    def _torque_after(self, angle: float) -> float:
+        return self.inner.move(float(np.clip(angle, *self.range)))
+
+    def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        inside = self.range[0] < angle < self.range[1]
+        return self.inner.slope(angle, torque, delta) if inside else 0.0
+
+    def knots(self, end: float) -> list[float]:
+        """Returns the ends of the range and the angles [rad] of the inner twin."""
+        return [*self.range, *self.inner.knots(end)]
+
+
 TWINS: dict[type[HysteresisModel], Callable[..., Twin]] = {
     JilesAtherton: JilesAthertonTwin,
     BoucWen: BoucWenTwin,
     PrandtlIshlinskii: PrandtlIshlinskiiTwin,
     Preisach: PreisachTwin,
+    Held: HeldTwin,
     Asymmetric: AsymmetricTwin,
 }
 
