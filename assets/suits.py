@@ -41,6 +41,7 @@ class SuitJoint(_Strict):
         angle_unit: unit of a, alpha and k.
         range: angles [rad] in which the model was identified or is meant to be used.
         start_angle: where the memory begins [rad], with zero torque.
+        held: whether the torque is held outside `range`; some models are safe inside only.
         grade: published (printed in a paper), identified (fitted to curves) or assumed.
         source: where the numbers come from, in words.
         data_sha256: hash of the curve file, if identified.
@@ -53,6 +54,7 @@ class SuitJoint(_Strict):
     angle_unit: Literal["rad", "deg"]
     range: tuple[FiniteFloat, FiniteFloat]
     start_angle: FiniteFloat
+    held: bool = False
     grade: Grade
     source: str
     data_sha256: str | None = None

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import mujoco
 
-from ..assets import SCENE, Suit, load_suit
+from ..assets import SCENE, Suit, SuitJoint, load_suit
 from ..errors import InputError, unknown_name
-from ..hysteresis import JilesAtherton
+from ..hysteresis import Held, HysteresisModel, JilesAtherton
 from ..hysteresis.engine import attach
 
 GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62, "microgravity": 0.0}  # m/s^2
@@ -58,16 +58,18 @@ def compose(config: ArmConfig) -> mujoco.MjModel:
     return spec.compile()
 
 
-def joint_models(suit: Suit) -> dict[str, JilesAtherton]:
+def joint_models(suit: Suit) -> dict[str, HysteresisModel]:
     """Returns the hysteresis model of each joint that a suit resists."""
-    return {
-        joint: JilesAtherton(
-            **entry.parameters.model_dump(),
-            angle_unit=entry.angle_unit,
-            allow_active=entry.parameters.c < 1,
-        )
-        for joint, entry in suit.joints.items()
-    }
+    return {joint: _joint_model(entry) for joint, entry in suit.joints.items()}
+
+
+def _joint_model(entry: SuitJoint) -> HysteresisModel:
+    model = JilesAtherton(
+        **entry.parameters.model_dump(),
+        angle_unit=entry.angle_unit,
+        allow_active=entry.parameters.c < 1,
+    )
+    return Held(model=model, angle_range=entry.range) if entry.held else model
 
 
 def bare_arm(gravity: str) -> mujoco.MjModel:

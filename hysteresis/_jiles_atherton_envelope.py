@@ -20,7 +20,8 @@ from numba import njit
 from ._jiles_atherton_bulk import certificate, step_field
 from ._langevin import langevin
 
-CELL = 0.005  # of min(a, k)
+CELL = 0.02  # of min(a, k)
+MAX_LANGEVIN_2ND_DERIVATIVE = 0.106  # max |L''|, near |x| = 1.37
 CELLS_LIMIT = 1_000_000
 BISECTIONS = 200
 
@@ -54,7 +55,7 @@ def run(low, high, start, Ms, a, alpha, c, k):
         man1, slope1 = Ms * L, chi * dL
         U1 = max(start, step_field(dx, U, man, slope, man1, slope1, c, 1 / k))
         steepest = chi / 3 if x < 0 < x + dx else max(slope, slope1)
-        inside = max(U, U1) + dx * (c - 1) * steepest  # whatever U does within the cell
+        inside = max(U, U1) + between(dx, U, U1, steepest, Ms, a, c, k)
         highest, lowest = c * steepest + inside / k, c * min(slope, slope1) - inside / k
         worst = max(worst, alpha * highest, alpha * lowest)
         largest = max(largest, inside)
@@ -62,6 +63,14 @@ def run(low, high, start, Ms, a, alpha, c, k):
         if worst >= 1 or x - alpha * (man + U) >= high:
             return worst, largest
     return math.inf, largest
+
+
+@njit(inline="always", error_model="numpy")
+def between(dx, U, U1, steepest, Ms, a, c, k):
+    """Returns by how much U can exceed both its ends within a cell: dx^2 / 8 max |U''|."""
+    source = (c - 1) * steepest  # (c-1) Man', which is what U' is less U / k
+    bend = (c - 1) * MAX_LANGEVIN_2ND_DERIVATIVE * Ms / (a * a)
+    return dx * dx / 8 * (bend + (source + (max(U, U1) + dx * source) / k) / k)
 
 
 @njit(cache=True, error_model="numpy")

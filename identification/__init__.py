@@ -1,19 +1,28 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
+from .baselines import BASELINES
 from .certified import certified_fit
 from .curves import Curve, load_curves, save_curves
 from .direct import fit_prandtl_ishlinskii, fit_preisach
-from .identify import Fit, Trial, identify
-from .mpso import mpso
+from .identify import Fit, Trial, bare, identify
+from .mpso import MPSO, mpso
 from .objective import CurveObjective
-from .pso import pso
-from .sa_pso import sa_pso
+from .pso import KAO_FUNG, PSO, pso
+from .rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
+from .sa_pso import SAPSO, sa_pso
 
 __all__ = [
+    "BASELINES",
+    "KAO_FUNG",
+    "MPSO",
+    "PSO",
+    "SAPSO",
     "Curve",
     "CurveObjective",
     "Fit",
+    "RankDistanceMPSO",
     "Trial",
+    "bare",
     "certified_fit",
     "fit_prandtl_ishlinskii",
     "fit_preisach",
@@ -21,6 +30,7 @@ __all__ = [
     "load_curves",
     "mpso",
     "pso",
+    "rank_distance_mpso",
     "sa_pso",
     "save_curves",
 ]

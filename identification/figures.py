@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..hysteresis import JilesAtherton, PoleError
+from ..hysteresis import HysteresisModel, PoleError
 from .curves import Curve
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
@@ -13,7 +13,7 @@ STYLES = ("-", "--", ":", "-.")
 
 
 def loops_figure(
-    families: Mapping[str, Sequence[Curve]], models: Mapping[str, Mapping[str, JilesAtherton]]
+    families: Mapping[str, Sequence[Curve]], models: Mapping[str, Mapping[str, HysteresisModel]]
 ) -> Figure:
     """Draws the measured loops of each joint and what each model makes of them.
 
@@ -37,7 +37,7 @@ def loops_figure(
     return figure
 
 
-def _draw_loops(ax, curves: Sequence[Curve], models: Mapping[str, JilesAtherton]) -> None:
+def _draw_loops(ax, curves: Sequence[Curve], models: Mapping[str, HysteresisModel]) -> None:
     for i, curve in enumerate(curves):
         ax.plot(
             curve.angle,

@@ -10,19 +10,27 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from ..errors import InputError, at_least, unknown_name
-from ..hysteresis import JilesAtherton
+from ..hysteresis import Held, JilesAtherton
+from .baselines import BASELINES
 from .certified import certified_fit
 from .curves import Curve
 from .mpso import mpso
 from .objective import CurveObjective
 from .pso import pso
+from .rank_distance_mpso import rank_distance_mpso
 from .remarks import remarks
 from .sa_pso import sa_pso
 
 # Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
 PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))
-SWARMS = {"pso": pso, "sa-pso": sa_pso, "mpso": mpso}
-METHODS = ("certified", *SWARMS)
+SWARMS = {
+    "pso": pso,
+    "sa-pso": sa_pso,
+    "mpso": mpso,
+    "rank-distance-mpso": rank_distance_mpso,
+}
+METHODS = ("certified", *SWARMS, *BASELINES)
+BASELINE_EVALUATIONS = 5000  # as many as the paper's swarms
 FEWEST_SAMPLES = 10  # for five parameters
 MODELS = ("jiles-atherton",)
 
@@ -34,6 +42,7 @@ class Trial:
     Attributes:
         index: its number, which fixes its random numbers.
         parameters: Ms, a, alpha, c, k in degrees.
+        held: the range [rad] outside which the certified fit needs its torque held, if any.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         evaluations: how often the model was evaluated on all curves.
         history: best score so far, per iteration (eq. (7) for the swarms, NRMSE for "certified").
@@ -41,6 +50,7 @@ class Trial:
 
     index: int
     parameters: tuple[float, ...]
+    held: tuple[float, float] | None = None
     nrmse: float
     evaluations: int
     history: tuple[float, ...] = field(repr=False)
@@ -51,7 +61,7 @@ class Fit:
     """What `identify` found.
 
     Attributes:
-        model: the best trial's model.
+        model: the best trial's model, held outside the fitted angles if it is safe inside only.
         method: the name it was found by.
         fitness: eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
@@ -62,7 +72,7 @@ class Fit:
         interrupted: whether Ctrl-C ended it before all trials were done.
     """
 
-    model: JilesAtherton
+    model: JilesAtherton | Held
     method: str
     fitness: float
     nrmse: float
@@ -96,14 +106,17 @@ def identify(
     Args:
         curves: the measurements; those with role "predict" are kept out of the fit and tested.
         model: "jiles-atherton".
-        method: "certified" (ours: least squares, can only return certified models), or a swarm as
-            published: "pso", "sa-pso", "mpso", on the paper's Table 1 bounds.
+        method: "certified" (ours: least squares, can only return certified models); a swarm as
+            published: "pso", "sa-pso", "mpso", "rank-distance-mpso"; or a baseline of other
+            libraries: "de", "dual-annealing", "nelder-mead", "ga", "cma-es" (the last two need the
+            extra `compare`). All but ours search the bounds of the paper's Table 1.
         trials: number of runs from different random numbers; by default 1 for "certified" and 30,
-            as in the paper, for a swarm.
+            as in the paper, for the others.
         seed: fixes all random numbers.
         workers: threads; -1 uses all cores.
         on_trial: called with each trial as it finishes, in any order.
-        **options: passed to the method (`swarm_size`, `temperature`, `budget`, ...).
+        **options: passed to the method (`swarm_size`, `temperature`, `budget`,
+            `max_evaluations`, ...).
 
     Raises:
         InputError: unknown model or method, no curve to fit, or a number out of its range.
@@ -145,6 +158,11 @@ def identify(
     return _best(curves, method, finished, interrupted)
 
 
+def bare(model: JilesAtherton | Held) -> JilesAtherton:
+    """Returns the Jiles-Atherton model inside a fitted one."""
+    return cast(JilesAtherton, model.model) if isinstance(model, Held) else model
+
+
 def paper_model(parameters: Sequence[float] | NDArray[np.float64]) -> JilesAtherton:
     """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
     Ms, a, alpha, c, k = (float(value) for value in parameters)
@@ -162,13 +180,20 @@ def _run_trial(
     if method == "certified":
         fit = certified_fit(curves, rng=rng, **options)
         parameters, evaluations, history = fit.parameters, fit.evaluations, fit.history
+        held = fit.held
     else:
+        held = None
         objective = CurveObjective(curves)
-        result = SWARMS[method](objective, PAPER_BOUNDS, rng=rng, **options)
+        if method in SWARMS:
+            result = SWARMS[method](objective, PAPER_BOUNDS, rng=rng, **options)
+        else:
+            options = {"max_evaluations": BASELINE_EVALUATIONS, **options}
+            result = BASELINES[method](objective, PAPER_BOUNDS, rng=rng, **options)
         parameters, evaluations, history = result.x, objective.evaluations, result.history
     return Trial(
         index=index,
         parameters=tuple(map(float, parameters)),
+        held=held,
         nrmse=float(CurveObjective(curves).nrmse(parameters)[0]),
         evaluations=evaluations,
         history=tuple(map(float, history)),
@@ -187,7 +212,7 @@ def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted
     model = paper_model(best.parameters)
     bounds = None if method == "certified" else PAPER_BOUNDS
     return Fit(
-        model=model,
+        model=Held(model=model, angle_range=best.held) if best.held else model,
         method=method,
         fitness=float(CurveObjective(measured)(best.parameters)[0]),
         nrmse=best.nrmse,

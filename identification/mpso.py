@@ -1,14 +1,13 @@
 """MPSO: the swarm with scheduled learning factors (Li et al. 2022, section 5.1)."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import OptimizeResult
 
-from ._swarm import Callback, Objective, run_swarm
+from ._swarm import Bounds, Callback, Objective, Swarm
+from .pso import LINEAR_RANGE, linear_inertia
 
-INERTIA_MAX, INERTIA_MIN = 0.9, 0.4
 COGNITIVE_FIRST, COGNITIVE_LAST = 2.5, 1.3
 SOCIAL_FIRST, SOCIAL_LAST = 0.5, 1.7
 
@@ -19,17 +18,25 @@ def scheduled_coefficients(iteration: int, iterations: int) -> tuple[float, floa
     The "A" of eq. (14) is read as the inertia Lambda(n) of eq. (13): only then do its limits mean
     anything, and c1, c2 run from (2.5, 0.5) to exactly (1.3, 1.7).
     """
-    inertia = INERTIA_MAX - (INERTIA_MAX - INERTIA_MIN) * iteration / iterations
-    relative = (inertia - INERTIA_MIN) / (INERTIA_MAX - INERTIA_MIN)
+    first, last = LINEAR_RANGE
+    inertia = linear_inertia(iteration, iterations)
+    relative = (inertia - last) / (first - last)
     share = math.exp(-70 * relative**6)
     cognitive = COGNITIVE_FIRST - (COGNITIVE_FIRST - COGNITIVE_LAST) * share
     social = SOCIAL_FIRST - (SOCIAL_FIRST - SOCIAL_LAST) * share
     return inertia, cognitive, social
 
 
+class MPSO(Swarm):
+    """MPSO as an ask/tell core; arguments and errors are those of `Swarm`."""
+
+    def _coefficients(self) -> tuple[float, float, float]:
+        return scheduled_coefficients(self.iteration, self._max_iterations)
+
+
 def mpso(
     objective: Objective,
-    bounds: Sequence[tuple[float, float]],
+    bounds: Bounds,
     *,
     swarm_size: int = 50,
     max_iterations: int = 100,
@@ -40,16 +47,15 @@ def mpso(
 ) -> OptimizeResult:
     """Minimizes with MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm.
 
-    Arguments, result and errors are those of `pso`.
+    Arguments, result and errors are those of `pso`. `MPSO` is the same as an ask/tell core that can
+    be saved and resumed.
     """
-    return run_swarm(
-        objective,
+    swarm = MPSO(
         bounds,
-        coefficients=scheduled_coefficients,
         swarm_size=swarm_size,
         max_iterations=max_iterations,
         velocity_limit=velocity_limit,
         target=target,
         rng=rng,
-        callback=callback,
     )
+    return swarm.minimize(objective, callback)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..hysteresis import JilesAtherton
-from .certified import EXCESS, SHAPE, STEEPNESS, noise_floor
+from .certified import EXCESS, MARGIN, SHAPE, angle_range, noise_floor
 from .curves import Curve
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
@@ -46,7 +46,24 @@ def remarks(
     if not any(_turns_back(curve) for curve in curves):
         found.append("no curve turns back, so the loss parameter k is a guess: measure the return")
     found += _limits(model.in_unit("deg"), bounds)
+    if bounds is None:
+        found += _safety(model, angle_range(curves))
     return tuple(found)
+
+
+def _safety(model: JilesAtherton, fitted: tuple[float, float]) -> list[str]:
+    if model.certificate().certified:
+        return []
+    low, high = fitted
+    found = [
+        f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is held outside, "
+        "since curves that reach farther might show more"
+    ]
+    if model.certificate(fitted).margin <= MARGIN + NEAR:
+        found.append(
+            "the fit ended at the limit of the certificate: a model that is not safe may fit better"
+        )
+    return found
 
 
 def _turns_back(curve: Curve) -> bool:
@@ -68,8 +85,4 @@ def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) 
         for limit in pair
         if abs(values[name] - limit) <= NEAR * max(1.0, abs(limit))
     ]
-    if not bounds and model.certificate().margin <= 1 - STEEPNESS[1] + NEAR:
-        found.append(
-            "the fit ended at the limit of the certificate: a model that is not safe may fit better"
-        )
     return found

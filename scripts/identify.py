@@ -8,8 +8,9 @@ import tyro
 
 from ..assets import Suit, load_suit, save_suit
 from ..errors import InputError
+from ..hysteresis import Held
 from ..hysteresis.jiles_atherton import PARAMETERS
-from ..identification import Fit, Trial, load_curves
+from ..identification import Fit, Trial, bare, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure
 from .output import RunFolder, progress, table, to_json
@@ -106,13 +107,14 @@ def _write(folder: RunFolder, suit: Suit, fit: Fit, seed: int) -> None:
 
 def fit_summary(fit: Fit, seed: int) -> dict:
     """Returns a fit as plain values for JSON."""
-    certificate = fit.model.certificate()
+    certificate, inner = fit.model.certificate(), bare(fit.model)
     return {
         "method": fit.method,
         "seed": seed,
         "model": "jiles-atherton",
-        "parameters": {name: getattr(fit.model, name) for name in PARAMETERS},
-        "angle_unit": fit.model.angle_unit,
+        "parameters": {name: getattr(inner, name) for name in PARAMETERS},
+        "angle_unit": inner.angle_unit,
+        "held_outside": fit.model.angle_range if isinstance(fit.model, Held) else None,
         "fitness": fit.fitness,
         "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
-from ..hysteresis import TABLE_2, JilesAtherton
-from ..identification import Curve, identify, load_curves, save_curves
+from ..hysteresis import TABLE_2, JilesAtherton, nearest_certified
+from ..identification import Curve, bare, identify, load_curves, save_curves
 from .suit_export import fitted_joint, suit_joint
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
@@ -64,7 +64,10 @@ def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
 
 
 def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
-    """Returns the entries of the joints without published data, scaled from known ones."""
+    """Returns the entries of the joints without published data, scaled from known ones.
+
+    Their ranges are assumptions too, so the identified suit takes models safe at all angles.
+    """
     return {
         joint: suit_joint(
             models[known].scaled(torque=factor),
@@ -102,7 +105,7 @@ def main(folder: Path = FOLDER) -> None:
         )
         whole = [Curve(curve.angle, curve.torque, curve.name) for curve in load_curves(path)]
         fit = identify(whole, method="certified", seed=SEED)
-        fits[name] = fit.model
+        fits[name] = nearest_certified(bare(fit.model)).model
         identified[joint] = fitted_joint(fit, whole, path, LABEL)
     (folder / "suits").mkdir(exist_ok=True)
     save_suit(

@@ -7,16 +7,18 @@ from typing import Any
 from ..assets import JOINTS, SuitJoint
 from ..assets.suits import Parameters
 from ..errors import InputError, unknown_name
-from ..hysteresis import JilesAtherton
-from ..identification import Curve, Fit
+from ..hysteresis import Held, JilesAtherton
+from ..identification import Curve, Fit, bare
 
 
-def suit_joint(model: JilesAtherton, **provenance: Any) -> SuitJoint:
+def suit_joint(model: JilesAtherton | Held, **provenance: Any) -> SuitJoint:
     """Returns the suit-file entry of a model; `provenance` fills the other fields."""
+    inner = bare(model)
     return SuitJoint(
         model="jiles-atherton",
-        parameters=Parameters(Ms=model.Ms, a=model.a, alpha=model.alpha, c=model.c, k=model.k),
-        angle_unit=model.angle_unit,
+        parameters=Parameters(Ms=inner.Ms, a=inner.a, alpha=inner.alpha, c=inner.c, k=inner.k),
+        angle_unit=inner.angle_unit,
+        held=isinstance(model, Held),
         certificate_margin=model.certificate().margin,
         **provenance,
     )

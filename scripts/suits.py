@@ -7,7 +7,8 @@ import tyro
 
 from ..assets import SuitJoint, load_suit, suit_names
 from ..envs.composition import joint_models
-from ..hysteresis import JilesAtherton, PoleError
+from ..hysteresis import Held, JilesAtherton, PoleError
+from ..identification import bare
 from .output import table, to_json
 
 
@@ -50,8 +51,8 @@ def suits(
         print(f"{joint}: {entry.source}")
 
 
-def _column(entry: SuitJoint, model: JilesAtherton) -> dict[str, str]:
-    certificate, degrees = model.certificate(), model.in_unit("deg")
+def _column(entry: SuitJoint, model: JilesAtherton | Held) -> dict[str, str]:
+    certificate, degrees = model.certificate(), bare(model).in_unit("deg")
     low, high = entry.range
     try:
         torque = f"{model.response([entry.start_angle, high])[-1]:.2f}"
@@ -65,6 +66,7 @@ def _column(entry: SuitJoint, model: JilesAtherton) -> dict[str, str]:
         "c": f"{degrees.c:.4g}",
         "k [deg]": f"{degrees.k:.4g}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
+        "outside": "held" if entry.held else "model",
         "torque at the end [N·m]": torque,
         "certificate margin": f"{certificate.margin:.3f}",
         "safe to simulate": "yes" if certificate.certified and certificate.dissipative else "NO",

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from ..envs.composition import ASSISTED
 from ..envs.evaluation import Score
-from ..identification import Fit
+from ..identification import Fit, bare
 
 Rows = tuple[list[str], list[list[str]]]
 
@@ -15,7 +15,7 @@ def parameter_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     rows = []
     for joint, methods in fits.items():
         for method, fit in methods.items():
-            model = fit.model.in_unit("deg")
+            model = bare(fit.model).in_unit("deg")
             values = (model.Ms, model.a, model.alpha, model.c, model.k)
             rows.append([joint, method, *(f"{value:.5g}" for value in values)])
     return header, rows

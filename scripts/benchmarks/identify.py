@@ -1,12 +1,34 @@
-"""Our own fit against the published one."""
+"""Our own fit against the published one, and the swarms' own time beside other libraries'."""
+
+import contextlib
+import importlib.util
+import statistics
+import tempfile
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
 
 from ...assets import curves_path
 from ...identification import certified_fit, identify, load_curves
-from .timing import Row, compare
+from ...identification.mpso import mpso
+from ...identification.pso import pso
+from ...identification.rank_distance_mpso import rank_distance_mpso
+from ...identification.sa_pso import sa_pso
+from ..output import messages
+from .timing import Row, Work, compare, seconds
+
+DIMENSIONS, POPULATION, ITERATIONS = 5, 50, 100
+BOUNDS = [(-5.12, 5.12)] * DIMENSIONS
+EVALUATIONS = POPULATION * (ITERATIONS + 1)
+OVERHEAD_LIMIT = 1.0  # us per evaluation
+SWARMS = {"PSO": pso, "SA-PSO": sa_pso, "MPSO": mpso, "rank-distance MPSO": rank_distance_mpso}
 
 
 def rows(repeats: int) -> list[Row]:
-    """Times a certified fit of the elbow against one SA-PSO trial."""
+    """Times a certified fit of the elbow against one SA-PSO trial, and every optimizer's self."""
     curves = [curve for curve in load_curves(curves_path("elbow")) if curve.role == "fit"]
     return [
         compare(
@@ -16,5 +38,136 @@ def rows(repeats: int) -> list[Row]:
             lambda: identify(curves, method="sa-pso", trials=1, workers=1),
             repeats=repeats,
             unit="ms",
-        )
+        ),
+        *swarm_rows(repeats),
     ]
+
+
+def swarm_rows(repeats: int) -> list[Row]:
+    """Times what each optimizer adds to a vectorized objective: 5-D Rastrigin, population 50."""
+    found = [
+        Row(
+            what=f"{name}: overhead beyond the objective",
+            unit="us/evaluation",
+            ours=statistics.median(_overheads(repeats, _ours(swarm))[0]),
+            limit=OVERHEAD_LIMIT,
+        )
+        for name, swarm in SWARMS.items()
+    ]
+    for name, package, other in (
+        ("pyswarms PSO", "pyswarms", _pyswarms),
+        ("SciPy differential evolution", "scipy", _scipy),
+        ("pymoo PSO", "pymoo", _pymoo),
+        ("pycma", "cma", _cma),
+    ):
+        if importlib.util.find_spec(package) is None:
+            messages.print(f"{name} is left out: the package {package} is not installed")
+            continue
+        with other() as run:
+            ours, reference = _overheads(repeats, _ours(pso), run)
+        ratios = [b / a for a, b in zip(ours, reference, strict=True)]
+        found.append(
+            Row(
+                what="PSO: overhead beyond the objective",
+                against=name,
+                unit="us/evaluation",
+                ours=statistics.median(ours),
+                reference=statistics.median(reference),
+                ratio=statistics.median(ratios),
+                lowest=min(ratios),
+                highest=max(ratios),
+            )
+        )
+    return found
+
+
+def rastrigin(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the values, (n,), of positions (n, d)."""
+    return 10 * x.shape[1] + np.sum(x * x - 10 * np.cos(2 * np.pi * x), axis=1)
+
+
+def _overheads(repeats: int, *works: Work) -> list[list[float]]:
+    """Returns each work's microseconds per evaluation, the objective's own time taken off."""
+    points = np.random.default_rng(0).uniform(-5.12, 5.12, (POPULATION, DIMENSIONS))
+
+    def objective() -> None:
+        for _ in range(ITERATIONS + 1):
+            rastrigin(points)
+
+    for work in works:
+        work()
+    found: list[list[float]] = [[] for _ in works]
+    for _ in range(repeats):
+        base = seconds(objective)
+        for work, times in zip(works, found, strict=True):
+            times.append((seconds(work) - base) / EVALUATIONS * 1e6)
+    return found
+
+
+def _ours(swarm: Callable[..., Any]) -> Work:
+    return lambda: swarm(rastrigin, BOUNDS, swarm_size=POPULATION, max_iterations=ITERATIONS, rng=0)
+
+
+@contextlib.contextmanager
+def _pyswarms() -> Iterator[Work]:
+    # It opens a log file in the current folder.
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        single = importlib.import_module("pyswarms.single")
+        low, high = np.array(BOUNDS).T
+
+        def run() -> None:
+            swarm = single.GlobalBestPSO(
+                n_particles=POPULATION,
+                dimensions=DIMENSIONS,
+                options={"c1": 2.0, "c2": 2.0, "w": 0.7},
+                bounds=(low, high),
+            )
+            swarm.optimize(rastrigin, iters=ITERATIONS + 1, verbose=False)
+
+        yield run
+
+
+@contextlib.contextmanager
+def _scipy() -> Iterator[Work]:
+    yield lambda: optimize.differential_evolution(
+        lambda columns: rastrigin(columns.T),
+        BOUNDS,
+        maxiter=ITERATIONS,
+        popsize=POPULATION // DIMENSIONS,
+        tol=0.0,
+        polish=False,
+        init="random",
+        vectorized=True,
+        updating="deferred",
+        rng=0,
+    )
+
+
+@contextlib.contextmanager
+def _pymoo() -> Iterator[Work]:
+    problems = importlib.import_module("pymoo.core.problem")
+    algorithms = importlib.import_module("pymoo.algorithms.soo.nonconvex.pso")
+    runner = importlib.import_module("pymoo.optimize")
+
+    class Rastrigin(problems.Problem):
+        def _evaluate(self, x: Any, out: dict[str, Any], *_: Any, **__: Any) -> None:
+            out["F"] = rastrigin(x)[:, np.newaxis]
+
+    problem = Rastrigin(n_var=DIMENSIONS, n_obj=1, xl=-5.12, xu=5.12)
+    yield lambda: runner.minimize(
+        problem, algorithms.PSO(pop_size=POPULATION), ("n_gen", ITERATIONS + 1), seed=0
+    )
+
+
+@contextlib.contextmanager
+def _cma() -> Iterator[Work]:
+    cma = importlib.import_module("cma")
+    options = {"bounds": [-5.12, 5.12], "popsize": POPULATION, "verbose": -9, "seed": 1}
+
+    def run() -> None:
+        strategy = cma.CMAEvolutionStrategy(np.ones(DIMENSIONS), 2.5, options)
+        for _ in range(ITERATIONS + 1):
+            asked = strategy.ask()
+            strategy.tell(asked, rastrigin(np.array(asked)).tolist())
+
+    yield run

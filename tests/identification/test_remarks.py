@@ -1,5 +1,7 @@
 """A fit that deserves doubt says so."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from activesuit.assets import curves_path
@@ -15,10 +17,16 @@ def test_a_good_fit_is_silent():
     assert identify(load_curves(curves_path("elbow"))).remarks == ()
 
 
-def test_a_limited_fit_says_what_limits_it():
+def test_a_fit_that_is_safe_in_its_range_only_says_so():
     text = said(load_curves(curves_path("shoulder")))
-    assert "a = 5000 is at the limit" in text
-    assert "limit of the certificate" in text
+    assert "safe between 0.35 and 1.22 rad only; its torque is held outside" in text
+
+
+def test_a_fit_at_the_limit_of_the_certificate_says_so(table_2):
+    # A truth just outside the certificate.
+    truth = replace(table_2["shoulder-sa-pso"], alpha=6.5)
+    angle = sweep(0.35, 1.22, 0.9, 1.22)
+    assert "limit of the certificate" in said([Curve(angle, truth.response(angle), "A")])
 
 
 def test_a_poor_fit_says_so(elbow):
