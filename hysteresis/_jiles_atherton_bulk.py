@@ -246,7 +246,8 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
     """Returns the part of the past `loss` that a motion from (H, M) could still get back.
 
     It is Willems' available storage of the irreversible part: while u opposes a return, turning
-    back gives work until u = 0, which is the best that any motion can do (docs: README, "Energy").
+    back gives work until u = 0, which is the best that any motion can do (docs/theory.md,
+    "Energy").
     """
     if c <= 1:
         return 0.0

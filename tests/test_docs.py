@@ -1,0 +1,99 @@
+"""The documentation: its examples run, its pictures come from its scripts, and the site builds."""
+
+import re
+import runpy
+import shutil
+from importlib import import_module
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = sorted(path.name for path in DOCS.glob("*.md"))
+SCRIPTS = sorted(path.stem for path in DOCS.glob("*.py"))
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder to run examples in, with the files that they read."""
+    shutil.copy(DOCS / "arm.xml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    plt.switch_backend("agg")
+    with plt.rc_context():
+        yield tmp_path
+    plt.close("all")
+
+
+def page(name):
+    return (DOCS / name).read_text(encoding="utf-8")
+
+
+def examples(name):
+    """The Python blocks of a page."""
+    return re.findall(r"^```python\n(.*?)^```$", page(name), re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.parametrize("name", [name for name in PAGES if examples(name)])
+def test_examples_of_a_page_run_in_order(name, folder):
+    names = {"__name__": "__main__"}
+    for number, block in enumerate(examples(name)):
+        exec(compile(block, f"{name}, example {number}", "exec"), names)
+
+
+def test_the_loops_page_prints_what_it_says(folder, capsys):
+    names = {}
+    for block in examples("loops.md"):
+        exec(compile(block, "loops.md", "exec"), names)
+    shown = re.search(r"```text\n(.*?)```", page("loops.md"), re.DOTALL)[1]
+    assert shown in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_scripts_draw_their_pictures(name, folder):
+    assert (DOCS / f"{name}.png").exists()
+    runpy.run_path(str(DOCS / f"{name}.py"), run_name="__main__")
+    assert (folder / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
+    assert any(f"]({name}.png)" in page(other) for other in PAGES)
+
+
+def test_three_joints_is_short_and_stands_on_its_page():
+    lines = (DOCS / "three_joints.py").read_text(encoding="utf-8").splitlines()
+    code = [line for line in lines if line.strip() and not line.lstrip().startswith(("#", '"""'))]
+    assert len(code) <= 30
+    assert "\n".join(lines) + "\n" == examples("robot.md")[0]
+
+
+def test_all_pages_are_in_the_navigation():
+    navigation = re.findall(r"^  - [^:]+: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
+    assert sorted(navigation) == PAGES
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_links_to_files_exist(name):
+    for target in re.findall(r"\]\((?!https?:|#)([^)#]+)", page(name)):
+        assert (DOCS / target).exists(), target
+
+
+@pytest.mark.parametrize("module", ["hysteresis", "hysteresis.engine", "identification", "envs"])
+def test_the_api_page_names_what_is_public(module):
+    text = page("api.md")
+    for name in import_module(f"activesuit.{module}").__all__:
+        assert re.search(rf"`(\w+\.)*{name}`", text), name
+
+
+LOADED = re.compile(r'<(?:script|link|img|iframe)[^>]*?(?:src|href)="(https?://[^"]+)"')
+
+
+def test_site_builds_without_a_warning_and_loads_nothing_from_a_network(tmp_path):
+    commands = pytest.importorskip("mkdocs.commands.build")
+    from mkdocs.config import load_config
+
+    config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(tmp_path), strict=True)
+    config.plugins.on_startup(command="build", dirty=False)
+    commands.build(config)
+    for built in tmp_path.glob("*.html"):
+        text = built.read_text(encoding="utf-8")
+        assert LOADED.findall(text) == [], built.name
+        assert "arithmatex" not in text, built.name
