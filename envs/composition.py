@@ -6,7 +6,7 @@ import mujoco
 
 from ..assets import SCENE, Suit, SuitJoint, load_suit
 from ..errors import InputError, unknown_name
-from ..hysteresis import Held, HysteresisModel, JilesAtherton
+from ..hysteresis import Held, JilesAtherton
 from ..hysteresis.engine import attach
 
 GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62, "microgravity": 0.0}  # m/s^2
@@ -58,12 +58,12 @@ def compose(config: ArmConfig) -> mujoco.MjModel:
     return spec.compile()
 
 
-def joint_models(suit: Suit) -> dict[str, HysteresisModel]:
+def joint_models(suit: Suit) -> dict[str, JilesAtherton | Held]:
     """Returns the hysteresis model of each joint that a suit resists."""
     return {joint: _joint_model(entry) for joint, entry in suit.joints.items()}
 
 
-def _joint_model(entry: SuitJoint) -> HysteresisModel:
+def _joint_model(entry: SuitJoint) -> JilesAtherton | Held:
     model = JilesAtherton(
         **entry.parameters.model_dump(),
         angle_unit=entry.angle_unit,
