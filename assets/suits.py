@@ -103,7 +103,8 @@ def load_suit(name_or_path: str | os.PathLike[str]) -> Suit:
         InputError: there is no such suit or file, or the file is not a valid suit.
     """
     text = os.fspath(name_or_path)
-    path = Path(text) if text.endswith(".json") else FOLDER / f"{text}.json"
+    is_path = text.endswith(".json") or Path(text).name != text
+    path = Path(text) if is_path else FOLDER / f"{text}.json"
     if path.parent == FOLDER and not path.exists():
         error = unknown_name("suit", text, suit_names())
         raise InputError(f"{error}; or give the path of a .json file")

@@ -12,9 +12,13 @@ def number(name: str, value: Any, unit: str = "") -> float:
     """Returns a finite number, or raises an InputError that says why it is none."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
         raise InputError(f"{name} is {value!r}: give a number{_in(unit)}")
-    if not math.isfinite(value):
-        raise InputError(f"{name} is {value}: give a finite number{_in(unit)}")
-    return float(value)
+    try:
+        converted = float(value)
+    except OverflowError:
+        converted = math.inf
+    if not math.isfinite(converted):
+        raise InputError(f"{name} is {converted}: give a finite number{_in(unit)}")
+    return converted
 
 
 def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
@@ -34,7 +38,7 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
 def scales(**values: float) -> None:
     """Refuses scale factors that are not finite and above 0."""
     for name, value in values.items():
-        if not (math.isfinite(value) and value > 0):
+        if not number(f"{name} scale", value) > 0:
             raise InputError(f"{name} scale is {value}: give a finite number above 0")
 
 

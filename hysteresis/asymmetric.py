@@ -74,6 +74,7 @@ class Asymmetric(HysteresisModel):
     def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
         """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
         angle = finite_series("angle", angle, "rad")
+        finite("initial torque", initial_torque, "N·m")
         elastic = self.elastic(angle)
         torque = self.model.response(angle, initial_torque - elastic[0]) + elastic
         torque[0] = initial_torque
@@ -82,6 +83,7 @@ class Asymmetric(HysteresisModel):
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
         finite("angle", angle, "rad")
+        finite("initial torque", torque, "N·m")
         inner = self.model.start(angle, torque - float(self.elastic(angle)))
         return replace(inner, torque=float(torque))
 

@@ -16,7 +16,8 @@ class Certificate:
     Attributes:
         margin: the stiffness dM/dtheta stays finite for any motion when it is positive (above
             rounding, 1e-9). For Jiles-Atherton the distance to the pole, 1 - max(alpha f) over all
-            reachable states; 1 for a model that has no pole.
+            reachable states, or, in a range where it is not positive, over those up to the first
+            unsafe one; 1 for a model that has no pole.
         dissipative: no closed cycle of motion gets energy out of the model.
         torque_bound: largest |M| [N·m] in any such motion; infinite if an elastic part grows
             without bound in the range.

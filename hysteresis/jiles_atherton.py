@@ -20,6 +20,7 @@ AngleUnit = Literal["rad", "deg"]
 Form = Literal["bulk", "original", "derivative", "jiles-1992"]
 Clamp = Literal["none", "jiles", "irreversible"]
 PARAMETERS = ("Ms", "a", "alpha", "c", "k")
+SMALLEST = 1e-100  # of Ms, a and k; beyond it and its inverse the steps lose all their digits
 UNIT_PER_RADIAN: dict[str, float] = {"rad": 1.0, "deg": 180 / math.pi}
 
 
@@ -71,14 +72,21 @@ class JilesAtherton(HysteresisModel):
 
     def __post_init__(self) -> None:
         for field, allowed in (("angle_unit", AngleUnit), ("form", Form), ("clamp", Clamp)):
-            if getattr(self, field) not in get_args(allowed):
+            given = getattr(self, field)
+            if not isinstance(given, str) or given not in get_args(allowed):
                 choices = " or ".join(map(repr, get_args(allowed)))
                 raise InputError(f"{field} is {getattr(self, field)!r}: use {choices}")
         for name in PARAMETERS:
             object.__setattr__(self, name, number(f"parameter {name}", getattr(self, name)))
         for name in ("Ms", "a", "k"):
-            if getattr(self, name) <= 0:
-                raise InputError(f"parameter {name} is {getattr(self, name)}: it must be above 0")
+            value = getattr(self, name)
+            if value <= 0:
+                raise InputError(f"parameter {name} is {value}: it must be above 0")
+            if not SMALLEST <= value <= 1 / SMALLEST:
+                raise InputError(
+                    f"parameter {name} is {value}: use a number from {SMALLEST:g} to "
+                    f"{1 / SMALLEST:g}; choose another unit"
+                )
         self._check_activity()
 
     def _check_activity(self) -> None:

@@ -169,7 +169,8 @@ class HysteresisModel(ABC):
 
         Stored energy counts from a state of the model's own choice; differences are what matters.
         Stored plus dissipated changes by exactly the work done on the model. The dissipated part
-        never decreases in a model whose certificate says `dissipative`.
+        never decreases in a model whose certificate says `dissipative` (by more than the
+        tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
         """
         s = state.memory
         return Energy(*map(float, self.kernels.energy(self.parameter_vector, s, s[0], s[1], 0.0)))
@@ -198,16 +199,28 @@ class HysteresisModel(ABC):
         return angle
 
     def _pole(self, start: float, end: float, where: str = "") -> PoleError:
+        certificate = self.certificate()
+        if certificate.certified:
+            why = (
+                "the motion began outside the model's certificate, further than "
+                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to it"
+            )
+        else:
+            why = (
+                f"the model's certificate margin is {certificate.margin:.3g} and must be above 0 "
+                "for arbitrary motions"
+            )
         return PoleError(
-            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; the "
-            f"model's certificate margin is {self.certificate().margin:.3g} and must be above 0 "
-            "for arbitrary motions"
+            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; {why}"
         )
 
 
 def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
     """Returns `values` as one finite series, or raises an InputError that says why not."""
-    series = np.ascontiguousarray(values, dtype=np.float64)
+    try:
+        series = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is not a series of real numbers ({unit}): {error}") from error
     if series.ndim != 1 or series.size == 0:
         raise InputError(f"{name} has shape {series.shape}: give one series of at least 1 sample")
     if not np.isfinite(series).all():
@@ -264,6 +277,8 @@ def _state(memory: Array, torque: float) -> State:
 
 
 def finite(name: str, value: float, unit: str) -> None:
-    """Refuses a number that is not finite."""
+    """Refuses what is not a finite number."""
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+        raise InputError(f"{name} is {value!r}: give a number ({unit})")
     if not math.isfinite(value):
         raise InputError(f"{name} is {value}: give a finite number ({unit})")

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from .certificate import PoleError
 from .jiles_atherton import JilesAtherton
 from .model import Array
@@ -32,17 +33,23 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
     certified: log Ms, log a, alpha (2c-1) Ms / (3a), log (c-1), log k.
 
     Args:
-        model: any model of form `bulk`; one that is certified already comes back as it is.
+        model: any Jiles-Atherton model; one that is certified already comes back as it is. Of
+            another form or with a clamp, its nearest is of form `bulk` without one.
 
     Returns:
         A certified model in the same angle unit, and how much its curves differ.
+
+    Raises:
+        InputError: `model` is of another kind.
     """
     from scipy.optimize import least_squares  # slow to import, rarely needed
 
+    if not isinstance(model, JilesAtherton):
+        raise InputError(f"model is a {type(model).__name__}: give a JilesAtherton model")
     certificate = model.certificate()
     if certificate.certified and certificate.dissipative:
         return Nearest(model, 0.0)
-    reach = _safe_reach(model)
+    reach = _safe_reach(_plain(model))
     up = np.linspace(-reach, reach, 2 * SAMPLES)
     half = np.linspace(reach, 0, SAMPLES)
     angle = np.concatenate([np.linspace(0, reach, SAMPLES), up[::-1], up, half, half[::-1]])
@@ -67,7 +74,12 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
 def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
     Ms, a, excess, k = np.exp(point[[0, 1, 3, 4]]).tolist()
     alpha = float(point[2]) * 3 * a / ((2 * excess + 1) * Ms)
-    return replace(model, Ms=Ms, a=a, alpha=alpha, c=1 + excess, k=k, allow_active=False)
+    return replace(_plain(model), Ms=Ms, a=a, alpha=alpha, c=1 + excess, k=k, allow_active=False)
+
+
+def _plain(model: JilesAtherton) -> JilesAtherton:
+    """Returns the form that certificates speak of."""
+    return replace(model, form="bulk", clamp="none", allow_active=True)
 
 
 def _safe_reach(model: JilesAtherton) -> float:
@@ -88,5 +100,5 @@ def _torque(model: JilesAtherton, angle: Array) -> Array:
     try:
         return model.response(angle)
     except PoleError:  # even the smallest range is unsafe: compare with the anhysteretic curve
-        soft = replace(model, alpha=0.0, c=max(model.c, 1.0))
+        soft = replace(_plain(model), alpha=0.0, c=max(model.c, 1.0))
         return soft.response(angle)

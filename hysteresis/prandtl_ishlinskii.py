@@ -14,7 +14,7 @@ from ..errors import InputError
 from . import _prandtl_ishlinskii_kernels
 from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, HysteresisModel, Numbers, State, finite_series, read_only
+from .model import Array, HysteresisModel, Numbers, State, finite, finite_series, read_only
 
 Operator = Literal["stop", "play"]
 
@@ -100,11 +100,12 @@ class PrandtlIshlinskii(HysteresisModel):
         Raises:
             InputError: a number is not finite, or the model cannot have that torque there.
         """
+        finite("angle", angle, "rad")
+        finite("initial torque", torque, "N·m")
         try:
             return super().start(angle, torque)
         except InputError:
-            if not math.isfinite(angle + torque):
-                raise
+            pass
         elastic = float(self.parameter_vector[0]) * (angle - self.rest_angle)
         stops = self.loading_slopes[:-1] - self.loading_slopes[-1]
         reach = np.abs(np.cumsum(stops * np.diff(self._arrays[0], prepend=0.0))).max()

@@ -28,7 +28,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
         raise InputError(f"a model is described by a dictionary, not by {content!r}")
     parameters = dict(content)
     name = parameters.pop("model", None)
-    if name not in MODELS:
+    if not isinstance(name, str) or name not in MODELS:
         raise unknown_name("model", str(name), MODELS)
     if name in (Asymmetric.name, Held.name) and "hysteresis" in parameters:
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))

@@ -101,6 +101,11 @@ def fit_prandtl_ishlinskii(
             "begin at one angle; give such a family"
         )
     grid = _thresholds(reach, thresholds)
+    if not grid[0] < reach:
+        raise InputError(
+            f"the smallest threshold is {grid[0]:.6g} rad, but the curves go no further than "
+            f"{reach:.6g} rad: no slider would ever slip; give smaller thresholds"
+        )
     sliders = [PrandtlIshlinskii(stiffness=0, thresholds=[r], weights=[1]) for r in grid]
     spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
     offsets, slopes, weights = _least_squares(curves, spring, _responses(curves, sliders))

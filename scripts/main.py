@@ -30,7 +30,7 @@ def _run(arguments: Sequence[str]) -> None:
     import tyro
 
     tyro.extras.subcommand_cli_from_dict(
-        {command.__name__: command for command in _commands()},
+        {command.__name__.replace("_", "-"): command for command in _commands()},
         prog="activesuit",
         description="Identify, simulate and compensate the hysteretic joints of a spacesuit.",
         args=arguments,
@@ -44,12 +44,13 @@ def _commands() -> Sequence[Callable[..., None]]:
     from .demo import demo
     from .evaluate import evaluate
     from .identify import identify
+    from .kao_fung import kao_fung
     from .simulate import simulate
     from .suits import suits
     from .train import train
     from .validate import validate
 
-    return demo, identify, simulate, evaluate, validate, train, suits, bench
+    return demo, identify, simulate, evaluate, validate, train, suits, kao_fung, bench
 
 
 def _stop(message: str) -> None:

@@ -16,7 +16,7 @@ from ..model import HysteresisModel, State
 from ..nearest import nearest_certified
 from ..prandtl_ishlinskii import PrandtlIshlinskii
 from ..preisach import Preisach
-from ._models import OWN_KEYS, PLUGIN_NAMES
+from ._models import ANGLE_RANGE, OWN_KEYS, PLUGIN_NAMES, POLYNOMIAL
 from ._registration import register
 from ._state import FAULT
 
@@ -73,6 +73,7 @@ def attach(
         raise unknown_name("joint", joint, (j.name for j in spec.joints if j.name))
     if target.type not in JOINT_TYPES:
         raise InputError(f"joint {joint!r} is a {target.type.name}: use a hinge or a slide joint")
+    _require_model(model)
     instance = f"{joint}_suit"
     if any(plugin.name == instance for plugin in spec.plugins):
         raise InputError(f"joint {joint!r} has a hysteresis model already: attach one per joint")
@@ -141,6 +142,7 @@ def replace_model(
         attached = (name.removesuffix("_suit") for name in names)
         raise unknown_name("joint with a hysteresis model", joint, attached)
     instance = names.index(f"{joint}_suit")
+    _require_model(model)
     start = model.start(start_angle, start_torque)
     if not allow_uncertified:
         _require_certificate(model, start, joint)
@@ -149,12 +151,39 @@ def replace_model(
     content = np.concatenate(parts)
     address, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     slot = register()[PLUGIN_NAMES[MODEL_TYPES.index(type(inner))]]  # type: ignore[arg-type]
-    if mj_model.plugin[instance] != slot or content.size != size:
+    state = plugin_state
+    if not (isinstance(state, np.ndarray) and state.dtype == np.float64 and state.ndim == 1):
+        raise InputError(
+            "plugin_state must be data.plugin_state or a row of a batch: a float64 array of one "
+            f"dimension, not {type(state).__name__}"
+        )
+    if state.size < address + size:
+        raise InputError(
+            f"plugin_state has {state.size} numbers: the compiled model has more; give all of it"
+        )
+    same = mj_model.plugin[instance] == slot and content.size == size
+    if not same or _compiled_sizes(mj_model, instance) != (polynomial.size, limits.size):
         raise InputError(
             f"joint {joint!r} was compiled with another kind or size of model than this "
             f"{model.name} one: replace a model by one with as many parameters"
         )
     plugin_state[address : address + size] = content
+
+
+def _compiled_sizes(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int]:
+    """Returns how many numbers polynomial and angle_range have in an instance's config."""
+    text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
+    values = text.split(b"\0")
+    return len(values[POLYNOMIAL].split()), len(values[ANGLE_RANGE].split())
+
+
+def _require_model(model: object) -> None:
+    known = isinstance(model, HysteresisModel) and type(_parts(model)[0]) in MODEL_TYPES
+    if not known:
+        raise InputError(
+            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models; the "
+            "engine has no code for others"
+        )
 
 
 def _parts(
@@ -172,7 +201,7 @@ def _parts(
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
     model, polynomial, limits = _parts(model)
-    kind = next(i for i, known in enumerate(MODEL_TYPES) if type(model) is known)
+    kind = MODEL_TYPES.index(type(model))  # type: ignore[arg-type]
     if isinstance(model, JilesAtherton):
         config = {name: repr(getattr(model, name)) for name in PARAMETERS}
         config |= {key: getattr(model, key) for key in ("angle_unit", "form", "clamp")}

@@ -1,6 +1,7 @@
 """What the certificate promises, attacked by random motions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -164,6 +165,28 @@ def test_nearest_certified_set(shoulder, elbow):
     moved = near.response(angle) - shoulder.response(angle)
     assert np.sqrt(np.mean(moved**2)) / np.abs(shoulder.response(angle)).max() < 0.02
     assert nearest_certified(elbow) == (elbow, 0.0)
+
+
+def test_the_nearest_of_a_clamped_or_driving_model_is_certified():
+    base = JilesAtherton(Ms=1, a=1, alpha=0, c=2, k=1)
+    for change in (
+        {"clamp": "irreversible"},
+        {"clamp": "jiles", "c": 0.5, "allow_active": True},
+        {"form": "original", "c": 0.5, "allow_active": True},
+    ):
+        near, _ = nearest_certified(replace(base, **change))
+        assert near.certificate().certified
+        assert near.certificate().dissipative
+    with pytest.raises(InputError, match="give a JilesAtherton model"):
+        nearest_certified(None)
+
+
+def test_a_start_outside_the_certificate_is_named():
+    model = JilesAtherton(Ms=41.2445, a=28.63447, alpha=-0.073931, c=2.645412, k=0.125618)
+    assert model.certificate().certified
+    assert not model.start_is_certified(model.start(6.596))
+    with pytest.raises(PoleError, match="began outside the model's certificate, further than"):
+        model.response([6.596, 0])
 
 
 def test_range_must_ascend(elbow):

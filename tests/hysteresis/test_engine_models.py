@@ -162,6 +162,34 @@ def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
         replace_model(compiled, mujoco.MjData(compiled).plugin_state, "j", other)
 
 
+def test_replacing_needs_the_same_polynomial_and_range(elbow):
+    bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
+    held = Held(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
+    for compiled_with, other in ((bent, held), (held, bent), (elbow, bent)):
+        compiled = pendulum(compiled_with)
+        state = mujoco.MjData(compiled).plugin_state
+        with pytest.raises(InputError, match="another kind or size"):
+            replace_model(compiled, state, "j", other)
+    state = mujoco.MjData(compiled).plugin_state
+    for wrong in (state.tolist(), state.astype(np.float32), None):
+        with pytest.raises(InputError, match="plugin_state must be"):
+            replace_model(compiled, wrong, "j", elbow)
+    with pytest.raises(InputError, match="plugin_state has 3 numbers"):
+        replace_model(compiled, state[:3], "j", elbow)
+
+
+def test_only_known_models_enter_the_engine(elbow):
+    class Own(JilesAtherton):
+        pass
+
+    own = Own(**{k: v for k, v in elbow.to_dict().items() if k != "model"})
+    for wrong in (own, None, "elbow"):
+        with pytest.raises(InputError, match="give one of activesuit's hysteresis models"):
+            pendulum(wrong)
+    with pytest.raises(InputError, match="angle is 'x': give a number"):
+        pendulum(elbow, start_angle="x")
+
+
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e9, -1e300, 0.0])
 def test_a_garbage_state_never_harms_the_process(model, value):
     compiled = pendulum(model)

@@ -154,11 +154,27 @@ def test_bad_series(model, bad):
         model.step(model.start(0.5), math.nan)
 
 
+@pytest.mark.parametrize("bad", [["a"], [[1, 2], [3]], {}, 1 + 2j, None, [10**400]])
+def test_series_of_other_things(model, bad):
+    with pytest.raises(InputError, match="angle"):
+        model.response(bad)
+    with pytest.raises(InputError, match="torque"):
+        model.inverse(bad)
+    for wrong in ("x", None, True, [1.0]):
+        with pytest.raises(InputError, match="give a number"):
+            model.step(model.start(0.5), wrong)
+        with pytest.raises(InputError, match="give a number"):
+            model.start(0.5, wrong)
+        with pytest.raises(InputError, match="give a number"):
+            model.scaled(torque=wrong)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
         ({"model": "maxwell"}, "unknown model 'maxwell'"),
         ({}, "unknown model 'None'"),
+        ({"model": ["x"]}, "unknown model"),
         ({"model": "bouc-wen", "elastic": 1}, "model 'bouc-wen': missing .* 'hysteretic'"),
         ({**EXAMPLES["bouc-wen"].to_dict(), "color": 1}, "unexpected keyword argument 'color'"),
         ([1, 2], "described by a dictionary"),
