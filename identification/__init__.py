@@ -1,6 +1,9 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
+from .asymmetric_fit import fit_asymmetric
+from .auto import AutoFit, Candidate, identify_auto
 from .baselines import BASELINES
+from .bouc_wen_fit import fit_bouc_wen
 from .certified import certified_fit
 from .curves import Curve, load_curves, save_curves
 from .direct import fit_prandtl_ishlinskii, fit_preisach
@@ -17,6 +20,8 @@ __all__ = [
     "MPSO",
     "PSO",
     "SAPSO",
+    "AutoFit",
+    "Candidate",
     "Curve",
     "CurveObjective",
     "Fit",
@@ -24,9 +29,12 @@ __all__ = [
     "Trial",
     "bare",
     "certified_fit",
+    "fit_asymmetric",
+    "fit_bouc_wen",
     "fit_prandtl_ishlinskii",
     "fit_preisach",
     "identify",
+    "identify_auto",
     "load_curves",
     "mpso",
     "pso",

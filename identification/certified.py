@@ -159,6 +159,8 @@ class _Projection:
 
     def missing_margin(self, parameters: Array) -> float:
         """Returns by how much the certificate falls short of MARGIN, at best in the range."""
+        if not np.isfinite(parameters).all():  # the torque is infinite, so Ms is not known
+            return 1.0
         margin = certificate(*parameters)[0]
         if margin < MARGIN:
             margin = max(margin, margin_in_range(*self.range, *parameters)[0])

@@ -13,15 +13,30 @@ from ..hysteresis.jiles_atherton import PARAMETERS
 from ..identification import Fit, Trial, bare, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure
+from .identify_auto import report_auto
 from .output import RunFolder, progress, table, to_json
 from .suit_export import fitted_joint, joint_of
 from .tables import parameter_table, quality_table
+
+Method = Literal[
+    "certified",
+    "auto",
+    "sa-pso",
+    "mpso",
+    "pso",
+    "rank-distance-mpso",
+    "de",
+    "dual-annealing",
+    "nelder-mead",
+    "ga",
+    "cma-es",
+]
 
 
 def identify(
     curves: Annotated[Path, tyro.conf.Positional],
     /,
-    method: Literal["certified", "sa-pso", "mpso", "pso"] = "certified",
+    method: Method = "certified",
     trials: int | None = None,
     seed: int = 0,
     workers: int = -1,
@@ -30,28 +45,33 @@ def identify(
     out: Path | None = None,
     json: bool = False,
 ) -> None:
-    """Identify a Jiles-Atherton model from measured angle-torque curves.
+    """Identify a hysteresis model from measured angle-torque curves.
 
     Curves with role "predict" are kept out of the fit and used to test it.
 
     Args:
         curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
             optionally role (fit or predict).
-        method: certified (ours: only returns models that are safe to simulate), or a swarm of the
-            papers.
-        trials: independent runs, of which the best counts; by default 1 for certified, 30 for a
-            swarm.
+        method: certified (a Jiles-Atherton model that is safe to simulate), auto (the simplest of
+            all models that predicts well), a swarm of the papers, or another library's optimizer
+            (ga and cma-es need the extra `compare`).
+        trials: independent runs, of which the best counts; by default 1 for certified, 30 for the
+            others; auto makes one.
         seed: fixes all random numbers.
         workers: threads; -1 uses all cores.
         joint: which joint the curves belong to: shoulder_abduction, shoulder_flexion,
             elbow_flexion or wrist_flexion; by default the file name tells (elbow.csv).
         base: suit whose other joints suit.json takes over; by default it has this one only.
-        out: folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
+        out: folder for suit.json (auto: model.json), result.json, trials.csv and the loops as PNG
+            and SVG.
         json: print the result as JSON.
     """
     family = load_curves(curves)
     if base and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    if method == "auto":
+        report_auto(curves, family, seed, out, json)
+        return
     joint_name = joint_of(curves, joint) if out or joint else None
     others = load_suit(base).joints if base else {}
     folder = RunFolder(out) if out else None

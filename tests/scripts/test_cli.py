@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
+from activesuit.hysteresis import model_from_dict
 from activesuit.scripts.main import main
 
 ELBOW = str(curves_path("elbow"))
@@ -220,3 +221,16 @@ def test_unknown_command_and_option(capsys):
         with pytest.raises(SystemExit) as stop:
             main(arguments)
         assert stop.value.code == 2
+
+
+def test_identify_auto_chooses_and_writes(capsys, tmp_path):
+    out = tmp_path / "auto"
+    result = json.loads(run(capsys, "identify", ELBOW, "--method", "auto", "--json"))
+    assert result["chosen"] == "jiles-atherton"
+    assert result["certified"]
+    assert {one["name"] for one in result["candidates"]} > {"bouc-wen", "preisach"}
+    text = run(capsys, "identify", ELBOW, "--method", "auto", "--out", out)
+    assert "predicts curves left out" in text
+    model = model_from_dict(json.loads((out / "model.json").read_text()))
+    assert model.certificate().certified
+    assert (out / "loops.png").stat().st_size > 10_000
