@@ -46,11 +46,12 @@ def _commands() -> Sequence[Callable[..., None]]:
     from .identify import identify
     from .kao_fung import kao_fung
     from .simulate import simulate
+    from .study import study
     from .suits import suits
     from .train import train
     from .validate import validate
 
-    return demo, identify, simulate, evaluate, validate, train, suits, kao_fung, bench
+    return demo, identify, study, simulate, evaluate, validate, train, suits, kao_fung, bench
 
 
 def _stop(message: str) -> None:

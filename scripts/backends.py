@@ -1,0 +1,114 @@
+"""Where parallel work runs: threads or processes here, or a Ray or Dask cluster."""
+
+import importlib
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, Literal, TypeVar, cast
+
+import joblib
+from joblib import Parallel, delayed
+
+from ..errors import InputError
+
+Backend = Literal["threading", "loky", "ray", "dask"]
+Result = TypeVar("Result")
+LIBRARIES = {"dask": ("distributed",), "ray": ("ray", "ray.util.joblib")}
+
+
+def check_backend(backend: Backend, workers: int) -> None:
+    """Raises what would stop `run_all`, before any work.
+
+    Raises:
+        InputError: `workers` is 0, or a package is not installed.
+    """
+    if workers == 0:
+        raise InputError("workers is 0: use a number of workers, or -1 for all cores")
+    try:
+        for module in LIBRARIES.get(backend, ()):
+            importlib.import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"--backend {backend} needs packages that are not installed ({error}): run "
+            "pip install 'activesuit[cluster]'"
+        ) from error
+
+
+def run_all(
+    work: Callable[..., Result], arguments: Iterable[tuple], backend: Backend, workers: int
+) -> Iterator[Result]:
+    """Yields what `work` returns for each tuple of arguments, in any order, as soon as it is known.
+
+    `ray` and `dask` use the cluster that RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names, and
+    otherwise start one of `workers` processes on this machine.
+
+    Args:
+        work: a function that can be pickled.
+        arguments: one tuple per call.
+        backend: where to run.
+        workers: how many at once; -1 uses all cores, or the whole cluster.
+
+    Raises:
+        InputError: see `check_backend`.
+    """
+    check_backend(backend, workers)
+    pending = list(arguments)
+    if not pending:
+        return
+    with (
+        _backend(backend, workers),
+        Parallel(
+            n_jobs=workers,
+            batch_size=1,  # type: ignore[arg-type]  # so that none waits for another
+            return_as="list" if backend == "ray" else "generator_unordered",
+        ) as parallel,
+    ):
+        # Ray's backend cannot hand out results one by one, so it gets one round after another.
+        together = joblib.effective_n_jobs(workers) if backend == "ray" else len(pending)
+        for first in range(0, len(pending), together):
+            calls = (delayed(work)(*call) for call in pending[first : first + together])
+            yield from cast(Iterable[Result], parallel(calls))
+
+
+@contextmanager
+def _backend(name: Backend, workers: int) -> Iterator[None]:
+    start = {"dask": _dask, "ray": _ray}.get(name)
+    if start is None:
+        with joblib.parallel_config(backend=name):
+            yield
+    else:
+        with start(joblib.cpu_count() if workers < 0 else workers), joblib.parallel_config(name):
+            yield
+
+
+@contextmanager
+def _dask(workers: int) -> Iterator[None]:
+    distributed: Any = importlib.import_module("distributed")
+    if os.environ.get("DASK_SCHEDULER_ADDRESS"):
+        with distributed.Client(os.environ["DASK_SCHEDULER_ADDRESS"]):
+            yield
+        return
+    with (
+        distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster),
+    ):
+        yield
+
+
+@contextmanager
+def _ray(workers: int) -> Iterator[None]:
+    ray: Any = importlib.import_module("ray")
+    ray_joblib: Any = importlib.import_module("ray.util.joblib")
+    started = not ray.is_initialized()
+    if started and os.environ.get("RAY_ADDRESS"):
+        ray.init(log_to_driver=False)
+    elif started:
+        ray.init("local", num_cpus=workers, include_dashboard=False, log_to_driver=False)
+    ray_joblib.register_ray()
+    try:
+        yield
+    finally:
+        if started:
+            ray.shutdown()

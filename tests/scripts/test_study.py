@@ -1,0 +1,198 @@
+"""`activesuit study`: the same tables however it was run, and nothing lost when it was killed."""
+
+import importlib.util
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from activesuit.assets import curves_path
+from activesuit.scripts.main import main
+
+SMALL = ["--trials", "3", "--swarm-size", "10", "--iterations", "8"]
+TABLES = ["config.json", "result.json", "trials.csv", "table.csv", "report.md"]
+
+
+def study(out, *arguments) -> None:
+    main(["study", "--out", str(out), *SMALL, *map(str, arguments)])
+
+
+def tables(out) -> dict[str, bytes]:
+    trials = {path.name: path.read_bytes() for path in sorted((out / "trials").glob("[!.]*"))}
+    return trials | {name: (out / name).read_bytes() for name in TABLES}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    out = tmp_path_factory.mktemp("whole")
+    study(out, "--workers", 1)
+    return tables(out)
+
+
+def fails(capsys, *arguments) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    assert stop.value.code == 2
+    assert "Traceback" not in captured.err
+    return " ".join(captured.err.split())
+
+
+def test_prints_tables_and_writes_everything(capsys, tmp_path, whole):
+    study(tmp_path)
+    out = capsys.readouterr().out
+    for word in ("best of 3 trials", "sa-pso", "mpso", "undecidable", "report.md"):
+        assert word in out
+    assert len(whole) == len(TABLES) + 2 * 2 * 3
+    for figure in ("curves", "convergence", "loops", "prediction", "prediction-errors", "ecdf"):
+        assert (tmp_path / f"{figure}.png").stat().st_size > 10_000
+        assert (tmp_path / f"{figure}.svg").exists()
+    report = (tmp_path / "report.md").read_text()
+    assert "the first whose best fitness is within 1 % of the trial's final one" in report
+    for claim in ("6.25 %", "20.29 %", "14.45 %", "46.5 %", "predicts better"):
+        assert claim in report
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + 2 * 2 * 3
+
+
+def test_json(capsys, tmp_path):
+    study(tmp_path, "--json")
+    result = json.loads(capsys.readouterr().out)
+    assert result == json.loads((tmp_path / "result.json").read_text())
+    assert len(result["summaries"]) == 4
+    assert {claim["verdict"] for claim in result["claims"]} == {"undecidable"}  # 3 trials
+    assert "within 1 %" in result["definitions"]["converged at"]
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--workers", 2), ("--backend", "loky", "--workers", 2)], ids=["threads", "loky"]
+)
+def test_workers_and_processes_change_nothing(tmp_path, whole, arguments):
+    study(tmp_path, *arguments)
+    assert tables(tmp_path) == whole
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("backend", ["dask", "ray"])
+def test_a_cluster_of_two_workers_changes_nothing(tmp_path, whole, backend):
+    pytest.importorskip("distributed" if backend == "dask" else "ray")
+    study(tmp_path, "--backend", backend, "--workers", 2)
+    assert tables(tmp_path) == whole
+
+
+def test_resumes_where_it_stopped(capsys, tmp_path, whole):
+    study(tmp_path)
+    kept = sorted((tmp_path / "trials").iterdir())
+    for path in kept[::2]:
+        path.unlink()
+    for name in TABLES[1:]:
+        (tmp_path / name).unlink()
+    times = {path: path.stat().st_mtime_ns for path in kept[1::2]}
+    study(tmp_path)
+    assert tables(tmp_path) == whole
+    assert times == {path: path.stat().st_mtime_ns for path in kept[1::2]}  # not run again
+
+
+def test_killed_and_run_again(tmp_path, whole):
+    arguments = ["study", "--out", str(tmp_path / "out"), *SMALL, "--workers", "1"]
+    # Each bar step waits, so that the kill falls among the trials on any machine.
+    code = (
+        "import sys, time\n"
+        "from activesuit.scripts import output\n"
+        "output.Bar.advance = lambda self, steps=1: time.sleep(0.3)\n"
+        "from activesuit.scripts.main import main\n"
+        "main(sys.argv[1:])\n"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    trials, deadline = tmp_path / "out" / "trials", time.monotonic() + 120
+    while time.monotonic() < deadline and len(list(trials.glob("[!.]*"))) < 4:
+        assert process.poll() is None
+        time.sleep(0.02)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    assert 4 <= len(list(trials.glob("[!.]*"))) < 12
+    study(tmp_path / "out")
+    assert tables(tmp_path / "out") == whole
+
+
+def test_ctrl_c_says_what_is_kept(capsys, tmp_path, monkeypatch):
+    from activesuit.scripts.output import Bar
+
+    def interrupt(self, steps=1):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Bar, "advance", interrupt)
+    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--workers", 1)
+    assert "interrupted: the finished trials (1 of 12) are kept in" in message
+
+
+def test_csv_files_without_held_out_curves(capsys, tmp_path):
+    text = curves_path("elbow").read_text()
+    kept = [line for line in text.splitlines() if ",predict," not in line]
+    (tmp_path / "knee.csv").write_text("\n".join(kept))
+    options = ("--joints", tmp_path / "knee.csv", "--methods", "mpso", "certified", "nelder-mead")
+    study(tmp_path / "out", *options)
+    assert "knee" in capsys.readouterr().out
+    assert not (tmp_path / "out" / "prediction.png").exists()
+    assert "claims" not in (tmp_path / "out" / "report.md").read_text()  # of other joints
+
+
+def test_another_study_in_the_folder(capsys, tmp_path):
+    study(tmp_path)
+    capsys.readouterr()
+    message = fails(capsys, "study", "--out", tmp_path, "--trials", 5)
+    assert "holds a study whose trials is 3, not 5" in message
+    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--joints", "elbow")
+    assert "holds a study whose joints is" in message
+    (tmp_path / "config.json").write_text("{")
+    assert "is not the configuration" in fails(capsys, "study", "--out", tmp_path, *SMALL)
+
+
+def test_broken_or_misplaced_trials(capsys, tmp_path):
+    study(tmp_path)
+    capsys.readouterr()
+    first, second = sorted((tmp_path / "trials").iterdir())[:2]
+    whole = first.read_text()
+    first.write_text(whole[:100])
+    message = fails(capsys, "study", "--out", tmp_path, *SMALL)
+    assert first.name in message
+    assert "delete it" in message
+    first.write_text(second.read_text())
+    assert f"is the trial {second.name}" in fails(capsys, "study", "--out", tmp_path, *SMALL)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--methods", "sa-psoo"], "did you mean 'sa-pso'"),
+        (["--joints", "knee"], "joint 'knee': use shipped curves (elbow, shoulder) or a CSV file"),
+        (["--joints", "elbow", "elbow"], "two joints are named 'elbow'"),
+        (["--joints", "none.csv"], "No such file"),
+        (["--trials", "0"], "trials is 0"),
+        (["--workers", "0"], "workers is 0"),
+    ],
+)
+def test_mistakes(capsys, tmp_path, arguments, message):
+    assert message in fails(capsys, "study", "--out", tmp_path / "out", *arguments)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_missing_cluster_package(capsys, tmp_path, backend, package):
+    if importlib.util.find_spec(package):
+        pytest.skip(f"{package} is installed")
+    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--backend", backend)
+    assert f"--backend {backend} needs packages that are not installed" in message
+    assert "activesuit[cluster]" in message
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unwritable_folder(capsys, tmp_path):
+    (tmp_path / "file").write_text("")
+    assert "choose another --out" in fails(capsys, "study", "--out", tmp_path / "file", *SMALL)
