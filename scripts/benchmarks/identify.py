@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from ...assets import curves_path
-from ...identification import certified_fit, identify, load_curves
+from ...identification import Curve, CurveObjective, certified_fit, identify, load_curves
+from ...identification.identify import PAPER_BOUNDS
 from ...identification.mpso import mpso
 from ...identification.pso import pso
 from ...identification.rank_distance_mpso import rank_distance_mpso
 from ...identification.sa_pso import sa_pso
 from ..output import messages
+from .hysteresis import textbook_rk4
 from .timing import Row, Work, compare, seconds
 
 DIMENSIONS, POPULATION, ITERATIONS = 5, 50, 100
@@ -39,8 +41,35 @@ def rows(repeats: int) -> list[Row]:
             repeats=repeats,
             unit="ms",
         ),
+        compare(
+            "one SA-PSO trial of the study, elbow",
+            lambda: sa_pso(CurveObjective(curves), PAPER_BOUNDS, rng=0),
+            "with the usual RK4 loop",
+            lambda: sa_pso(_by_rk4(curves), PAPER_BOUNDS, rng=0),
+            repeats=min(repeats, 3),
+            unit="ms",
+            target=8.0,
+        ),
         *swarm_rows(repeats),
     ]
+
+
+def _by_rk4(curves: list[Curve]) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Returns eq. (7) of Li et al. 2022 on a population, by one RK4 step in H per sample."""
+    angles = [np.degrees(curve.angle) for curve in curves]
+    measured = np.concatenate([curve.torque for curve in curves])
+    work = [np.empty_like(angle) for angle in angles]
+
+    def objective(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        scores = np.empty(len(parameters))
+        for row, values in enumerate(parameters):
+            for angle, torque in zip(angles, work, strict=True):
+                textbook_rk4(angle, *values, torque)
+            error = (np.concatenate(work) - measured) / np.abs(measured).max()
+            scores[row] = np.sqrt(np.sum(error**2)) / measured.size
+        return scores
+
+    return objective
 
 
 def swarm_rows(repeats: int) -> list[Row]:
