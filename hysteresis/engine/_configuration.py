@@ -12,6 +12,7 @@ from ._faults import (
     FAR_START,
     FINE,
     FLAG,
+    JOINT_TWICE,
     JOINT_TYPE,
     NO_JOINT,
     NO_START,
@@ -60,6 +61,17 @@ from ._state import (
     state_size,
 )
 from ._text import count_words, ends_with, equals, length, parse_numbers
+
+
+@njit(cache=True)
+def is_ours(name):
+    """Returns whether a plugin's name is one of ours."""
+    return (
+        equals(name, b"activesuit.jiles_atherton")
+        or equals(name, b"activesuit.bouc_wen")
+        or equals(name, b"activesuit.prandtl_ishlinskii")
+        or equals(name, b"activesuit.preisach")
+    )
 
 
 @njit(cache=True)
@@ -114,6 +126,10 @@ def connect(m, instance, at):
     joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
     if joint_type not in (at.joint_slide, at.joint_hinge):
         return JOINT_TYPE, 0
+    for other in range(instance):
+        ours = is_ours(pointer_at(plugin_of(m, other, at)))
+        if ours and name2id(m, at.object_joint, config(m, other, JOINT, at)) == joint:
+            return JOINT_TWICE, 0
     wires = joint | model_kind(m, instance, at) << MODEL_SHIFT
     wires |= polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
     wires |= is_held(m, instance, at) << HELD_SHIFT

@@ -38,7 +38,8 @@ REASONS = 32
     TOO_LARGE,
     POLE,
     RANGE,
-) = range(26)
+    JOINT_TWICE,
+) = range(27)
 
 
 @njit(cache=True)
@@ -70,6 +71,8 @@ def reason_for(sentence, n, reason):  # noqa: PLR0912 (one branch a sentence)
             b"the model has no such joint; name a hinge or a slide, and attach hysteresis after a "
             b"spec got its name prefix",
         )
+    if reason == JOINT_TWICE:
+        return add(sentence, n, b"another instance resists it already; give each joint one")
     if reason == JOINT_TYPE:
         return add(sentence, n, b"it is not a hinge or a slide joint; name one")
     if reason == NUMBER:

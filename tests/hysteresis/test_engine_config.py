@@ -188,3 +188,11 @@ def test_very_long_values_are_cut_off():
     config = {**JILES_ATHERTON, "Ms": "9" * 5000 + "x"}
     with pytest.raises(ValueError, match="'one': Ms is '999"):
         mujoco.MjModel.from_xml_string(mjcf("jiles_atherton", config))
+
+
+def test_a_joint_has_one_model():
+    text = mjcf("jiles_atherton", JILES_ATHERTON)
+    second = mjcf("preisach", PREISACH).partition("<extension>")[2].partition("</extension>")[0]
+    twice = text.replace("</extension>", second.replace('name="i"', 'name="k"') + "</extension>")
+    with pytest.raises(ValueError, match="'one': another instance resists it already"):
+        mujoco.MjModel.from_xml_string(twice)
