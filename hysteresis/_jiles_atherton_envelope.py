@@ -76,7 +76,7 @@ def between(dx, U, U1, steepest, Ms, a, c, k):
 @njit(cache=True, error_model="numpy")
 def field_at(H, u, Ms, a, alpha):
     """Returns the effective field of the state with angle H and lag u."""
-    reach = abs(alpha) * (Ms + u)
+    reach = abs(alpha) * (Ms + abs(u))
     below, above = H - reach, H + reach
     for _ in range(BISECTIONS):
         x = 0.5 * (below + above)

@@ -10,9 +10,9 @@ from numpy.polynomial import polynomial as poly
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
-from ._checks import numbers, scales
+from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, Energy, HysteresisModel, Numbers, State, finite, finite_series
+from .model import Array, Energy, HysteresisModel, Numbers, State, finite_series
 
 LARGEST_DEGREE = 5
 
@@ -74,7 +74,7 @@ class Asymmetric(HysteresisModel):
     def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
         """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
         angle = finite_series("angle", angle, "rad")
-        finite("initial torque", initial_torque, "N·m")
+        number("initial torque", initial_torque, "N·m")
         elastic = self.elastic(angle)
         torque = self.model.response(angle, initial_torque - elastic[0]) + elastic
         torque[0] = initial_torque
@@ -82,8 +82,8 @@ class Asymmetric(HysteresisModel):
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        finite("angle", angle, "rad")
-        finite("initial torque", torque, "N·m")
+        number("angle", angle, "rad")
+        number("initial torque", torque, "N·m")
         inner = self.model.start(angle, torque - float(self.elastic(angle)))
         return replace(inner, torque=float(torque))
 

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import InputError
+from ._checks import number
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, Energy, HysteresisModel, State, finite, finite_series
+from .model import Array, Energy, HysteresisModel, State, finite_series
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +69,7 @@ class Held(HysteresisModel):
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
-        finite("angle", angle, "rad")
+        number("angle", angle, "rad")
         return replace(self.model.start(self._inside(angle), torque), angle=float(angle))
 
     def start_is_certified(self, state: State) -> bool:
@@ -80,7 +81,7 @@ class Held(HysteresisModel):
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
         """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
-        finite("angle", angle, "rad")
+        number("angle", angle, "rad")
         inner, torque = self.model.step(state, self._inside(angle))
         return replace(inner, angle=float(angle)), torque
 

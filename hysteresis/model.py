@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ._checks import number
 from .certificate import ALL_ANGLES, Certificate, PoleError
 
 Array = NDArray[np.float64]
@@ -125,8 +126,8 @@ class HysteresisModel(ABC):
         Raises:
             InputError: a number is not finite, or the model cannot have that torque there.
         """
-        finite("angle", angle, "rad")
-        finite("initial torque", torque, "N·m")
+        number("angle", angle, "rad")
+        number("initial torque", torque, "N·m")
         memory = np.zeros(self.memory_size)
         inside = self.kernels.begin(self.parameter_vector, memory, float(angle), float(torque))
         if math.isnan(inside):
@@ -152,7 +153,7 @@ class HysteresisModel(ABC):
             InputError: `angle` is not finite.
             PoleError: the motion meets the pole of an uncertified model.
         """
-        finite("angle", angle, "rad")
+        number("angle", angle, "rad")
         p, memory = self.parameter_vector, state.memory.copy()
         torque = self.kernels.commit(p, memory, float(angle))
         if math.isnan(torque):
@@ -274,11 +275,3 @@ def read_only(values: ArrayLike) -> Array:
 def _state(memory: Array, torque: float) -> State:
     memory.setflags(write=False)
     return State(memory, float(memory[0]), float(torque))
-
-
-def finite(name: str, value: float, unit: str) -> None:
-    """Refuses what is not a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise InputError(f"{name} is {value!r}: give a number ({unit})")
-    if not math.isfinite(value):
-        raise InputError(f"{name} is {value}: give a finite number ({unit})")

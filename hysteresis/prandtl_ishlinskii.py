@@ -14,7 +14,7 @@ from ..errors import InputError
 from . import _prandtl_ishlinskii_kernels
 from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
-from .model import Array, HysteresisModel, Numbers, State, finite, finite_series, read_only
+from .model import Array, HysteresisModel, Numbers, State, finite_series, read_only
 
 Operator = Literal["stop", "play"]
 
@@ -98,10 +98,10 @@ class PrandtlIshlinskii(HysteresisModel):
         to that torque.
 
         Raises:
-            InputError: a number is not finite, or the model cannot have that torque there.
+            InputError: a number is not or the model cannot have that torque there.
         """
-        finite("angle", angle, "rad")
-        finite("initial torque", torque, "N·m")
+        number("angle", angle, "rad")
+        number("initial torque", torque, "N·m")
         try:
             return super().start(angle, torque)
         except InputError:

@@ -2,15 +2,15 @@
 
 import platform
 from collections.abc import Callable, Sequence
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import mujoco
 import tyro
 
 from ..errors import at_least
-from .benchmarks import engine, env, hysteresis, identify, oracle
-from .benchmarks.timing import Row
 from .output import table, to_json
+
+if TYPE_CHECKING:
+    from .benchmarks.timing import Row
 
 Topic = Literal["all", "hysteresis", "engine", "env", "identify", "oracle"]
 
@@ -30,6 +30,11 @@ def bench(
         json: print the result as JSON.
     """
     at_least("repeats", repeats, 1)
+    # Not needed by other commands, and slow to import.
+    import mujoco
+
+    from .benchmarks import engine, env, hysteresis, identify, oracle
+
     if topic == "oracle":
         oracle.report(json)
         return
@@ -53,7 +58,7 @@ def bench(
     )
 
 
-def _cells(row: Row) -> Sequence[str]:
+def _cells(row: "Row") -> Sequence[str]:
     verdict = "met" if row.met else "NOT met"
     if row.ratio is None:
         goal = "-" if row.limit is None else f"<= {row.limit:g} {verdict}"

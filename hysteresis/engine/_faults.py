@@ -20,7 +20,6 @@ REASONS = 32
     AT_LEAST_0,
     FROM_1_TO_1E6,
     NOT_ZERO,
-    BELOW_1,
     NUMBERS,
     ASCENDING,
     AS_MANY,
@@ -39,7 +38,7 @@ REASONS = 32
     POLE,
     RANGE,
     JOINT_TWICE,
-) = range(27)
+) = range(26)
 
 
 @njit(cache=True)
