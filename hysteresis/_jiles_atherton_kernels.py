@@ -204,7 +204,7 @@ def population_response(H, starts, M0, parameters, M):
     Args:
         H: angles of all curves (samples,).
         starts: index of each curve's first sample, then the number of samples (curves + 1,).
-        M0: torque at each curve's first sample (curves,).
+        M0: torque of each row at each curve's first sample (n, curves).
         parameters: rows of Ms, a, alpha, c, k in the unit of H (n, 5), form bulk without clamp.
         M: the result (n, samples).
     """
@@ -215,9 +215,9 @@ def population_response(H, starts, M0, parameters, M):
         for row in rows:
             Ms, a, alpha, c, k = parameters[first + row]
             set_parameters(p[:, row], Ms, a, alpha, c, k, forms.BULK, forms.NO_CLAMP)
-        for curve in range(M0.size):
+        for curve in range(starts.size - 1):
             for row in rows:
-                remember(p[:, row], s[:, row], H[starts[curve]], M0[curve])
+                remember(p[:, row], s[:, row], H[starts[curve]], M0[first + row, curve])
             for i in range(starts[curve], starts[curve + 1]):
                 if H[i] != s[ANGLE, 0]:
                     advance_together(p, s, done, rows, H[i])

@@ -1,8 +1,6 @@
 """An elastic polynomial beside any hysteresis model."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,12 +11,13 @@ from ..errors import InputError
 from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, Energy, HysteresisModel, Numbers, State, finite_series
+from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asymmetric(HysteresisModel):
+class Asymmetric(Wrapper):
     """A model plus a history-independent torque: T = model(theta) + sum p_i theta^i.
 
     Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), those of most
@@ -35,7 +34,6 @@ class Asymmetric(HysteresisModel):
 
     name = "asymmetric"
 
-    model: HysteresisModel
     polynomial: Numbers
 
     def __post_init__(self) -> None:
@@ -50,21 +48,6 @@ class Asymmetric(HysteresisModel):
                 f"{LARGEST_DEGREE + 1}, of theta^0 to theta^{LARGEST_DEGREE}"
             )
         object.__setattr__(self, "polynomial", coefficients)
-
-    @property
-    def kernels(self) -> ModuleType:  # type: ignore[override]
-        """The kernels of the hysteretic part."""
-        return self.model.kernels
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters of the hysteretic part."""
-        return self.model.parameter_vector
-
-    @property
-    def memory_size(self) -> int:
-        """The memory is that of the hysteretic part."""
-        return self.model.memory_size
 
     def elastic(self, angle: ArrayLike) -> Array:
         """Returns the torque [N·m] of the polynomial at angles [rad]."""
@@ -140,5 +123,4 @@ class Asymmetric(HysteresisModel):
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
-        inner = self.model.to_dict()
-        return {"model": self.name, "hysteresis": inner, "polynomial": list(self.polynomial)}
+        return {**super().to_dict(), "polynomial": list(self.polynomial)}

@@ -2,8 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,10 +11,11 @@ from ..errors import InputError
 from ._checks import number
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, Energy, HysteresisModel, State, finite_series
+from .wrapper import Wrapper
 
 
 @dataclass(frozen=True, kw_only=True)
-class Held(HysteresisModel):
+class Held(Wrapper):
     """A model inside a range of angles; beyond it the torque stays what it was at its end.
 
     A model identified in a range says nothing beyond it, and many are safe inside only: then its
@@ -33,12 +32,10 @@ class Held(HysteresisModel):
 
     name = "held"
 
-    model: HysteresisModel
     angle_range: tuple[float, float]
 
     def __post_init__(self) -> None:
-        inner = getattr(self.model, "name", "")
-        if not isinstance(self.model, HysteresisModel) or inner in ("held", "asymmetric"):
+        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Wrapper):
             raise InputError(
                 f"model is {self.model!r}: give one hysteresis model, not held or asymmetric itself"
             )
@@ -46,21 +43,6 @@ class Held(HysteresisModel):
         if not math.isfinite(high - low):
             raise InputError(f"angle_range is {self.angle_range}: give two finite angles (rad)")
         object.__setattr__(self, "angle_range", (low, high))
-
-    @property
-    def kernels(self) -> ModuleType:  # type: ignore[override]
-        """The kernels of the model inside."""
-        return self.model.kernels
-
-    @cached_property
-    def parameter_vector(self) -> Array:
-        """The parameters of the model inside."""
-        return self.model.parameter_vector
-
-    @property
-    def memory_size(self) -> int:
-        """The memory is that of the model inside."""
-        return self.model.memory_size
 
     def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
         """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
@@ -71,13 +53,6 @@ class Held(HysteresisModel):
         """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
         number("angle", angle, "rad")
         return replace(self.model.start(self._inside(angle), torque), angle=float(angle))
-
-    def start_is_certified(self, state: State) -> bool:
-        """Returns whether the certificate covers motions that start in `state`."""
-        bound = self.certificate().memory_bound
-        if not hasattr(self.model, "anhysteretic") or math.isinf(bound):
-            return self.model.start_is_certified(state)
-        return abs(state.torque - self.model.anhysteretic(state)) <= bound  # type: ignore
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
         """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
@@ -114,8 +89,7 @@ class Held(HysteresisModel):
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
-        inner = self.model.to_dict()
-        return {"model": self.name, "hysteresis": inner, "angle_range": list(self.angle_range)}
+        return {**super().to_dict(), "angle_range": list(self.angle_range)}
 
     def _inside(self, angle: float) -> float:
         return min(max(float(angle), self.angle_range[0]), self.angle_range[1])

@@ -19,6 +19,7 @@ NOISE_DEAD_BAND = 10.0  # deviations: a dwell of 1e4 Gaussian samples exceeds it
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # of the angle's range, for records of a few samples per branch
 TOLERANCE = 0.02  # of the angle's range, within which a loop closes
+LARGEST = 1e100  # of a measured number, so that squares and products stay finite
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,7 +87,7 @@ def angle_noise(angle: ArrayLike) -> float:
     Raises:
         InputError: `angle` is not one finite series.
     """
-    third = np.diff(_without_repeats(finite_series("angle", angle, "rad")), 3)
+    third = np.diff(_without_repeats(_measured("angle", angle, "rad")), 3)
     return float(np.median(np.abs(third))) / (0.6745 * math.sqrt(20)) if third.size else 0.0
 
 
@@ -100,7 +101,7 @@ def estimate_dead_band(angle: ArrayLike) -> float:
     Raises:
         InputError: `angle` is not one finite series.
     """
-    angle = finite_series("angle", angle, "rad")
+    angle = _measured("angle", angle, "rad")
     steps = np.abs(np.diff(_without_repeats(angle)))
     step = float(steps.min()) if steps.size else 0.0
     dead_band = max(NOISE_DEAD_BAND * angle_noise(angle), STEP_DEAD_BAND * step)
@@ -125,7 +126,7 @@ def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.in
     Raises:
         InputError: `angle` is not one finite series, or the dead band is negative.
     """
-    angle = finite_series("angle", angle, "rad")
+    angle = _measured("angle", angle, "rad")
     turns, _ = _turning_points(angle, _dead_band(angle, dead_band))
     return np.array(turns, dtype=np.intp)
 
@@ -236,7 +237,7 @@ def first_order_families(
 
 def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
     """Returns both series as arrays, or raises an InputError that says what is wrong with them."""
-    angle, torque = finite_series("angle", angle, "rad"), finite_series("torque", torque, "N·m")
+    angle, torque = _measured("angle", angle, "rad"), _measured("torque", torque, "N·m")
     if angle.size != torque.size:
         raise InputError(
             f"angle has {angle.size} samples and torque has {torque.size}: give as many of both"
@@ -244,6 +245,17 @@ def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
     if angle.size < 3:
         raise InputError(f"the record has {angle.size} samples: a reversal takes at least 3")
     return angle, torque
+
+
+def _measured(name: str, values: ArrayLike, unit: str) -> Array:
+    series = finite_series(name, values, unit)
+    largest = int(np.argmax(np.abs(series)))
+    if abs(series[largest]) > LARGEST:
+        raise InputError(
+            f"{name}[{largest}] is {series[largest]:.3g}: give numbers of at most {LARGEST:g} "
+            f"({unit})"
+        )
+    return series
 
 
 def _without_repeats(angle: Array) -> Array:

@@ -8,12 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import isotonic_regression
 
 from ..errors import InputError
-from .loops import finite_record
+from .loops import LARGEST, finite_record
 
 Array = NDArray[np.float64]
 OPEN_AT_MOST = 0.25  # of the angle's range: a wider gap, or a longer way back, is no single loop
 TANGENT_SPAN = 0.05  # of the angle's range
 LARGEST_TANGENT_SPAN = 0.25  # of the angle's range
+SMALLEST_SPAN = 1 / LARGEST  # rad
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,7 +174,7 @@ def _closed(values: Array) -> Array:
 def _rising_and_falling(angle: Array, torque: Array) -> tuple[_Path, _Path]:
     span = float(np.ptp(angle))
     gap = abs(float(angle[-1] - angle[0]))
-    if span == 0 or gap > OPEN_AT_MOST * span:
+    if span < SMALLEST_SPAN or gap > OPEN_AT_MOST * span:
         raise InputError(
             f"the angle covers {span:.3g} rad and ends {gap:.3g} rad from its start, which is no "
             "closed loop: give one cycle that turns and comes back (`loops` finds them in a record)"

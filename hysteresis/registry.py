@@ -11,6 +11,7 @@ from .jiles_atherton import JilesAtherton
 from .model import HysteresisModel
 from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
+from .wrapper import Wrapper
 
 MODELS: dict[str, type[HysteresisModel]] = {
     model.name: model
@@ -30,7 +31,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     name = parameters.pop("model", None)
     if not isinstance(name, str) or name not in MODELS:
         raise unknown_name("model", str(name), MODELS)
-    if name in (Asymmetric.name, Held.name) and "hysteresis" in parameters:
+    if issubclass(MODELS[name], Wrapper) and "hysteresis" in parameters:
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))
     try:
         return MODELS[name](**parameters)

@@ -1,6 +1,6 @@
-"""Where MuJoCo keeps the fields that the plugin touches, read from the bindings' own introspection.
+"""Where MuJoCo keeps the fields that our plugins touch, read from the bindings' own introspection.
 
-The plugin's callbacks get raw pointers to mjModel and mjData. The byte offsets of their fields
+Their callbacks get raw pointers to mjModel and mjData. The byte offsets of their fields
 follow from `mujoco.introspect.structs`, which ships with the wheel, and are checked against real
 addresses before anything is registered: a mismatch is an error message, not a crash.
 """
@@ -66,7 +66,7 @@ class Plugin(ctypes.Structure):
 
 
 PROBE = """<mujoco><worldbody><body>
-  <joint name="probe"/><geom size=".1"/></body></worldbody>
+  <joint name="probe"/><geom size=".1"/><site/></body></worldbody>
   <sensor><jointpos name="probe" joint="probe"/></sensor></mujoco>"""
 
 
@@ -75,6 +75,13 @@ class Layout(NamedTuple):
 
     m_nsensor: int
     m_njnt: int
+    m_nsite: int
+    m_body_parentid: int
+    m_body_rootid: int
+    m_body_dofnum: int
+    m_body_dofadr: int
+    m_dof_parentid: int
+    m_site_bodyid: int
     m_jnt_type: int
     m_jnt_qposadr: int
     m_jnt_dofadr: int
@@ -92,10 +99,16 @@ class Layout(NamedTuple):
     d_qpos: int
     d_qvel: int
     d_qfrc_passive: int
+    d_site_xpos: int
+    d_site_xmat: int
+    d_subtree_com: int
+    d_cdof: int
+    d_cvel: int
     d_sensordata: int
     d_plugin_state: int
     d_plugin_data: int
     object_joint: int
+    object_site: int
     joint_slide: int
     joint_hinge: int
     sensor_plugin: int
@@ -132,11 +145,12 @@ def layout() -> Layout:
         if there != expected:
             raise RuntimeError(
                 f"{type(owner).__name__}.{attribute} is not where MuJoCo {mujoco.__version__} says "
-                "it is; the hysteresis plugin supports mujoco>=4.0,<5: install one of those"
+                "it is; the engine plugins support mujoco>=4.0,<5: install one of those"
             )
     return Layout(
         **found,
         object_joint=int(mujoco.mjtObj.mjOBJ_JOINT),
+        object_site=int(mujoco.mjtObj.mjOBJ_SITE),
         joint_slide=int(mujoco.mjtJoint.mjJNT_SLIDE),
         joint_hinge=int(mujoco.mjtJoint.mjJNT_HINGE),
         sensor_plugin=int(mujoco.mjtSensor.mjSENS_PLUGIN),

@@ -2,6 +2,7 @@
 
 import ctypes
 import threading
+from typing import Any
 
 from . import _callbacks
 from ._layout import PASSIVE, SENSOR, Plugin, layout
@@ -23,13 +24,20 @@ def register() -> dict[str, int]:
     with _lock:
         if not _slots:
             callbacks = _callbacks.build(layout())
-            _registered.append(callbacks)
             for name, keys in zip(PLUGIN_NAMES, OWN_KEYS, strict=True):
-                _slots[name] = _register(name, COMMON_KEYS + keys, callbacks)
+                _slots[name] = register_plugin(name, COMMON_KEYS + keys, callbacks, STAGE_POS)
         return dict(_slots)
 
 
-def _register(name: str, keys: tuple[str, ...], callbacks: dict) -> int:
+def register_plugin(name: str, keys: tuple[str, ...], callbacks: dict[str, Any], stage: int) -> int:
+    """Registers one plugin of passive forces and sensors; returns its slot.
+
+    Args:
+        name: the plugin's name in MJCF.
+        keys: its config keys.
+        callbacks: compiled C functions by the name of their field in mjpPlugin.
+        stage: the mjtStage whose results its sensors need.
+    """
     library = mujoco_library()
     attributes = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
     plugin = Plugin()
@@ -38,8 +46,8 @@ def _register(name: str, keys: tuple[str, ...], callbacks: dict) -> int:
     plugin.nattribute = len(keys)
     plugin.attributes = attributes
     plugin.capabilityflags = PASSIVE | SENSOR
-    plugin.needstage = STAGE_POS
+    plugin.needstage = stage
     for callback, compiled in callbacks.items():
         setattr(plugin, callback, compiled.address)
-    _registered.extend((attributes, plugin))
+    _registered.extend((attributes, plugin, callbacks))
     return library.mjp_registerPlugin(ctypes.byref(plugin))

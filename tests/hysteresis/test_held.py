@@ -67,6 +67,21 @@ def test_the_engine_accepts_it(held, shoulder):
         attach(mujoco.MjSpec.from_string(text), "j", held, start_angle=0.35, start_torque=9.0)
 
 
+def test_a_polynomial_beside_it_changes_no_start(held, shoulder):
+    bent = Asymmetric(model=held, polynomial=[3.0, -7.0])
+    covered = []
+    for torque in np.linspace(-60, 60, 25):
+        start = held.start(0.5, torque)
+        same = bent.start(0.5, torque + float(bent.elastic(0.5)))
+        covered.append(held.start_is_certified(start))
+        assert bent.start_is_certified(same) == covered[-1]
+        lag = abs(torque - held.anhysteretic(start))
+        assert covered[-1] == (lag <= held.certificate().memory_bound)
+    assert 0 < sum(covered) < len(covered)
+    alone = [shoulder.start_is_certified(shoulder.start(0.5, t)) for t in np.linspace(-60, 60, 25)]
+    assert alone != covered  # the range has a bound of its own
+
+
 @pytest.mark.parametrize("bad", [(1, 0), (0, np.inf), (0, np.nan), 3, (0.5, 0.5)])
 def test_bad_ranges(shoulder, bad):
     with pytest.raises(InputError, match="angle_range is"):

@@ -176,6 +176,7 @@ up = [0.0, 0.5, 1.0]
         (lambda: branches(up, up, 2), "stays within 1 rad and the dead band is 2 rad"),
         (lambda: reversals(up, -1), "dead_band is -1: give a finite number, at least 0"),
         (lambda: reversals(up, np.nan), "dead_band is nan"),
+        (lambda: reversals([0, -1e200, 0]), r"angle\[1\] is -1e\+200: give numbers of at most 1e"),
         (lambda: reversals([]), r"angle has shape \(0,\)"),
         (lambda: loops([0, 1, 0], up, tolerance=-1), "tolerance is -1"),
         (lambda: first_order_families([0, 1, 0], up, direction=0), "direction is 0: use 1"),

@@ -190,6 +190,21 @@ def test_tangent_span_averages_over_its_angle():
     assert fine.stiffness_into_low == pytest.approx(-2, abs=0.003)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("angle_scale", [1e-99, 1, 1e99])
+@pytest.mark.parametrize("torque_scale", [1e-99, 1, 1e99])
+def test_the_numbers_scale_with_their_units(angle_scale, torque_scale):
+    angle, torque = ellipse(401)
+    one = loop_metrics(angle, torque)
+    other = loop_metrics(angle_scale * angle, torque_scale * torque)
+    assert other.area == pytest.approx(one.area * angle_scale * torque_scale)
+    assert other.remanence == pytest.approx(one.remanence * torque_scale)
+    assert other.coercive_angle == pytest.approx(one.coercive_angle * angle_scale)
+    stiffness = one.stiffness_into_high * torque_scale / angle_scale
+    assert other.stiffness_into_high == pytest.approx(stiffness)
+    assert other.asymmetry == pytest.approx(one.asymmetry)
+
+
 loop = [0.0, 1, 0]
 
 
@@ -198,6 +213,9 @@ loop = [0.0, 1, 0]
     [
         (lambda: loop_metrics([0, np.nan, 0], loop), r"angle\[1\] is nan: give finite numbers"),
         (lambda: loop_metrics(loop, [0, np.inf, 0]), r"torque\[1\] is inf"),
+        (lambda: loop_metrics(loop, [0, -1e300, 0]), r"torque\[1\] is -1e\+300: give"),
+        (lambda: loop_metrics([0, 1e300, 0], loop), r"at most 1e\+100 \(rad\)"),
+        (lambda: loop_metrics([0, 1e-200, 0], loop), "covers 1e-200 rad"),
         (lambda: loop_metrics(loop, [0, 1]), "angle has 3 samples and torque has 2"),
         (lambda: loop_metrics([0, 1], [0, 1]), "the record has 2 samples"),
         (lambda: loop_metrics([0, 1, 2], loop), "covers 2 rad and ends 2 rad from its start"),

@@ -10,7 +10,8 @@ LOW, HIGH = np.array([[1, 100], [3, 5000], [-10, 10], [-10, 10], [1, 1000]], dty
 
 def together(angle, starts, initial, parameters):
     torque = np.full((len(parameters), angle.size), np.inf)
-    kernels.population_response(angle, starts, initial, parameters, torque)
+    each = np.tile(initial, (len(parameters), 1))
+    kernels.population_response(angle, starts, each, parameters, torque)
     return torque
 
 
