@@ -6,42 +6,53 @@ import os
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    InstanceOf,
+    PlainSerializer,
+    ValidationError,
+    model_validator,
+)
 
 from ..errors import InputError, unknown_name
 from ..files import write_text
+from ..hysteresis import HysteresisModel, model_from_dict
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
 Grade = Literal["published", "identified", "assumed"]
 GRADES: tuple[str, ...] = get_args(Grade)
 FOLDER = Path(__file__).parent / "suits"
 
 
+def _model(given: Any) -> HysteresisModel:
+    return given if isinstance(given, HysteresisModel) else model_from_dict(given)
+
+
+Model = Annotated[
+    InstanceOf[HysteresisModel],
+    BeforeValidator(_model),
+    PlainSerializer(lambda model: model.to_dict()),
+]
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Parameters(_Strict):
-    """Jiles-Atherton parameters; a, alpha, k in the joint's angle unit."""
-
-    Ms: Annotated[FiniteFloat, Field(gt=0)]
-    a: Annotated[FiniteFloat, Field(gt=0)]
-    alpha: FiniteFloat
-    c: FiniteFloat
-    k: Annotated[FiniteFloat, Field(gt=0)]
 
 
 class SuitJoint(_Strict):
     """The resistance of one joint and its provenance.
 
     Attributes:
-        model: name of the hysteresis model.
-        parameters: its parameters.
-        angle_unit: unit of a, alpha and k.
+        model: any hysteresis model, in the file as its `to_dict`.
+        samples: other models that the data also allow, to randomize with.
         range: angles [rad] in which the model was identified or is meant to be used.
-        start_angle: where the memory begins [rad], with zero torque.
-        held: whether the torque is held outside `range`; some models are safe inside only.
+        start_angle: where the memory begins [rad].
+        start_torque: the resistance there [N·m].
         grade: published (printed in a paper), identified (fitted to curves) or assumed.
         source: where the numbers come from, in words.
         data_sha256: hash of the curve file, if identified.
@@ -49,12 +60,11 @@ class SuitJoint(_Strict):
         certificate_margin: the model's certificate margin when the file was made.
     """
 
-    model: Literal["jiles-atherton"]
-    parameters: Parameters
-    angle_unit: Literal["rad", "deg"]
+    model: Model
+    samples: tuple[Model, ...] = ()
     range: tuple[FiniteFloat, FiniteFloat]
     start_angle: FiniteFloat
-    held: bool = False
+    start_torque: FiniteFloat = 0.0
     grade: Grade
     source: str
     data_sha256: str | None = None
@@ -62,7 +72,7 @@ class SuitJoint(_Strict):
     certificate_margin: FiniteFloat | None = None
 
     @model_validator(mode="after")
-    def _range_ascends(self) -> "SuitJoint":
+    def _angles_are_radians(self) -> "SuitJoint":
         if not self.range[0] < self.range[1]:
             raise ValueError(
                 f"range is {list(self.range)}: the first angle must be the smaller one"
@@ -72,6 +82,16 @@ class SuitJoint(_Strict):
                 f"range is {list(self.range)} and start_angle {self.start_angle}: more than a full "
                 "turn; both are radians"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _samples_are_as_safe(self) -> "SuitJoint":
+        for i, sample in enumerate(self.samples):
+            if _is_safe(self.model) and not _is_safe(sample):
+                raise ValueError(
+                    f"samples[{i}] has certificate margin {sample.certificate().margin:.3g}, but "
+                    "the model itself is certified: remove that sample"
+                )
         return self
 
 
@@ -85,7 +105,7 @@ class Suit(_Strict):
         joints: resistance by joint name.
     """
 
-    schema_version: Literal[1]
+    schema_version: Literal[2] = SCHEMA_VERSION
     name: Annotated[str, Field(min_length=1)]
     description: str
     joints: dict[Literal[JOINTS], SuitJoint]  # type: ignore[valid-type]
@@ -120,7 +140,8 @@ def load_suit(name_or_path: str | os.PathLike[str]) -> Suit:
     version = content.get("schema_version") if isinstance(content, dict) else None
     if version != SCHEMA_VERSION:
         raise InputError(
-            f"{path}: schema_version is {version!r}; this release reads version {SCHEMA_VERSION}"
+            f"{path}: schema_version is {version!r}, and this release reads {SCHEMA_VERSION}: "
+            "remake it with `activesuit identify CURVES.csv --out DIR`"
         )
     try:
         return Suit.model_validate(content)
@@ -142,8 +163,14 @@ def _first(error: ValidationError) -> str:
         return f"{place} is {problem['input']!r}: use {problem['ctx']['expected']}"
     if problem["type"] == "missing":
         return f"{place} is missing: add it"
-    message = problem["msg"].removeprefix("Value error, ")
+    if problem["type"] == "value_error":  # ours, which names the value
+        return f"{place}: {problem['ctx']['error']}"
     value = problem["input"]
-    return f"{place}: {message}" + (
+    return f"{place}: {problem['msg']}" + (
         "" if isinstance(value, (dict, list)) else f" (it is {value!r})"
     )
+
+
+def _is_safe(model: HysteresisModel) -> bool:
+    certificate = model.certificate()
+    return certificate.certified and certificate.dissipative

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import mujoco
 
-from ..assets import SCENE, Suit, SuitJoint, load_suit
+from ..assets import SCENE, load_suit
 from ..errors import InputError, unknown_name
-from ..hysteresis import Held, JilesAtherton
 from ..hysteresis.engine import attach
 
 GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62, "microgravity": 0.0}  # m/s^2
@@ -47,29 +46,16 @@ def compose(config: ArmConfig) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_file(str(SCENE))
     spec.option.timestep = config.sim_dt
     spec.option.gravity = [0, 0, -GRAVITY[config.gravity]]
-    for joint, model in joint_models(suit).items():
+    for joint, entry in suit.joints.items():
         attach(
             spec,
             joint,
-            model,
-            start_angle=suit.joints[joint].start_angle,
+            entry.model,
+            start_angle=entry.start_angle,
+            start_torque=entry.start_torque,
             allow_uncertified=config.allow_uncertified,
         )
     return spec.compile()
-
-
-def joint_models(suit: Suit) -> dict[str, JilesAtherton | Held]:
-    """Returns the hysteresis model of each joint that a suit resists."""
-    return {joint: _joint_model(entry) for joint, entry in suit.joints.items()}
-
-
-def _joint_model(entry: SuitJoint) -> JilesAtherton | Held:
-    model = JilesAtherton(
-        **entry.parameters.model_dump(),
-        angle_unit=entry.angle_unit,
-        allow_active=entry.parameters.c < 1,
-    )
-    return Held(model=model, angle_range=entry.range) if entry.held else model
 
 
 def bare_arm(gravity: str) -> mujoco.MjModel:

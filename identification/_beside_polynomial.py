@@ -6,7 +6,6 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import qmc
 
 from ..errors import InputError, at_least
 from .certified import (
@@ -133,6 +132,8 @@ class Search:
             InputError: the budget does not suffice for the screening.
         """
         at_least("budget", self.budget, screened + 1)
+        from scipy.stats import qmc  # slow to import
+
         sobol = qmc.Sobol(self.low.size, rng=np.random.default_rng(rng)).random(screened)
         points = self.low + sobol * (self.high - self.low)
         costs = [np.mean(self._residual(point) ** 2) for point in points]

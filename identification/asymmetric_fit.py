@@ -95,7 +95,7 @@ class _UnitModels:
         """Returns the torque along all curves, shape (samples,)."""
         row, first = _unit(point)
         torque = np.empty((1, self.degrees.size))
-        initial = np.full(self.starts.size - 1, first)
+        initial = np.full((1, self.starts.size - 1), first)
         kernels.population_response(self.degrees, self.starts, initial, np.array([row]), torque)
         return torque[0]
 
@@ -113,4 +113,5 @@ class _UnitModels:
             margin, bound, _ = margin_in_range(*self.range, *row)
         _, a, alpha, _, _ = row
         lag = abs(first - langevin((self.start + alpha * first) / a)[0])
-        return min(max(MARGIN - margin, lag - bound, 0.0), 1.0)
+        # What lacks MARGIN / 2 still passes, but the lag must not exceed its bound at all.
+        return min(max(MARGIN - margin, lag - bound + MARGIN / 2, 0.0), 1.0)

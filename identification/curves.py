@@ -7,13 +7,14 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..files import write_text
+from ..hysteresis._checks import number
 
 Role = Literal["fit", "predict"]
 RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
@@ -29,12 +30,14 @@ class Curve:
         torque: resistance, positive against positive motion [N·m], shape (n,).
         name: label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
+        weight: of its squared errors beside those of the other curves, > 0.
     """
 
     angle: NDArray[np.float64]
     torque: NDArray[np.float64]
     name: str
     role: Role = "fit"
+    weight: float = 1.0
 
     def __post_init__(self) -> None:
         if not self.name or self.name.startswith("#") or "\n" in self.name:
@@ -67,14 +70,30 @@ class Curve:
             )
         if self.role not in get_args(Role):
             raise InputError(f"curve {self.name!r} has role {self.role!r}: use 'fit' or 'predict'")
+        object.__setattr__(self, "weight", number(f"weight of curve {self.name!r}", self.weight))
+        if self.weight <= 0:
+            raise InputError(
+                f"curve {self.name!r} has weight {self.weight:g}: give a number above 0, or the "
+                "role 'predict' to keep it out of the fit"
+            )
+
+
+def noise_floor(curves: Sequence[Curve]) -> float:
+    """Estimates the standard deviation of the torque noise [N·m] from its second differences.
+
+    The median makes it blind to the few samples at a reversal; smooth curves sampled densely
+    contribute nothing.
+    """
+    second = np.concatenate([np.diff(curve.torque, 2) for curve in curves])
+    return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6)) if second.size else 0.0
 
 
 def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
     """Reads curves from a CSV file.
 
-    The header is `curve,angle_rad,torque_nm` (or `angle_deg`), with an optional column `role`
-    (`fit` or `predict`). Rows of one curve are in the order of measurement. Empty lines and lines
-    that begin with `#` are skipped.
+    The header is `curve,angle_rad,torque_nm` (or `angle_deg`), with optional columns `role`
+    (`fit` or `predict`) and `weight` (> 0), which stay the same along a curve. Rows of one curve
+    are in the order of measurement. Empty lines and lines that begin with `#` are skipped.
 
     Raises:
         InputError: the file is missing or holds anything that is not a usable curve; the message
@@ -93,37 +112,32 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
                 f"(or angle_deg), and it is {','.join(header)!r}"
             )
     samples: dict[str, list[tuple[float, float]]] = {}
-    roles: dict[str, str] = {}
+    labels: dict[str, dict[str, Any]] = {}
     for line, row in rows:
         if len(row) != len(header):
             raise InputError(
                 f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
             )
         cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
-        name, role = cells["curve"], cells.get("role", "fit")
+        name = cells["curve"]
         if not name:
             raise InputError(f"{path}, line {line}: the cell 'curve' is empty: name the curve")
-        if roles.setdefault(name, role) != role:
-            raise InputError(f"{path}, line {line}: curve {name!r} changes its role to {role!r}")
-        angle = _number(cells, angle_column, path, line)
-        if angle_column == "angle_rad" and abs(angle) > RADIANS_AT_MOST:
-            raise InputError(
-                f"{path}, line {line}: angle_rad is {angle:g}, more than a full turn: if these are "
-                "degrees, name the column angle_deg"
-            )
-        if angle_column == "angle_deg":
-            if abs(angle) > 360:
+        label: dict[str, Any] = {"role": cells.get("role", "fit")}
+        if "weight" in cells:
+            label["weight"] = _number(cells, "weight", path, line)
+        for key, value in label.items():
+            if labels.setdefault(name, label)[key] != value:
                 raise InputError(
-                    f"{path}, line {line}: angle_deg is {angle:g}, more than a full turn: no joint "
-                    "does that"
+                    f"{path}, line {line}: curve {name!r} changes its {key} to {value!r}: give all "
+                    "its samples the same"
                 )
-            angle = math.radians(angle)
+        angle = _angle(cells, angle_column, path, line)
         samples.setdefault(name, []).append((angle, _number(cells, "torque_nm", path, line)))
     if not samples:
         raise InputError(f"{path} has a header but no samples")
     try:
         return [
-            Curve(*np.array(pairs).T.copy(), name=name, role=roles[name])  # type: ignore[arg-type]
+            Curve(*np.array(pairs).T.copy(), name=name, **labels[name])
             for name, pairs in samples.items()
         ]
     except InputError as error:
@@ -137,10 +151,12 @@ def save_curves(
     text = io.StringIO()
     text.writelines(f"# {comment}\n" for comment in comments)
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["curve", "role", "angle_rad", "torque_nm"])
+    weighted = any(curve.weight != 1 for curve in curves)
+    writer.writerow(["curve", "role", *["weight"] * weighted, "angle_rad", "torque_nm"])
     for curve in curves:
+        label = [curve.name, curve.role, *[curve.weight] * weighted]
         for angle, torque in zip(curve.angle, curve.torque, strict=True):
-            writer.writerow([curve.name, curve.role, f"{angle:.6f}", f"{torque:.6f}"])
+            writer.writerow([*label, f"{angle:.6f}", f"{torque:.6f}"])
     write_text(path, text.getvalue())
 
 
@@ -173,3 +189,16 @@ def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:
             f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number"
         )
     return value
+
+
+def _angle(cells: dict[str, str], column: str, path: Path, line: int) -> float:
+    value = _number(cells, column, path, line)
+    angle = math.radians(value) if column == "angle_deg" else value
+    if abs(angle) > RADIANS_AT_MOST:
+        hint = "no joint does that"
+        if column == "angle_rad":
+            hint = "if these are degrees, name the column angle_deg"
+        raise InputError(
+            f"{path}, line {line}: {column} is {value:g}, more than a full turn: {hint}"
+        )
+    return angle

@@ -5,21 +5,21 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..hysteresis import HysteresisModel, PoleError
 from .curves import Curve
+from .identify import Fit
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 STYLES = ("-", "--", ":", "-.")
 
 
 def loops_figure(
-    families: Mapping[str, Sequence[Curve]], models: Mapping[str, Mapping[str, HysteresisModel]]
+    families: Mapping[str, Sequence[Curve]], fits: Mapping[str, Mapping[str, Fit]]
 ) -> Figure:
-    """Draws the measured loops of each joint and what each model makes of them.
+    """Draws the measured loops of each joint and what each fit makes of them.
 
     Args:
         families: curves by joint name; fitted and predicted ones get a column each.
-        models: joint name -> label -> model.
+        fits: joint name -> label -> fit.
 
     Returns:
         One row per joint: fitted curves on the left, predicted ones on the right.
@@ -29,7 +29,7 @@ def loops_figure(
     for axes, (joint, curves) in zip(grid, families.items(), strict=True):
         for ax, role, title in zip(axes, ("fit", "predict"), ("fitted", "predicted"), strict=True):
             drawn = [curve for curve in curves if curve.role == role]
-            _draw_loops(ax, drawn, models[joint])
+            _draw_loops(ax, drawn, fits[joint])
             ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
             ax.set_xlabel("angle [rad]")
         axes[0].set_ylabel("resistance [N·m]")
@@ -37,7 +37,7 @@ def loops_figure(
     return figure
 
 
-def _draw_loops(ax, curves: Sequence[Curve], models: Mapping[str, HysteresisModel]) -> None:
+def _draw_loops(ax, curves: Sequence[Curve], fits: Mapping[str, Fit]) -> None:
     for i, curve in enumerate(curves):
         ax.plot(
             curve.angle,
@@ -48,13 +48,14 @@ def _draw_loops(ax, curves: Sequence[Curve], models: Mapping[str, HysteresisMode
             label="curves" if i == 0 else None,
             zorder=0,
         )
-        for (label, model), color, style in zip(models.items(), COLORS, STYLES, strict=False):
-            try:
-                torque = model.response(curve.angle)
-            except PoleError:
-                continue
+        for (label, fit), color, style in zip(fits.items(), COLORS, STYLES, strict=False):
             ax.plot(
-                curve.angle, torque, style, color=color, lw=1.4, label=label if i == 0 else None
+                curve.angle,
+                fit.predict(curve),
+                style,
+                color=color,
+                lw=1.4,
+                label=label if i == 0 else None,
             )
     ax.axhline(0, color="0.6", lw=0.6)
     ax.grid(alpha=0.25)

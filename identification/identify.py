@@ -9,30 +9,20 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from ..errors import InputError, at_least, unknown_name
-from ..hysteresis import Held, JilesAtherton
+from ..errors import InputError, at_least
+from ..hysteresis.model import HysteresisModel
+from .auto import Candidate, Choice, choose
 from .baselines import BASELINES
-from .certified import certified_fit
 from .curves import Curve
-from .mpso import mpso
-from .objective import CurveObjective
-from .pso import pso
-from .rank_distance_mpso import rank_distance_mpso
+from .methods import SEARCHES, check_method, check_options
+from .objective import CurveObjective, InitialTorque, Loss, Normalize
+from .own_fits import fit_model, nrmse, paper_model, predicted, torque_errors
 from .remarks import remarks
-from .sa_pso import sa_pso
 
 # Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
 PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))
-SWARMS = {
-    "pso": pso,
-    "sa-pso": sa_pso,
-    "mpso": mpso,
-    "rank-distance-mpso": rank_distance_mpso,
-}
-METHODS = ("certified", *SWARMS, *BASELINES)
 BASELINE_EVALUATIONS = 5000  # as many as the paper's swarms
 FEWEST_SAMPLES = 10  # for five parameters
-MODELS = ("jiles-atherton",)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,19 +31,21 @@ class Trial:
 
     Attributes:
         index: its number, which fixes its random numbers.
-        parameters: Ms, a, alpha, c, k in degrees.
-        held: the range [rad] outside which the certified fit needs its torque held, if any.
+        model: what it found, held outside the fitted angles if it is safe inside only.
+        initial_torque: with which all curves begin [N·m]; or "measured", each with its first one.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        evaluations: how often the model was evaluated on all curves.
-        history: best score so far, per iteration (eq. (7) for the swarms, NRMSE for "certified").
+        loss: what the method minimized: the NRMSE, or the objective that was asked for.
+        evaluations: how often the model ran on all curves; None where the fit does not count.
+        history: smallest objective so far, per iteration of a swarm or a baseline.
     """
 
     index: int
-    parameters: tuple[float, ...]
-    held: tuple[float, float] | None = None
+    model: HysteresisModel
+    initial_torque: InitialTorque
     nrmse: float
-    evaluations: int
-    history: tuple[float, ...] = field(repr=False)
+    loss: float
+    evaluations: int | None
+    history: tuple[float, ...] = field(default=(), repr=False)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,36 +54,52 @@ class Fit:
 
     Attributes:
         model: the best trial's model, held outside the fitted angles if it is safe inside only.
+        model_name: which model it is.
         method: the name it was found by.
+        initial_torque: with which all curves begin [N·m]; or "measured", each with its first one.
         fitness: eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         prediction_errors: largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity where
             the model meets its pole.
-        trials: every finished trial, by index.
+        trials: every finished trial, by index; with method "auto" that of the chosen model.
         remarks: what speaks against trusting the model, as sentences; empty if nothing does.
+        why: the reason of the choice that method "auto" made, as a sentence; else empty.
+        candidates: all models that method "auto" tried, the best prediction first; else empty.
         interrupted: whether Ctrl-C ended it before all trials were done.
     """
 
-    model: JilesAtherton | Held
+    model: HysteresisModel
+    model_name: str
     method: str
+    initial_torque: InitialTorque
     fitness: float
     nrmse: float
     prediction_errors: dict[str, float]
     trials: tuple[Trial, ...]
     remarks: tuple[str, ...] = ()
+    why: str = ""
+    candidates: tuple[Candidate, ...] = ()
     interrupted: bool = False
 
     @property
-    def evaluations(self) -> int:
-        """Model evaluations of all trials together."""
-        return sum(trial.evaluations for trial in self.trials)
+    def evaluations(self) -> int | None:
+        """Model evaluations of all trials together; None where the fit does not count."""
+        counts = [trial.evaluations for trial in self.trials]
+        return None if None in counts else sum(cast(list[int], counts))
+
+    def predict(self, curve: Curve) -> NDArray[np.float64]:
+        """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
+        return predicted(self.model, self.initial_torque, curve)
 
 
 def identify(
     curves: Sequence[Curve],
     *,
-    model: str = "jiles-atherton",
+    model: str | None = None,
     method: str = "certified",
+    objective: Loss | None = None,
+    normalize: Normalize | None = None,
+    initial_torque: InitialTorque | None = None,
     trials: int | None = None,
     seed: int = 0,
     workers: int = -1,
@@ -102,16 +110,27 @@ def identify(
 
     Trials are independent, run in parallel on all cores, and depend only on `seed` and their
     index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
+    An option that the method would ignore is refused.
 
     Args:
         curves: the measurements; those with role "predict" are kept out of the fit and tested.
-        model: "jiles-atherton".
-        method: "certified" (ours: least squares, can only return certified models); a swarm as
-            published: "pso", "sa-pso", "mpso", "rank-distance-mpso"; or a baseline of other
-            libraries: "de", "dual-annealing", "nelder-mead", "ga", "cma-es" (the last two need the
-            extra `compare`). All but ours search the bounds of the paper's Table 1.
+        model: "jiles-atherton" (by default), "asymmetric" (the same beside a polynomial),
+            "bouc-wen", "prandtl-ishlinskii" or "preisach".
+        method: "certified" (ours: least squares, can only return certified models); "auto" (the
+            simplest model that predicts well curves left out of its certified fit); or, for
+            "jiles-atherton" only, a swarm as published: "pso", "sa-pso", "mpso",
+            "rank-distance-mpso"; or a baseline of other libraries: "de", "dual-annealing",
+            "nelder-mead", "ga", "cma-es" (the last two need the extra `compare`). Swarms and
+            baselines search the bounds of the paper's Table 1.
+        objective: what a swarm or baseline minimizes, a loss of `CurveObjective`; by default
+            "nrmse".
+        normalize: of the objective: errors over the largest torque of the "family" (by default) or
+            of each "curve".
+        initial_torque: with which each Jiles-Atherton curve begins: a number [N·m], by default 0 as
+            in a first-order curve; "measured", its own first sample; or "identified", one for all.
+            The fits of the other models always identify it.
         trials: number of runs from different random numbers; by default 1 for "certified" and 30,
-            as in the paper, for the others.
+            as in the paper, for swarms and baselines.
         seed: fixes all random numbers.
         workers: threads; -1 uses all cores.
         on_trial: called with each trial as it finishes, in any order.
@@ -119,28 +138,67 @@ def identify(
             `max_evaluations`, ...).
 
     Raises:
-        InputError: unknown model or method, no curve to fit, or a number out of its range.
+        InputError: unknown model, method or option, one that the method would ignore, no curve to
+            fit, or a number out of its range.
     """
-    if model not in MODELS:
-        raise unknown_name("model", model, MODELS)
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
-    if trials is None:
-        trials = 1 if method == "certified" else 30
-    at_least("trials", trials, 1)
+    check_method(model, method)
+    check_options(model, method, objective, normalize, initial_torque, trials, options)
     at_least("seed", seed, 0)
     if workers == 0:
         raise InputError("workers is 0: use a number of threads, or -1 for all cores")
+    measured = _measured(curves)
+    name = model or "jiles-atherton"
+    start: dict[str, Any] = {}
+    if initial_torque is not None and name == "jiles-atherton":
+        start["initial_torque"] = initial_torque
+    if method == "auto" or name != "jiles-atherton":
+        _refuse_weights(measured)
+    if method == "auto":
+        choice = choose(measured, seed=seed, workers=workers, options={"jiles-atherton": start})
+        trial = _chosen_trial(choice.chosen)
+        if on_trial is not None:
+            on_trial(trial)
+        return _fit(curves, choice.chosen.name, method, [trial], choice)
+    if method == "certified":
+        run = partial(_own_trial, measured, name, options | start)
+    else:
+        goal = {"loss": objective or "nrmse", "normalize": normalize or "family", **start}
+        run = partial(_search_trial, measured, method, goal, options)
+    trials = trials or (1 if method == "certified" else 30)
+    finished, interrupted = _run(run, trials, seed, workers, on_trial)
+    return _fit(curves, name, method, finished, interrupted=interrupted)
+
+
+def _measured(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves to fit; reports unusable ones before any thread starts."""
     measured = [curve for curve in curves if curve.role == "fit"]
-    samples = CurveObjective(measured).torque.size  # reports unusable data before any thread starts
+    samples = CurveObjective(measured).torque.size
     if samples < FEWEST_SAMPLES:
         raise InputError(
             f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
         )
-    run = partial(_run_trial, measured, method, options)
+    return measured
+
+
+def _refuse_weights(curves: Sequence[Curve]) -> None:
+    weights = [curve.weight for curve in curves]
+    if min(weights) < max(weights):
+        raise InputError(
+            f"the curves have weights from {min(weights):g} to {max(weights):g}: only fits of the "
+            "model 'jiles-atherton' weigh curves; remove the weights"
+        )
+
+
+def _run(
+    run: Callable[[int, np.random.SeedSequence], Trial],
+    trials: int,
+    seed: int,
+    workers: int,
+    on_trial: Callable[[Trial], None] | None,
+) -> tuple[list[Trial], bool]:
+    """Runs trials in threads; returns the finished ones, and whether Ctrl-C ended them."""
     seeds = np.random.SeedSequence(seed).spawn(trials)
     finished: list[Trial] = []
-    interrupted = False
     try:
         jobs = (delayed(run)(index, child) for index, child in enumerate(seeds))
         # Threads: nearly all the time is spent in kernels that release the GIL.
@@ -154,70 +212,95 @@ def identify(
     except KeyboardInterrupt:
         if not finished:
             raise
-        interrupted = True
-    return _best(curves, method, finished, interrupted)
+        return finished, True
+    return finished, False
 
 
-def bare(model: JilesAtherton | Held) -> JilesAtherton:
-    """Returns the Jiles-Atherton model inside a fitted one."""
-    return cast(JilesAtherton, model.model) if isinstance(model, Held) else model
-
-
-def paper_model(parameters: Sequence[float] | NDArray[np.float64]) -> JilesAtherton:
-    """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
-    Ms, a, alpha, c, k = (float(value) for value in parameters)
-    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)
-
-
-def _run_trial(
+def _own_trial(
     curves: Sequence[Curve],
-    method: str,
+    model: str,
     options: dict[str, Any],
     index: int,
     seed: np.random.SeedSequence,
 ) -> Trial:
-    rng = np.random.default_rng(seed)
-    if method == "certified":
-        fit = certified_fit(curves, rng=rng, **options)
-        parameters, evaluations, history = fit.parameters, fit.evaluations, fit.history
-        held = fit.held
-    else:
-        held = None
-        objective = CurveObjective(curves)
-        if method in SWARMS:
-            result = SWARMS[method](objective, PAPER_BOUNDS, rng=rng, **options)
-        else:
-            options = {"max_evaluations": BASELINE_EVALUATIONS, **options}
-            result = BASELINES[method](objective, PAPER_BOUNDS, rng=rng, **options)
-        parameters, evaluations, history = result.x, objective.evaluations, result.history
+    found = fit_model(model, curves, np.random.default_rng(seed), **options)
     return Trial(
         index=index,
-        parameters=tuple(map(float, parameters)),
-        held=held,
-        nrmse=float(CurveObjective(curves).nrmse(parameters)[0]),
-        evaluations=evaluations,
-        history=tuple(map(float, history)),
+        model=found.model,
+        initial_torque=found.initial_torque,
+        nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
+        loss=found.loss,
+        evaluations=found.evaluations,
     )
 
 
-def _best(curves: Sequence[Curve], method: str, trials: list[Trial], interrupted: bool) -> Fit:
+def _chosen_trial(chosen: Candidate) -> Trial:
+    assert chosen.model is not None  # what could not be fitted is never chosen
+    return Trial(
+        index=0,
+        model=chosen.model,
+        initial_torque=chosen.initial_torque,
+        nrmse=chosen.fit_nrmse,
+        loss=chosen.fit_nrmse,
+        evaluations=None,
+    )
+
+
+def _search_trial(
+    curves: Sequence[Curve],
+    method: str,
+    goal: dict[str, Any],
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    objective = CurveObjective(curves, **goal)
+    start, bounds = objective.initial_torque, PAPER_BOUNDS
+    if start == "identified":
+        bounds = (*bounds, (-objective.peak, objective.peak))
+    if method in BASELINES:
+        options = {"max_evaluations": BASELINE_EVALUATIONS, **options}
+    result = SEARCHES[method](objective, bounds, rng=np.random.default_rng(seed), **options)
+    model = paper_model(result.x[:5])
+    start = float(result.x[5]) if start == "identified" else start
+    return Trial(
+        index=index,
+        model=model,
+        initial_torque=start,
+        nrmse=nrmse(torque_errors(model, start, curves), curves),
+        loss=float(result.fun),
+        evaluations=objective.evaluations,
+        history=tuple(map(float, result.history)),
+    )
+
+
+def _fit(
+    curves: Sequence[Curve],
+    name: str,
+    method: str,
+    trials: list[Trial],
+    choice: Choice | None = None,
+    interrupted: bool = False,
+) -> Fit:
     measured = [curve for curve in curves if curve.role == "fit"]
-    best = min(trials, key=lambda trial: (trial.nrmse, trial.index))
-    errors: dict[str, float] = {}
-    for curve in curves:
-        if curve.role == "predict":
-            predicted = CurveObjective([curve]).responses(best.parameters)[0]
-            worst = float(np.abs(predicted - curve.torque).max())
-            errors[curve.name] = worst if np.isfinite(worst) else float("inf")
-    model = paper_model(best.parameters)
-    bounds = None if method == "certified" else PAPER_BOUNDS
+    best = min(trials, key=lambda trial: (trial.loss, trial.index))
+    errors = {
+        curve.name: float(np.abs(torque_errors(best.model, best.initial_torque, [curve])).max())
+        for curve in curves
+        if curve.role == "predict"
+    }
+    bounds = PAPER_BOUNDS if method in SEARCHES else None
     return Fit(
-        model=Held(model=model, angle_range=best.held) if best.held else model,
+        model=best.model,
+        model_name=name,
         method=method,
-        fitness=float(CurveObjective(measured)(best.parameters)[0]),
+        initial_torque=best.initial_torque,
+        fitness=best.nrmse / float(np.sqrt(sum(curve.angle.size for curve in measured))),
         nrmse=best.nrmse,
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),
-        remarks=remarks(model, best.nrmse, measured, bounds),
+        remarks=remarks(best.model, best.nrmse, measured, bounds),
+        why=choice.why if choice else "",
+        candidates=choice.candidates if choice else (),
         interrupted=interrupted,
     )

@@ -1,60 +1,160 @@
-"""How far a model is from measured curves: the paper's fitness and the NRMSE."""
+"""How far a Jiles-Atherton model is from measured curves: the losses that a fit minimizes."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from ..hysteresis import _jiles_atherton_kernels as kernels
-from .curves import Curve
+from ..hysteresis._checks import number
+from .curves import Curve, noise_floor
+
+Loss = Literal["nrmse", "paper", "sse", "robust"]
+Normalize = Literal["family", "curve"]
+InitialTorque = float | Literal["measured", "identified"]
+
+# In deviations of the noise: Huber's constant (Holland and Welsch, Commun. Stat. A 6 (1977) 813),
+# with which the pseudo-Huber loss too keeps 95 % of the efficiency of least squares.
+OUTLYING = 1.345
+LEAST_NOISE = 1e-3  # of the peak, so that curves without noise have a scale
 
 
 @dataclass(eq=False)
 class CurveObjective:
-    """Fitness of Jiles-Atherton parameters on a family of curves, for whole populations at once.
+    """Loss of Jiles-Atherton parameters on a family of curves, for whole populations at once.
 
-    Rows of parameters are (Ms, a, alpha, c, k) with a, k, alpha in degrees, the unit of the
-    paper's Tables 1 and 2. Each curve starts with zero torque, as a first-order transition curve
-    does by definition. Parameters whose curve meets the pole score infinity.
+    Rows of parameters are (Ms, a, alpha, c, k) with a, k, alpha in degrees, the unit of Tables 1
+    and 2 of Li et al. 2022. Parameters whose curve meets the pole score infinity. With the errors
+    E = Tc - Tm at all N samples, their weights w of mean 1, and e = E / Tmax, the losses are
+
+        "nrmse"   sqrt(mean(w e^2))
+        "paper"   sqrt(sum(w e^2)) / N, eq. (7) of Li et al. 2022
+        "sse"     sum(w E^2) [(N·m)^2], eq. (10) of Kao and Fung 2009
+        "robust"  sqrt(mean(w p)), p = 2 (sqrt(1 + (E/d)^2) - 1) (d/Tmax)^2, which is e^2 for small
+                  errors and grows like |E| beyond d = 1.345 times the noise of the torque
+                  (pseudo-Huber; Charbonnier et al., IEEE Trans. Image Process. 6 (1997) 298). The
+                  noise is `noise_floor`, and at least 0.1 % of the peak.
 
     Attributes:
-        curves: the measured curves.
+        curves: the measured curves; only the ratios of their weights count.
+        loss: what a call returns.
+        normalize: Tmax is the largest |Tm| of the "family" or of each "curve" itself.
+        initial_torque: with which every curve begins [N·m]; "measured" takes each curve's first
+            sample, and "identified" a sixth column of the parameters [N·m].
         evaluations: how many parameter rows have been scored so far.
+        torque: of all curves, end to end [N·m], shape (samples,).
+        weight: of each sample, of mean 1, shape (samples,).
+        peak: the largest |Tm| of all curves [N·m].
+
+    Raises:
+        InputError: there is no curve or no torque, or an argument is none of the above.
     """
 
     curves: Sequence[Curve]
-    evaluations: int = 0
+    _: KW_ONLY
+    loss: Loss = "nrmse"
+    normalize: Normalize = "family"
+    initial_torque: InitialTorque = 0.0
+    evaluations: int = field(init=False, default=0)
     torque: NDArray[np.float64] = field(init=False)
+    weight: NDArray[np.float64] = field(init=False)
     peak: float = field(init=False)
 
     def __post_init__(self) -> None:
         if not self.curves:
             raise InputError("there is no curve to fit: give at least one with role 'fit'")
+        for kind, allowed in (("loss", get_args(Loss)), ("normalize", get_args(Normalize))):
+            if getattr(self, kind) not in allowed:
+                raise unknown_name(kind, getattr(self, kind), allowed)
+        if self.loss == "sse" and self.normalize == "curve":
+            raise InputError(
+                "normalize is 'curve' and loss 'sse' does not normalize: use loss 'nrmse', or "
+                "weights"
+            )
+        sizes = [curve.torque.size for curve in self.curves]
         self.torque = np.concatenate([curve.torque for curve in self.curves])
+        weight = np.repeat([curve.weight for curve in self.curves], sizes)
+        weight /= weight.max()  # no sum of weights overflows
+        self.weight = weight / weight.mean()
         self.peak = float(np.abs(self.torque).max())
         if self.peak == 0:
             raise InputError("every torque is zero: there is nothing to identify")
+        self._scale = np.sqrt(self.weight) / np.repeat(self._units(), sizes)
+        self._outlying = OUTLYING * max(noise_floor(self.curves), LEAST_NOISE * self.peak)
         self._angle = np.degrees(np.concatenate([curve.angle for curve in self.curves]))
-        self._starts = np.cumsum([0] + [curve.angle.size for curve in self.curves])
-        self._initial = np.zeros(len(self.curves))
+        self._starts = np.cumsum([0, *sizes])
+        self._initial = self._first_torques()
 
     def responses(self, parameters: ArrayLike) -> NDArray[np.float64]:
-        """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m]."""
-        parameters = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
-        self.evaluations += len(parameters)
-        torque = np.empty((len(parameters), self._angle.size))
-        kernels.population_response(self._angle, self._starts, self._initial, parameters, torque)
+        """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m].
+
+        Raises:
+            InputError: the rows have not 5 numbers, or 6 with the initial torque "identified".
+        """
+        rows = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
+        names = ["Ms", "a", "alpha", "c", "k"]
+        if self._initial is None:
+            names.append("initial torque")
+        if rows.ndim != 2 or rows.shape[1] != len(names):
+            raise InputError(
+                f"the parameters have shape {rows.shape}: give rows of {len(names)} numbers "
+                f"({', '.join(names)})"
+            )
+        curves = len(self.curves)
+        initial = rows[:, 5:].repeat(curves, axis=1) if self._initial is None else self._initial
+        initial = np.ascontiguousarray(np.broadcast_to(initial, (len(rows), curves)))
+        self.evaluations += len(rows)
+        torque = np.empty((len(rows), self._angle.size))
+        models = np.ascontiguousarray(rows[:, :5])
+        kernels.population_response(self._angle, self._starts, initial, models, torque)
         return torque
 
     def nrmse(self, parameters: ArrayLike) -> NDArray[np.float64]:
-        """Returns sqrt(mean((Tc - Tm)^2)) / max|Tm| of each parameter row, shape (n,)."""
+        """Returns sqrt(mean((Tc - Tm)^2)) / peak of each parameter row, unweighted, shape (n,)."""
         errors = self.responses(parameters)
         errors -= self.torque
         score = np.sqrt(np.einsum("ij,ij->i", errors, errors) / self.torque.size) / self.peak
         return np.where(np.isfinite(score), score, np.inf)
 
     def __call__(self, parameters: ArrayLike) -> NDArray[np.float64]:
-        """Returns the paper's fitness, eq. (7): sqrt(sum(((Tc - Tm) / Tmax)^2)) / N, shape (n,)."""
-        return self.nrmse(parameters) / np.sqrt(self.torque.size)
+        """Returns the loss of each parameter row, shape (n,)."""
+        errors = self.responses(parameters)
+        errors -= self.torque
+        if self.loss == "robust":
+            with np.errstate(over="ignore", invalid="ignore"):  # ends as infinity below
+                errors *= np.sqrt(2 / (1 + np.hypot(1, errors / self._outlying)))
+        errors *= self._scale
+        total = np.einsum("ij,ij->i", errors, errors)
+        if self.loss == "paper":
+            total = np.sqrt(total) / self.torque.size
+        elif self.loss != "sse":
+            total = np.sqrt(total / self.torque.size)
+        return np.where(np.isfinite(total), total, np.inf)
+
+    def _units(self) -> list[float]:
+        """Returns in what unit the errors of each curve count [N·m]."""
+        if self.loss == "sse":
+            return [1.0] * len(self.curves)
+        if self.normalize == "family":
+            return [self.peak] * len(self.curves)
+        peaks = [float(np.abs(curve.torque).max()) for curve in self.curves]
+        if 0 in peaks:
+            raise InputError(
+                f"every torque of curve {self.curves[peaks.index(0)].name!r} is zero: use "
+                "normalize 'family', or leave the curve out"
+            )
+        return peaks
+
+    def _first_torques(self) -> NDArray[np.float64] | None:
+        """Returns the torque at the beginning of each curve; None where the rows hold it."""
+        if self.initial_torque == "identified":
+            return None
+        if self.initial_torque == "measured":
+            return np.array([curve.torque[0] for curve in self.curves])
+        if isinstance(self.initial_torque, str):
+            allowed = ("a number", "measured", "identified")
+            raise unknown_name("initial_torque", self.initial_torque, allowed)
+        return np.full(len(self.curves), number("initial_torque", self.initial_torque, "N·m"))

@@ -4,9 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..hysteresis import JilesAtherton
-from .certified import EXCESS, MARGIN, SHAPE, angle_range, noise_floor
-from .curves import Curve
+from ..hysteresis.asymmetric import Asymmetric
+from ..hysteresis.held import Held
+from ..hysteresis.jiles_atherton import JilesAtherton
+from ..hysteresis.model import HysteresisModel
+from .certified import EXCESS, MARGIN, SHAPE
+from .curves import Curve, noise_floor
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
 POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2
@@ -15,7 +18,7 @@ RETURNED = 0.05  # of the span
 
 
 def remarks(
-    model: JilesAtherton,
+    model: HysteresisModel,
     nrmse: float,
     curves: Sequence[Curve],
     bounds: Sequence[tuple[float, float]] | None,
@@ -26,7 +29,7 @@ def remarks(
         model: the fitted model.
         nrmse: its NRMSE on `curves`.
         curves: the fitted curves.
-        bounds: the search box of Ms, a, alpha, c, k in degrees; None for the certified fit.
+        bounds: the search box of Ms, a, alpha, c, k in degrees; None for our own fits.
     """
     found = []
     peak = max(float(np.abs(curve.torque).max()) for curve in curves)
@@ -34,7 +37,8 @@ def remarks(
     if nrmse > POOR and nrmse > TIMES_NOISE * noise:
         found.append(
             f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
-            "the sign of the torque, the order of the samples, or whether the torque begins at zero"
+            "the sign of the torque, the order of the samples, whether the torque begins at zero; "
+            "or try another model (method 'auto')"
         )
     elif nrmse > DISORDER:
         found.append(
@@ -44,22 +48,23 @@ def remarks(
     if span < LITTLE_MOTION:
         found.append(f"the angles span only {span:.3g} rad: check their unit")
     if not any(_turns_back(curve) for curve in curves):
-        found.append("no curve turns back, so the loss parameter k is a guess: measure the return")
-    found += _limits(model.in_unit("deg"), bounds)
-    if bounds is None:
-        found += _safety(model, angle_range(curves))
+        found.append("no curve turns back, so the loss of the model is a guess: measure the return")
+    inner = model.model if isinstance(model, Asymmetric) else model
+    if isinstance(inner, Held):
+        found += _safety(inner)
+        inner = inner.model
+    if isinstance(inner, JilesAtherton):
+        found += _limits(inner.in_unit("deg"), bounds)
     return tuple(found)
 
 
-def _safety(model: JilesAtherton, fitted: tuple[float, float]) -> list[str]:
-    if model.certificate().certified:
-        return []
-    low, high = fitted
+def _safety(model: Held) -> list[str]:
+    low, high = model.angle_range
     found = [
         f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is held outside, "
         "since curves that reach farther might show more"
     ]
-    if model.certificate(fitted).margin <= MARGIN + NEAR:
+    if model.certificate().margin <= MARGIN + NEAR:
         found.append(
             "the fit ended at the limit of the certificate: a model that is not safe may fit better"
         )

@@ -15,17 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, at_least, unknown_name
+from ..hysteresis.loops import reversals
 from .baselines import BASELINES
 from .certified import certified_fit
 from .curves import Curve
 from .identify import PAPER_BOUNDS
-from .mpso import mpso
+from .methods import SWARMS
 from .objective import CurveObjective
-from .pso import pso
-from .rank_distance_mpso import rank_distance_mpso
-from .sa_pso import sa_pso
 
-SWARMS = {"sa-pso": sa_pso, "mpso": mpso, "pso": pso, "rank-distance-mpso": rank_distance_mpso}
 METHODS = (*SWARMS, "certified", *BASELINES)
 CONVERGED = 1.01  # of the final fitness
 
@@ -105,6 +102,13 @@ class StudyConfig:
         return {**asdict(self), "methods": list(self.methods)}
 
 
+class Prediction(NamedTuple):
+    """How far a model is from a curve kept out of the fit; infinite where it meets its pole."""
+
+    largest: float  # |Tc - Tm| [N·m]
+    nrmse: float  # relative to the largest torque of the fitted curves
+
+
 @dataclass(frozen=True, kw_only=True)
 class StudyTrial:
     """What one trial found.
@@ -116,10 +120,8 @@ class StudyTrial:
         fitness: eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         evaluations: how often the model was evaluated on all curves.
-        improvements: (evaluations, best fitness) whenever the best one improved; the certified fit
-            tells its end only.
-        predictions: largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity where the
-            model meets its pole.
+        improvements: (evaluations, best fitness) whenever the best one improved.
+        predictions: the error on each curve with role "predict".
     """
 
     key: TrialKey
@@ -129,7 +131,7 @@ class StudyTrial:
     nrmse: float
     evaluations: int
     improvements: tuple[tuple[int, float], ...]
-    predictions: dict[str, float]
+    predictions: dict[str, Prediction]
 
     def convergence_iteration(self, swarm_size: int) -> int:
         """Returns the iteration from which the best fitness is within 1 % of the final one.
@@ -140,11 +142,10 @@ class StudyTrial:
         spent = next(spent for spent, best in self.improvements if best <= CONVERGED * final)
         return -(-spent // swarm_size)
 
-    def history(self, swarm_size: int, iterations: int) -> NDArray[np.float64]:
-        """Returns the best fitness after each of the iterations, (iterations + 1,)."""
+    def best_after(self, evaluations: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Returns the best fitness, (n,), after each of these numbers of evaluations, (n,)."""
         spent, best = np.array(self.improvements).T
-        ends = swarm_size * np.arange(1, iterations + 2)
-        place = np.searchsorted(spent, ends, side="right") - 1
+        place = np.searchsorted(spent, evaluations, side="right") - 1
         return np.where(place >= 0, best[place], np.inf)
 
     def evaluations_to(self, fitness: float) -> float:
@@ -154,8 +155,8 @@ class StudyTrial:
     def to_json(self) -> str:
         """Returns strict JSON that gives every number back to the last bit."""
         content = asdict(self)
-        for name, error in self.predictions.items():
-            content["predictions"][name] = error if np.isfinite(error) else None
+        for name, errors in self.predictions.items():
+            content["predictions"][name] = [e if np.isfinite(e) else None for e in errors]
         return json.dumps(content, allow_nan=False)
 
     @classmethod
@@ -172,8 +173,8 @@ class StudyTrial:
             content["held"] = tuple(content["held"]) if content["held"] else None
             content["improvements"] = tuple(map(tuple, content["improvements"]))
             content["predictions"] = {
-                name: np.inf if error is None else error
-                for name, error in content["predictions"].items()
+                name: Prediction(*(np.inf if e is None else e for e in errors))
+                for name, errors in content["predictions"].items()
             }
             return cls(**content)
         except (ValueError, TypeError, KeyError, AttributeError) as error:
@@ -181,10 +182,10 @@ class StudyTrial:
 
 
 def fingerprint(curves: Sequence[Curve]) -> str:
-    """Returns a hash of names, roles and samples, the same wherever the file lies."""
+    """Returns a hash of names, roles, weights and samples, the same wherever the file lies."""
     total = hashlib.sha256()
     for curve in curves:
-        total.update(f"{curve.name}\n{curve.role}\n{curve.angle.size}\n".encode())
+        total.update(f"{curve.name}\n{curve.role}\n{curve.weight}\n{curve.angle.size}\n".encode())
         total.update(curve.angle.tobytes() + curve.torque.tobytes())
     return total.hexdigest()[:16]
 
@@ -194,6 +195,16 @@ def fitted(curves: Sequence[Curve]) -> list[Curve]:
     return [curve for curve in curves if curve.role == "fit"]
 
 
+def held_out(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves with role "predict"."""
+    return [curve for curve in curves if curve.role == "predict"]
+
+
+def is_multi_order(curve: Curve) -> bool:
+    """Returns whether a curve turns more than once, which no first-order one does."""
+    return reversals(curve.angle).size > 1
+
+
 def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> StudyTrial:
     """Runs one trial on all curves of its joint, those with role "predict" kept out of the fit.
 
@@ -201,25 +212,27 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
         InputError: the curves are unusable, or the method's package is not installed.
     """
     measured, rng = fitted(curves), np.random.default_rng(config.seed_of(key))
+    final = CurveObjective(measured, loss="paper")
     held = None
     if key.method == "certified":
         fit = certified_fit(measured, rng=rng)
         parameters, evaluations, held = fit.parameters, fit.evaluations, fit.held
-        improvements = [(evaluations, float(CurveObjective(measured)(parameters)[0]))]
+        fitness = float(final(parameters)[0])
+        improvements = [(spent, best / fit.nrmse * fitness) for spent, best in fit.history]
     else:
-        recorded = _Recorded(CurveObjective(measured))
+        recorded = _Recorded(CurveObjective(measured, loss="paper"))
         parameters = _minimize(recorded, key.method, config, rng)
+        fitness = float(final(parameters)[0])
         evaluations, improvements = recorded.objective.evaluations, recorded.improvements
-    final = CurveObjective(measured)
     return StudyTrial(
         key=key,
         parameters=tuple(map(float, parameters)),
         held=held,
-        fitness=float(final(parameters)[0]),
+        fitness=fitness,
         nrmse=float(final.nrmse(parameters)[0]),
         evaluations=evaluations,
         improvements=tuple(improvements),
-        predictions={c.name: _largest_error(c, parameters) for c in curves if c.role == "predict"},
+        predictions={c.name: _prediction(c, parameters, final.peak) for c in held_out(curves)},
     )
 
 
@@ -267,6 +280,8 @@ def _minimize(
     ).x
 
 
-def _largest_error(curve: Curve, parameters: NDArray[np.float64]) -> float:
-    error = float(np.abs(CurveObjective([curve]).responses(parameters)[0] - curve.torque).max())
-    return error if np.isfinite(error) else np.inf
+def _prediction(curve: Curve, parameters: NDArray[np.float64], peak: float) -> Prediction:
+    error = CurveObjective([curve]).responses(parameters)[0] - curve.torque
+    if not np.isfinite(error).all():
+        return Prediction(np.inf, np.inf)
+    return Prediction(float(np.abs(error).max()), float(np.sqrt(np.mean(error**2))) / peak)

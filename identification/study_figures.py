@@ -5,13 +5,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from .curves import Curve, Role
 from .figures import COLORS, STYLES
 from .objective import CurveObjective
-from .study import StudyConfig
+from .study import StudyConfig, held_out, is_multi_order
 from .study_summary import Summary
 
+MARKS = (".", "x", "+", "^")
 Families = Mapping[str, Sequence[Curve]]
 
 
@@ -19,33 +21,43 @@ def figures(
     config: StudyConfig, families: Families, summaries: Sequence[Summary]
 ) -> dict[str, Figure]:
     """Draws every figure of a study, by file name."""
+    first_order = {
+        joint: [curve for curve in curves if curve.role == "fit" or not is_multi_order(curve)]
+        for joint, curves in families.items()
+    }
+    multi_order = {
+        joint: motions
+        for joint, curves in families.items()
+        if (motions := [curve for curve in held_out(curves) if is_multi_order(curve)])
+    }
     drawn = {
-        "curves": _over_angle(families, [], "torque"),
+        "curves": _over_angle(first_order, [], "torque"),
         "convergence": convergence(config, summaries),
         "loops": _over_angle(families, summaries, "torque", "fit"),
         "ecdf": evaluations_to_target(config, summaries),
     }
-    if any(curve.role == "predict" for curves in families.values() for curve in curves):
-        drawn["prediction"] = _over_angle(families, summaries, "torque", "predict")
-        drawn["prediction-errors"] = _over_angle(families, summaries, "error", "predict")
+    if any(held_out(curves) for curves in first_order.values()):
+        drawn["prediction"] = _over_angle(first_order, summaries, "torque", "predict")
+        drawn["prediction-errors"] = _over_angle(first_order, summaries, "error", "predict")
+    if multi_order:
+        drawn["multi-order"] = multi_order_prediction(multi_order, summaries)
     return drawn
 
 
 def convergence(config: StudyConfig, summaries: Sequence[Summary]) -> Figure:
-    """Draws the best fitness over iterations: median and quartiles, and the best trial (dotted)."""
+    """Draws the best fitness over evaluations: median, quartiles, and the best trial (dotted)."""
     figure, axes = _panels(list(config.joints))
-    iteration = np.arange(1, config.iterations + 2)
+    spent = np.unique(np.geomspace(1, config.evaluations, 400).astype(np.int64))
     for summary, ax, color, style in _drawn(summaries, axes, config):
-        if summary.convergence is None:
-            continue
-        size = config.swarm_size, config.iterations
-        runs = np.array([trial.history(*size) for trial in summary.trials])
+        shown = spent[spent <= max(trial.evaluations for trial in summary.trials)]
+        runs = np.array([trial.best_after(shown) for trial in summary.trials])
         low, middle, high = np.quantile(runs, [0.25, 0.5, 0.75], axis=0, method="higher")
-        ax.fill_between(iteration, low, high, color=color, alpha=0.2, lw=0)
-        ax.plot(iteration, middle, style, color=color, label=summary.method)
-        ax.plot(iteration, summary.best.history(*size), ":", color=color, lw=1)
+        ax.fill_between(shown, low, high, color=color, alpha=0.2, lw=0)
+        ax.plot(shown, middle, style, color=color, label=summary.method)
+        ax.plot(shown, summary.best.best_after(shown), ":", color=color, lw=1)
+    xlabel = f"model evaluations ({config.swarm_size} an iteration)"
     for ax in axes.values():
-        ax.set(yscale="log", xlabel=f"iteration ({config.swarm_size} evaluations)")
+        ax.set(xscale="log", yscale="log", xlabel=xlabel)
     _finish(axes, "fitness, eq. (7): median, quartiles")
     return figure
 
@@ -65,6 +77,25 @@ def evaluations_to_target(config: StudyConfig, summaries: Sequence[Summary]) -> 
     return figure
 
 
+def multi_order_prediction(families: Families, summaries: Sequence[Summary]) -> Figure:
+    """Draws the first motion of each joint, and the best models' torque and errors on it."""
+    figure = Figure(figsize=(max(5.0 * len(families), 6.0), 6.4), layout="constrained")
+    rows = figure.subplots(2, len(families), squeeze=False, height_ratios=[3, 2])
+    for (joint, (motion, *_)), loops, errors in zip(families.items(), *rows, strict=True):
+        loops.plot(motion.angle, motion.torque, ".", ms=3, color="0.7", label="curve", zorder=0)
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(motion.angle)))])
+        for i, summary in enumerate(s for s in summaries if s.joint == joint):
+            torque = _torque(summary, motion)
+            loops.plot(motion.angle, torque, lw=1.2, label=summary.method, **_look(i))
+            errors.plot(way, torque - motion.torque, lw=0.6, **_look(i))
+        loops.set_title(f"{_title(joint)}, {motion.name}", loc="left")
+        loops.set_xlabel("angle [rad]")
+        errors.set_xlabel("angle traveled [rad]")
+    for row, ylabel in zip(rows, ("resistance [N·m]", "model - curve [N·m]"), strict=True):
+        _finish(dict(enumerate(row)), ylabel)
+    return figure
+
+
 def _over_angle(
     families: Families, summaries: Sequence[Summary], quantity: str, role: Role | None = None
 ) -> Figure:
@@ -76,24 +107,32 @@ def _over_angle(
         for i, curve in enumerate(curves):
             if quantity == "torque":
                 color = "0.7" if ours else COLORS[i % len(COLORS)]
+                mark = "." if ours else MARKS[i // len(COLORS) % len(MARKS)]
                 label = f"{curve.name} ({curve.role})" if not ours else "curves"
-                ax.plot(curve.angle, curve.torque, ".", ms=3, color=color, label=label, zorder=0)
+                ax.plot(curve.angle, curve.torque, mark, ms=3, color=color, label=label, zorder=0)
             for j, summary in enumerate(ours):
-                torque = CurveObjective([curve]).responses(summary.best.parameters)[0]
-                torque[~np.isfinite(torque)] = np.nan
+                torque = _torque(summary, curve)
                 shown = torque if quantity == "torque" else torque - curve.torque
-                ax.plot(curve.angle, shown, lw=1.2, label=summary.method, **_look(j))
+                width = 1.2 if quantity == "torque" else 0.7  # of errors most is noise
+                ax.plot(curve.angle, shown, lw=width, label=summary.method, **_look(j))
         ax.axhline(0, color="0.6", lw=0.6)
         ax.set_xlabel("angle [rad]")
     _finish(axes, "resistance [N·m]" if quantity == "torque" else "model - curve [N·m]")
     return figure
 
 
+def _torque(summary: Summary, curve: Curve) -> NDArray[np.float64]:
+    """Returns the best model's torque along a curve [N·m], nan where it meets its pole."""
+    torque = CurveObjective([curve]).responses(summary.best.parameters)[0]
+    torque[~np.isfinite(torque)] = np.nan
+    return torque
+
+
 def _panels(joints: Sequence[str]) -> tuple[Figure, dict[str, Any]]:
     figure = Figure(figsize=(max(5.0 * len(joints), 6.0), 3.8), layout="constrained")
     grid = figure.subplots(1, len(joints), squeeze=False)[0]
     for ax, joint in zip(grid, joints, strict=True):
-        ax.set_title(joint.replace("_", " "), loc="left")
+        ax.set_title(_title(joint), loc="left")
     return figure, dict(zip(joints, grid, strict=True))
 
 
@@ -110,7 +149,11 @@ def _look(i: int) -> dict[str, str]:
     }
 
 
-def _finish(axes: Mapping[str, Any], ylabel: str) -> None:
+def _title(joint: str) -> str:
+    return joint.replace("_", " ")
+
+
+def _finish(axes: Mapping[Any, Any], ylabel: str) -> None:
     for ax in axes.values():
         ax.grid(alpha=0.25)
         handles, labels = ax.get_legend_handles_labels()

@@ -1,6 +1,7 @@
 """Where parallel work runs: threads or processes here, or a Ray or Dask cluster."""
 
 import importlib
+import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -90,7 +91,9 @@ def _dask(workers: int) -> Iterator[None]:
         return
     with (
         distributed.LocalCluster(
-            n_workers=workers, threads_per_worker=1, dashboard_address=None
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address="127.0.0.1:0",  # without it, port 8787 and a warning if it is taken
         ) as cluster,
         distributed.Client(cluster),
     ):
@@ -102,10 +105,13 @@ def _ray(workers: int) -> Iterator[None]:
     ray: Any = importlib.import_module("ray")
     ray_joblib: Any = importlib.import_module("ray.util.joblib")
     started = not ray.is_initialized()
+    quiet: dict[str, Any] = {"log_to_driver": False, "logging_level": logging.ERROR}
     if started and os.environ.get("RAY_ADDRESS"):
-        ray.init(log_to_driver=False)
+        ray.init(**quiet)
     elif started:
-        ray.init("local", num_cpus=workers, include_dashboard=False, log_to_driver=False)
+        # A cluster of our own tells nobody that it ran.
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        ray.init("local", num_cpus=workers, include_dashboard=False, **quiet)
     ray_joblib.register_ray()
     try:
         yield

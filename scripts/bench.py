@@ -33,7 +33,7 @@ def bench(
     # Not needed by other commands, and slow to import.
     import mujoco
 
-    from .benchmarks import engine, env, hysteresis, identify, oracle
+    from .benchmarks import engine, env, hysteresis, identify, oracle, starts
 
     if topic == "oracle":
         oracle.report(json)
@@ -45,10 +45,12 @@ def bench(
         "identify": identify.rows,
     }
     rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
+    found = starts.random_starts(repeats) if topic in ("identify", "all") else []
     machine = f"{platform.processor() or platform.machine()}, MuJoCo {mujoco.__version__}"
     if json:
         content = [row.to_dict() for row in rows]
-        print(to_json({"machine": machine, "repeats": repeats, "rows": content}))
+        result = {"machine": machine, "repeats": repeats, "rows": content}
+        print(to_json(result | {"starts": [one.to_dict() for one in found]}))
         return
     table(
         f"medians of {repeats} pairs; {machine}",
@@ -56,6 +58,8 @@ def bench(
         map(_cells, rows),
         left=1,
     )
+    if found:
+        table("fits from random starts", *starts.starts_table(found))
 
 
 def _cells(row: "Row") -> Sequence[str]:

@@ -104,15 +104,15 @@ def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
 
 def _show_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) -> dict[str, Rows]:
     """Prints the tables of the fits and draws them; returns the tables by title."""
-    tables = {"Identified models": parameter_table(fits), "Their quality": quality_table(fits)}
+    models = {f"{n}\n{m}": fit.model for n, methods in fits.items() for m, fit in methods.items()}
+    tables = {"Identified models": parameter_table(models), "Their quality": quality_table(fits)}
     for title, rows in tables.items():
         table(title, *rows)
-    models = {n: {m: fit.model for m, fit in methods.items()} for n, methods in fits.items()}
     histories = {
         name: {m: [t.history for t in fit.trials] for m, fit in methods.items() if m != "certified"}
         for name, methods in fits.items()
     }
-    folder.figure("loops", loops_figure(curves, models))
+    folder.figure("loops", loops_figure(curves, fits))
     folder.figure("convergence", convergence_figure(histories))
     return tables
 
@@ -126,7 +126,6 @@ def _identified_suit(curves: dict[str, list[Curve]], fits: Fits) -> Suit:
         joint: entry for joint, entry in load_suit(PLANT).joints.items() if entry.grade == "assumed"
     }
     return Suit(
-        schema_version=1,
         name="demo",
         description="Certified fits of the demo; abduction and wrist as assumed in mock-suit.",
         joints=joints | assumed,

@@ -11,7 +11,16 @@ import numpy as np
 
 from ..assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
 from ..hysteresis import TABLE_2, JilesAtherton, nearest_certified
-from ..identification import Curve, bare, identify, load_curves, save_curves
+from ..identification import (
+    Curve,
+    bare,
+    first_order_motions,
+    identify,
+    load_curves,
+    measure,
+    multi_order_motion,
+    save_curves,
+)
 from .suit_export import fitted_joint, suit_joint
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
@@ -19,6 +28,7 @@ PUBLISHED = {joint: TABLE_2[f"{joint}-sa-pso"] for joint in ("shoulder", "elbow"
 LOWEST = {"shoulder": 0.35, "elbow": 0.52}  # rad, sections 3.1 and 5.1
 TURNS = {"shoulder": (0.52, 0.70, 0.87, 1.05, 1.22), "elbow": (0.87, 1.05, 1.22, 1.40, 1.57)}
 PREDICTED = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}  # section 5.3
+MOTIONS, REVERSALS = 3, 8  # random motions that turn more than once, within the fitted range
 ANGLE_STEP = 0.004  # rad between samples: 785 and 1051 samples in the fitted curves
 NOISE = 0.01  # standard deviation, as a fraction of the family's largest torque
 SEED = 2022
@@ -45,22 +55,30 @@ LABEL = "SYNTHETIC: generated from the published parameters, not measured."
 
 def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
     """Returns the noisy first-order transition curves of "shoulder" or "elbow"."""
-    angles = []
-    for turn in TURNS[joint]:
-        count = round((turn - LOWEST[joint]) / ANGLE_STEP) + 1
-        up = np.linspace(LOWEST[joint], turn, count)
-        angles.append(np.concatenate([up, up[-2::-1]]))
-    torques = [PUBLISHED[joint].response(angle) for angle in angles]
-    noise = NOISE * max(np.abs(torque).max() for torque in torques)
-    return [
-        Curve(
-            angle=angle,
-            torque=torque + noise * rng.standard_normal(torque.size),
-            name=f"{turn:.2f}",
-            role="predict" if turn in PREDICTED[joint] else "fit",
+    return measure(
+        PUBLISHED[joint],
+        first_order_motions(TURNS[joint], start_angle=LOWEST[joint], angle_step=ANGLE_STEP),
+        rng=rng,
+        noise_fraction=NOISE,
+        predict=[f"{turn:.2f}" for turn in PREDICTED[joint]],
+    )
+
+
+def multi_order_family(joint: str, rng: np.random.Generator) -> list[Curve]:
+    """Returns noisy random motions that turn more than once, all with the role "predict"."""
+    low, high = LOWEST[joint], TURNS[joint][-1]
+    motions = {
+        f"multi-order {i + 1}": multi_order_motion(
+            low, high, turns=REVERSALS, angle_step=ANGLE_STEP, rng=rng
         )
-        for turn, angle, torque in zip(TURNS[joint], angles, torques, strict=True)
-    ]
+        for i in range(MOTIONS)
+    }
+    # The noise is that of the family, a fraction of the torque of its widest curve.
+    widest = first_order_motions([high], start_angle=low, angle_step=ANGLE_STEP)
+    measured = measure(
+        PUBLISHED[joint], widest | motions, rng=rng, noise_fraction=NOISE, predict=motions
+    )
+    return measured[len(widest) :]
 
 
 def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
@@ -87,15 +105,20 @@ def main(folder: Path = FOLDER) -> None:
     for name, joint in CURVES.items():
         path = folder / "curves" / f"{name}.csv"
         path.parent.mkdir(parents=True, exist_ok=True)
-        save_curves(
-            path,
-            curve_family(name, rng),
-            comments=(
-                f"First-order transition curves of the {name}. {LABEL}",
-                f"Parameters: {SOURCE}; noise: {NOISE:.0%} of the largest torque, seed {SEED}.",
-                "Made by: python -m activesuit.scripts.make_assets",
-            ),
-        )
+        family, motions = curve_family(name, rng), multi_order_family(name, rng.spawn(1)[0])
+        for file, curves, kind in (
+            (path, family, "First-order transition curves"),
+            (path.with_stem(f"{name}_multi_order"), motions, "Motions that turn more than once"),
+        ):
+            save_curves(
+                file,
+                curves,
+                comments=(
+                    f"{kind} of the {name}. {LABEL}",
+                    f"Parameters: {SOURCE}; noise: {NOISE:.0%} of the largest torque, seed {SEED}.",
+                    "Made by: python -m activesuit.scripts.make_assets",
+                ),
+            )
         published[joint] = suit_joint(
             PUBLISHED[name],
             range=(LOWEST[name], TURNS[name][-1]),
@@ -110,7 +133,6 @@ def main(folder: Path = FOLDER) -> None:
     (folder / "suits").mkdir(exist_ok=True)
     save_suit(
         Suit(
-            schema_version=1,
             name="published-2022",
             description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 "
             "rad it can meet infinite torque. Abduction and wrist are assumptions.",
@@ -120,7 +142,6 @@ def main(folder: Path = FOLDER) -> None:
     )
     save_suit(
         Suit(
-            schema_version=1,
             name="mock-suit",
             description="The mock spacesuit of Li et al. 2022, re-identified with certified models "
             f"over each joint's whole range. {LABEL} Abduction and wrist are assumptions.",

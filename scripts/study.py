@@ -15,12 +15,12 @@ from ..identification.study_figures import figures
 from ..identification.study_summary import judge, summarize
 from .backends import Backend, check_backend, run_all
 from .output import RunFolder, progress, table, telling, to_json
-from .study_report import (
+from .study_report import report, to_dict
+from .study_tables import (
     best_table,
+    multi_order_table,
     prediction_table,
-    report,
     summary_rows,
-    to_dict,
     trial_rows,
     typical_table,
     verdict_table,
@@ -50,7 +50,8 @@ def study(
         out: folder for config.json, the trials, trials.csv, table.csv, report.md and the figures.
         methods: sa-pso, mpso, pso, rank-distance-mpso, certified, de, dual-annealing, nelder-mead,
             ga or cma-es.
-        joints: shipped curves, shoulder or elbow, or CSV files.
+        joints: shipped curves, shoulder or elbow, or CSV files; those of their curves with the role
+            predict are kept out of the fits, and may turn more than once.
         trials: independent runs of each method on each joint.
         seed: fixes all random numbers.
         swarm_size: particles of a swarm.
@@ -89,7 +90,9 @@ def study(
         return
     table(f"best of {trials} trials", *best_table(summaries))
     table("all trials", *typical_table(summaries))
-    table("largest errors on held-out curves", *prediction_table(summaries), left=3)
+    table("largest errors on held-out first-order curves", *prediction_table(summaries), left=3)
+    if any(summary.multi_order for summary in summaries):
+        table("held-out motions that turn more than once", *multi_order_table(summaries))
     if judgements:
         table("SA-PSO against MPSO, as the paper claims", *verdict_table(judgements), left=2)
     for reason in dict.fromkeys(judgement.reason for judgement in judgements if judgement.reason):
@@ -108,6 +111,8 @@ def _families(joints: Sequence[str]) -> Families:
         if path.stem in families:
             raise InputError(f"two joints are named {path.stem!r}: rename one of the files")
         families[path.stem] = load_curves(path)
+        if given in CURVES:
+            families[path.stem] += load_curves(path.with_stem(f"{given}_multi_order"))
     return families
 
 

@@ -1,4 +1,4 @@
-"""The tables and the report of `activesuit study`, as rows and text."""
+"""The report of `activesuit study`, as text and as plain values for JSON."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -8,144 +8,17 @@ import numpy as np
 
 from ..identification.remarks import NEAR
 from ..identification.study import PAPER_BOUNDS, StudyConfig
-from ..identification.study_summary import Judgement, Summary
+from ..identification.study_summary import AS_WELL, Judgement, MultiOrder, Summary
 from .output import markdown_table
-from .tables import Rows
-
-PARAMETERS = ("Ms", "a", "alpha", "c", "k")
-QUARTILES = ("q1", "median", "q3")
-
-
-def trial_rows(
-    config: StudyConfig, summaries: Sequence[Summary]
-) -> tuple[list[str], list[list[Any]]]:
-    """One row per trial and, for what there are several of, one column each that any joint has."""
-    held_out = sorted({name for summary in summaries for name in summary.predictions})
-    header = ["joint", "method", "trial", *PARAMETERS, "fitness", "nrmse", "evaluations"]
-    header += ["convergence_iteration", "evaluations_to_target"]
-    header += [f"max_error_{name}_nm" for name in held_out]
-    rows = []
-    for summary in summaries:
-        for trial, reached in zip(summary.trials, summary.evaluations_to_target, strict=True):
-            converged = summary.convergence is not None
-            rows.append(
-                [
-                    *trial.key,
-                    *trial.parameters,
-                    trial.fitness,
-                    trial.nrmse,
-                    trial.evaluations,
-                    trial.convergence_iteration(config.swarm_size) if converged else "",
-                    int(reached) if np.isfinite(reached) else "",
-                    *(trial.predictions.get(name, "") for name in held_out),
-                ]
-            )
-    return header, rows
-
-
-def summary_rows(summaries: Sequence[Summary]) -> tuple[list[str], list[list[Any]]]:
-    """One row per joint and method: the best trial, then quartiles over all, in full precision."""
-    held_out = sorted({name for summary in summaries for name in summary.predictions})
-    header = ["joint", "method", "trials", "noise_floor", "best_trial", *PARAMETERS]
-    header += ["best_fitness", "best_nrmse", *(f"best_max_error_{name}_nm" for name in held_out)]
-    quantities = ["fitness", "nrmse", "convergence_iteration", "evaluations_to_target"]
-    quantities += [f"max_error_{name}_nm" for name in held_out]
-    header += ["successes", *(f"{name}_{q}" for name in quantities for q in QUARTILES)]
-    rows = []
-    for summary in summaries:
-        best = summary.best
-        spreads = [summary.fitness, summary.nrmse, summary.convergence, summary.to_target]
-        spreads += [summary.predictions.get(name) for name in held_out]
-        rows.append(
-            [
-                summary.joint,
-                summary.method,
-                len(summary.trials),
-                summary.noise,
-                best.key.number,
-                *best.parameters,
-                best.fitness,
-                best.nrmse,
-                *(best.predictions.get(name, "") for name in held_out),
-                summary.successes,
-                *(v for spread in spreads for v in (("",) * 3 if spread is None else spread)),
-            ]
-        )
-    return header, rows
-
-
-def best_table(summaries: Iterable[Summary]) -> Rows:
-    """Table 2 of the paper in our data: the best trials; a, alpha and k in degrees."""
-    header = ["joint", "method", "Ms\n[N·m]", "a\n[deg]", "alpha\n[deg/N·m]", "c", "k\n[deg]"]
-    header += ["fitness,\neq. (7)", "NRMSE"]
-    rows = []
-    for summary in summaries:
-        best = summary.best
-        rows.append(
-            [
-                summary.joint,
-                summary.method,
-                *(f"{value:.4g}" for value in best.parameters),
-                f"{best.fitness:.3e}",
-                f"{best.nrmse:.2%}",
-            ]
-        )
-    return header, rows
-
-
-def typical_table(summaries: Iterable[Summary]) -> Rows:
-    """How good, how sure and how fast each method is: medians with quartiles."""
-    header = ["joint", "method", "fitness,\nmedian", "quartiles", "success"]
-    header += ["converged\nat", "runs to\ntarget"]
-    rows = []
-    for summary in summaries:
-        low, middle, high = summary.fitness
-        convergence = summary.convergence
-        rows.append(
-            [
-                summary.joint,
-                summary.method,
-                f"{middle:.2e}",
-                f"{low:.2e} to\n{high:.2e}",
-                f"{summary.success_rate:.0%}",
-                "-" if convergence is None else "{1:.0f} ({0:.0f}-{2:.0f})".format(*convergence),
-                f"{summary.to_target[1]:,.0f}" if np.isfinite(summary.to_target[1]) else "-",
-            ]
-        )
-    return header, rows
-
-
-def prediction_table(summaries: Iterable[Summary]) -> Rows:
-    """The largest error [N·m] on each held-out curve: of the best trial, and over all."""
-    header = ["joint", "method", "held-out\ncurve", "best trial\n[N·m]", "median\n[N·m]"]
-    header += ["quartiles\n[N·m]"]
-    rows = []
-    for summary in summaries:
-        for name, (low, middle, high) in summary.predictions.items():
-            best = summary.best.predictions[name]
-            numbers = [_finite(best), _finite(middle), f"{_finite(low)} to {_finite(high)}"]
-            rows.append([summary.joint, summary.method, name, *numbers])
-    return header, rows
-
-
-def verdict_table(judgements: Iterable[Judgement]) -> Rows:
-    """One row per claim of the paper, ours beside it."""
-    header = ["joint", "SA-PSO better in", "printed", "verdict", "medians,\nSA-PSO / MPSO"]
-    header += ["advantage", "95 % interval"]
-    rows = []
-    for ours in judgements:
-        claim = ours.claim
-        if ours.reason:
-            numbers = ["-", "-", "-"]
-        else:
-            numbers = [
-                f"{ours.sa_pso:.4g} /\n{ours.mpso:.4g}",
-                f"{ours.advantage:+.1%}",
-                f"{ours.interval[0]:+.1%} to\n{ours.interval[1]:+.1%}",
-            ]
-        printed = f"{claim.advantage:+.2%}" if claim.advantage else "better"
-        rows.append([claim.joint, claim.quantity, printed, ours.verdict, *numbers])
-    return header, rows
+from .study_tables import (
+    PARAMETERS,
+    QUARTILES,
+    best_table,
+    multi_order_table,
+    prediction_table,
+    typical_table,
+    verdict_table,
+)
 
 
 def to_dict(
@@ -176,12 +49,13 @@ def report(
         markdown_table(*best_table(summaries)),
         "## All trials",
         markdown_table(*typical_table(summaries)),
-        "## Largest errors on held-out curves",
+        "## Largest errors on held-out first-order curves",
         markdown_table(*prediction_table(summaries)),
         "Successful trials: "
         + "; ".join(f"{s.joint} {s.method} {s.successes} of {len(s.trials)}" for s in summaries)
         + ".",
         *_at_limits(summaries),
+        *_multi_order_section(summaries),
         "## Definitions",
         "\n".join(f"- {name}: {text}" for name, text in _definitions(config).items()),
     ]
@@ -219,11 +93,16 @@ def _definitions(config: StudyConfig) -> dict[str, str]:
         ),
         "runs to target": (
             "median number of model evaluations until success, over all trials; '-' if fewer than "
-            "half of them succeeded; a certified fit counts to its end"
+            "half of them succeeded"
         ),
         "largest error": (
             "largest |Tc - Tm| on each curve with role predict, the curve's own noise included"
         ),
+        "ratio": (
+            "a trial's NRMSE over all held-out motions that turn more than once, by that over the "
+            "held-out first-order curves; both relative to the largest torque of the fitted curves"
+        ),
+        "as well": f"trials whose ratio is at most {AS_WELL}",
     }
 
 
@@ -236,6 +115,30 @@ def _sentence(ours: Judgement) -> str:
         f"{start}**{ours.verdict.capitalize()}**: medians {ours.sa_pso:.4g} against "
         f"{ours.mpso:.4g}, an advantage of {ours.advantage:+.1%} ({ours.interval[0]:+.1%} to "
         f"{ours.interval[1]:+.1%}); of the best trials, {ours.best_advantage:+.1%}."
+    )
+
+
+def _multi_order_section(summaries: Sequence[Summary]) -> list[str]:
+    if not any(summary.multi_order for summary in summaries):
+        return []
+    return [
+        "## Held-out motions that turn more than once",
+        "Does a model that is identified on first-order curves predict motions of many turns as "
+        "well as first-order ones?",
+        markdown_table(*multi_order_table(summaries)),
+        "\n".join(filter(None, map(_answer, summaries))),
+    ]
+
+
+def _answer(summary: Summary) -> str:
+    multi = summary.multi_order
+    if multi is None or np.isnan(multi.first_order[1]):
+        return ""
+    words = "as well" if multi.ratio[1] <= AS_WELL else "worse"
+    return (
+        f"- {summary.joint}, {summary.method}: **{words}**. The error is {multi.ratio[1]:.2f} "
+        f"({multi.ratio[0]:.2f} to {multi.ratio[2]:.2f}) times that on first-order curves; in "
+        f"{multi.as_well} of {len(summary.trials)} trials it is at most {AS_WELL - 1:.0%} larger."
     )
 
 
@@ -268,7 +171,9 @@ def _summary_dict(summary: Summary) -> dict[str, Any]:
             "parameters": dict(zip(PARAMETERS, summary.best.parameters, strict=True)),
             "fitness": summary.best.fitness,
             "nrmse": summary.best.nrmse,
-            "prediction_max_error": summary.best.predictions,
+            "predictions": {
+                name: errors._asdict() for name, errors in summary.best.predictions.items()
+            },
         },
         "noise_floor": summary.noise,
         "successes": summary.successes,
@@ -283,8 +188,12 @@ def _summary_dict(summary: Summary) -> dict[str, Any]:
             name: dict(zip(QUARTILES, values, strict=True))
             for name, values in summary.predictions.items()
         },
+        "multi_order": _multi_order_dict(summary.multi_order),
     }
 
 
-def _finite(error: float) -> str:
-    return f"{error:.2f}" if np.isfinite(error) else "pole"
+def _multi_order_dict(multi: MultiOrder | None) -> dict[str, Any] | None:
+    return multi and {
+        name: dict(zip(QUARTILES, value, strict=True)) if isinstance(value, np.ndarray) else value
+        for name, value in asdict(multi).items()
+    }

@@ -1,40 +1,47 @@
 """From a fit to an entry of a suit file: the place where identification meets the suit format."""
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..assets import JOINTS, SuitJoint
-from ..assets.suits import Parameters
 from ..errors import InputError, unknown_name
-from ..hysteresis import Held, JilesAtherton
-from ..identification import Curve, Fit, bare
+from ..hysteresis import HysteresisModel
+from ..identification import Curve, Fit
 
 
-def suit_joint(model: JilesAtherton | Held, **provenance: Any) -> SuitJoint:
+def suit_joint(model: HysteresisModel, **provenance: Any) -> SuitJoint:
     """Returns the suit-file entry of a model; `provenance` fills the other fields."""
-    inner = bare(model)
-    return SuitJoint(
-        model="jiles-atherton",
-        parameters=Parameters(Ms=inner.Ms, a=inner.a, alpha=inner.alpha, c=inner.c, k=inner.k),
-        angle_unit=inner.angle_unit,
-        held=isinstance(model, Held),
-        certificate_margin=model.certificate().margin,
-        **provenance,
-    )
+    margin = model.certificate().margin
+    return SuitJoint(model=model, certificate_margin=margin, **provenance)
 
 
-def fitted_joint(fit: Fit, curves: list[Curve], path: Path, note: str = "") -> SuitJoint:
+def fitted_joint(
+    fit: Fit,
+    curves: Sequence[Curve],
+    path: Path,
+    note: str = "",
+    samples: Sequence[HysteresisModel] = (),
+) -> SuitJoint:
     """Returns the suit-file entry of a fit to the curves in the file `path`."""
     lowest = min(float(curve.angle.min()) for curve in curves)
     highest = max(float(curve.angle.max()) for curve in curves)
-    fitted = ", ".join(curve.name for curve in curves if curve.role == "fit")
+    fitted = [curve for curve in curves if curve.role == "fit"]
+    names = ", ".join(curve.name for curve in fitted)
+    start_torque = fit.initial_torque
+    if isinstance(start_torque, str):  # "measured"
+        start_torque = float(np.mean([curve.torque[0] for curve in fitted]))
     return suit_joint(
         fit.model,
+        samples=tuple(samples),
         range=(lowest, highest),
         start_angle=float(curves[0].angle[0]),
+        start_torque=start_torque,
         grade="identified",
-        source=f"{fit.method} fit of {path.name}, curves {fitted}." + (f" {note}" if note else ""),
+        source=f"{fit.method} fit of {path.name}, curves {names}." + (f" {note}" if note else ""),
         data_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
         fit_nrmse=fit.nrmse,
     )

@@ -6,10 +6,9 @@ from typing import Annotated
 import tyro
 
 from ..assets import SuitJoint, load_suit, suit_names
-from ..envs.composition import joint_models
-from ..hysteresis import Held, JilesAtherton, PoleError
-from ..identification import bare
+from ..hysteresis import PoleError
 from .output import table, to_json
+from .tables import parameter_table
 
 
 def suits(
@@ -31,43 +30,38 @@ def suits(
             table("suits", ["name", "description"], listed.items())
         return
     loaded = load_suit(suit)
-    models = joint_models(loaded)
-    certificates = {joint: model.certificate() for joint, model in models.items()}
     if json:
         content = loaded.model_dump()
-        for joint, certificate in certificates.items():
-            content["joints"][joint]["certificate"] = asdict(certificate)
+        for joint, entry in loaded.joints.items():
+            content["joints"][joint]["certificate"] = asdict(entry.model.certificate())
         print(to_json(content))
         return
     print(f"{loaded.name}: {loaded.description}\n")
-    if not models:
+    if not loaded.joints:
         print("It resists no joint.")
         return
-    columns = [_column(loaded.joints[joint], model) for joint, model in models.items()]
-    names = [joint.replace("_", "\n") for joint in models]
-    rows = ([quantity, *(column[quantity] for column in columns)] for quantity in columns[0])
-    table("models", ["", *names], rows, left=1)
+    names = {joint: joint.replace("_", "\n") for joint in loaded.joints}
+    header, rows = parameter_table({names[j]: entry.model for j, entry in loaded.joints.items()})
+    columns = [_column(entry) for entry in loaded.joints.values()]
+    rows += [[quantity, *(column[quantity] for column in columns)] for quantity in columns[0]]
+    table("models", header, rows, left=1)
     for joint, entry in loaded.joints.items():
         print(f"{joint}: {entry.source}")
 
 
-def _column(entry: SuitJoint, model: JilesAtherton | Held) -> dict[str, str]:
-    certificate, degrees = model.certificate(), bare(model).in_unit("deg")
+def _column(entry: SuitJoint) -> dict[str, str]:
+    certificate = entry.model.certificate()
     low, high = entry.range
     try:
-        torque = f"{model.response([entry.start_angle, high])[-1]:.2f}"
+        torque = entry.model.response([entry.start_angle, high], entry.start_torque)[-1]
     except PoleError:
-        torque = "infinite"
+        torque = float("inf")
     return {
         "grade": entry.grade,
-        "Ms [N·m]": f"{degrees.Ms:.4g}",
-        "a [deg]": f"{degrees.a:.4g}",
-        "alpha [deg/N·m]": f"{degrees.alpha:.4g}",
-        "c": f"{degrees.c:.4g}",
-        "k [deg]": f"{degrees.k:.4g}",
+        "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
-        "outside": "held" if entry.held else "model",
-        "torque at the end [N·m]": torque,
+        "torque at its end [N·m]": f"{torque:.2f}",
         "certificate margin": f"{certificate.margin:.3f}",
         "safe to simulate": "yes" if certificate.certified and certificate.dissipative else "NO",
+        "samples": str(len(entry.samples)),
     }

@@ -1,28 +1,113 @@
 """The tables that commands print and reports repeat: as header and rows of text."""
 
-from collections.abc import Mapping, Sequence
+from __future__ import annotations
 
-from ..envs.composition import ASSISTED
-from ..envs.evaluation import Score
-from ..identification import Fit, bare
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..hysteresis import HysteresisModel, JilesAtherton
+from ..hysteresis.wrapper import Wrapper
+
+if TYPE_CHECKING:  # `activesuit suits` needs none of these
+    from ..envs.evaluation import Score
+    from ..identification import Fit
+    from ..identification.uncertainty import Uncertainty
 
 Rows = tuple[list[str], list[list[str]]]
 
+FEW = 6  # numbers that a cell lists
+UNITS = {
+    "Ms": "N·m",
+    "elastic": "N·m/rad",
+    "hysteretic": "N·m/rad",
+    "beta": "1/rad^n",
+    "gamma": "1/rad^n",
+    "stiffness": "N·m/rad",
+    "weights": "N·m/rad",
+    "thresholds": "rad",
+    "rest_angle": "rad",
+    "levels": "rad",
+    "density": "N·m",
+    "polynomial": "N·m/rad^i",
+    "angle_range": "rad",
+    "initial_torque": "N·m",
+}
+DEGREES = {"a": "deg", "alpha": "deg/N·m", "k": "deg"}
 
-def parameter_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
-    """One row per joint and method: the parameters; a, alpha and k in degrees."""
-    header = ["curves", "method", "Ms [N·m]", "a [deg]", "alpha\n[deg/N·m]", "c", "k [deg]"]
+
+def parameter_table(models: Mapping[str, HysteresisModel]) -> Rows:
+    """One column per model, by label; one row per parameter, Jiles-Atherton's in degrees."""
+    columns = [{"model": _kind(model), **_parameters(model)} for model in models.values()]
+    names = dict.fromkeys(name for column in columns for name in column)
+    rows = [[name, *(column.get(name, "-") for column in columns)] for name in names]
+    return ["", *models], rows
+
+
+def _kind(model: HysteresisModel) -> str:
+    name = model.name.replace("-", "-\n")
+    return f"{name}\n{_kind(model.model)}" if isinstance(model, Wrapper) else name
+
+
+def _parameters(model: HysteresisModel) -> dict[str, str]:
+    """Returns the parameters of a model as text, by name and unit; many numbers by their range."""
+    inner, units = {}, UNITS
+    if isinstance(model, Wrapper):
+        inner = _parameters(model.model)
+    elif isinstance(model, JilesAtherton):
+        model, units = model.in_unit("deg"), UNITS | DEGREES
+    content = model.to_dict()
+    own = {
+        f"{name} [{units[name]}]" if name in units else name: _text(value)
+        for name, value in content.items()
+        if name not in ("model", "hysteresis", "angle_unit")
+    }
+    return inner | own
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, (bool, str)):
+        return str(value)
+    numbers = np.concatenate([np.atleast_1d(row) for row in np.atleast_1d(np.array(value, object))])
+    if numbers.size > FEW:
+        return f"{numbers.size} numbers,\n{numbers.min():.4g} to {numbers.max():.4g}"
+    return "\n".join(f"{number:.5g}" for number in numbers)
+
+
+def uncertainty_table(found: Uncertainty) -> Rows:
+    """One row per parameter: value, standard error and 95 % interval; angles in degrees."""
+    header = ["parameter", "value", "standard\nerror", "95 % interval"]
+    units = UNITS | DEGREES
     rows = []
-    for joint, methods in fits.items():
-        for method, fit in methods.items():
-            model = bare(fit.model).in_unit("deg")
-            values = (model.Ms, model.a, model.alpha, model.c, model.k)
-            rows.append([joint, method, *(f"{value:.5g}" for value in values)])
+    for i, name in enumerate(found.names):
+        label = f"{name} [{units[name]}]" if name in units else name
+        low, high = found.intervals[i]
+        rows.append(
+            [
+                label,
+                f"{found.values[i]:.5g}",
+                f"{found.standard_errors[i]:.2g}",
+                f"{low:.5g} .. {high:.5g}",
+            ]
+        )
+    return header, rows
+
+
+def candidate_table(fit: Fit) -> Rows:
+    """One row per model that method "auto" tried, the best prediction first."""
+    header = ["model", "parameters", "predicts:\nNRMSE", "fits:\nNRMSE", "note"]
+    rows = []
+    for one in fit.candidates:
+        scores = ["-"] * 3
+        if one.model:
+            scores = [str(one.parameters), f"{one.prediction_nrmse:.2%}", f"{one.fit_nrmse:.2%}"]
+        rows.append([one.name, *scores, "chosen" if one.name == fit.model_name else one.reason])
     return header, rows
 
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
-    """One row per joint and method: scores, certificate, cost and prediction."""
+    """One row per family of curves and method: scores, certificate, cost and prediction."""
     header = ["curves", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
     header += ["model\nruns", "held-out\nmax [N·m]"]
     rows = []
@@ -37,7 +122,7 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
                     f"{fit.fitness:.2e}",
                     f"{fit.nrmse:.2%}",
                     f"{fit.model.certificate().margin:.3f}",
-                    f"{fit.evaluations:,}",
+                    "-" if fit.evaluations is None else f"{fit.evaluations:,}",
                     "\n".join(held_out) or "-",
                 ]
             )
@@ -46,6 +131,8 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
 
 def score_table(scores: Sequence[Score]) -> Rows:
     """Two rows per policy, shoulder and elbow: the wearer's torque, tracking, cost."""
+    from ..envs.composition import ASSISTED
+
     header = ["policy", "joint", "RMS\n[N·m]", "peak\n[N·m]", "RMS\nsaved"]
     header += ["error\n[rad]", "assist\n[J]", "return"]
     rows = []

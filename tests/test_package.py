@@ -13,7 +13,7 @@ ROOT = Path(__file__).parent.parent
 
 # Which part may import which; everything may use the root's errors and files.
 ALLOWED = {
-    "assets": set(),
+    "assets": {"hysteresis"},
     "hysteresis": set(),
     "identification": {"hysteresis"},
     "envs": {"hysteresis", "assets"},
@@ -78,6 +78,12 @@ def test_environments_need_neither_torch_nor_matplotlib():
         "print(sorted(sys.modules))"
     )
     for heavy in ("torch", "matplotlib", "stable_baselines3"):
+        assert f"'{heavy}'" not in loaded
+
+
+def test_identification_is_light():
+    loaded = python("import activesuit.identification, sys; print(sorted(sys.modules))")
+    for heavy in ("torch", "matplotlib", "mujoco", "pymoo", "cma"):
         assert f"'{heavy}'" not in loaded
 
 

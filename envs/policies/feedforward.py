@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...assets import Suit
 from ..arm_env import ArmEnv
-from ..composition import ASSISTED, joint_models
+from ..composition import ASSISTED
 
 
 class HysteresisFeedforward:
@@ -24,11 +24,11 @@ class HysteresisFeedforward:
     """
 
     def __init__(self, env: ArmEnv, suit: Suit) -> None:
-        models = joint_models(suit)
-        self._models = {i: models[joint] for i, joint in enumerate(ASSISTED) if joint in models}
+        entries = {i: suit.joints[name] for i, name in enumerate(ASSISTED) if name in suit.joints}
+        self._models = {i: entry.model for i, entry in entries.items()}
         self._starts = {
-            i: model.start(suit.joints[ASSISTED[i]].start_angle)
-            for i, model in self._models.items()
+            i: entry.model.start(entry.start_angle, entry.start_torque)
+            for i, entry in entries.items()
         }
         angle, target = env.layout["angle"], env.layout["target"]
         self._measured = angle.start + env.wiring.assisted

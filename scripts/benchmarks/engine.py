@@ -14,7 +14,6 @@ from numba.core.runtime import _nrt_python  # pyright: ignore[reportAttributeAcc
 from numba.core.runtime.nrt import rtsys
 
 from ...assets import SCENE, load_suit
-from ...envs.composition import joint_models
 from ...hysteresis import State
 from ...hysteresis.engine import attach
 from .timing import Row, compare
@@ -65,15 +64,15 @@ def rows(repeats: int) -> list[Row]:
 
 def _suited(sensors: bool) -> mujoco.MjModel:
     spec = mujoco.MjSpec.from_file(str(SCENE))
-    for joint, model in joint_models(load_suit("mock-suit")).items():
-        attach(spec, joint, model, sensors=sensors)
+    for joint, entry in load_suit("mock-suit").joints.items():
+        attach(spec, joint, entry.model, sensors=sensors)
     return spec.compile()
 
 
 def _yielding() -> mujoco.MjModel:
     """Returns the arm with MuJoCo's own elasto-plastic spring on the same joints."""
     spec = mujoco.MjSpec.from_file(str(SCENE))
-    for joint in joint_models(load_suit("mock-suit")):
+    for joint in load_suit("mock-suit").joints:
         spec.joint(joint).stiffness = [10.0, 0.0, 0.0]
         spec.joint(joint).springyield = 5.0
     return spec.compile()
@@ -98,7 +97,7 @@ class _Memories:
     """The suit's torque computed in Python, as one would without the plugin."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        self.models = joint_models(load_suit("mock-suit"))
+        self.models = {name: e.model for name, e in load_suit("mock-suit").joints.items()}
         self.qpos = [model.joint(joint).qposadr[0] for joint in self.models]
         self.dof = [model.joint(joint).dofadr[0] for joint in self.models]
         self.states: list[State] = []

@@ -168,7 +168,7 @@ def _population(repeats: int) -> Row:
     parameters = rng.uniform(BOX[:, 0], BOX[:, 1], (POPULATION, 5))
     branches = [np.linspace(30, turn, 150) for turn in (50, 70, 90)]
     angle = np.concatenate([part for up in branches for part in (up, up[::-1])])
-    starts, initial = np.array([0, 300, 600, 900]), np.zeros(3)
+    starts, initial = np.array([0, 300, 600, 900]), np.zeros((POPULATION, 3))
     torque = np.empty((POPULATION, angle.size))
     return measure(
         f"J-A population, {POPULATION} x {angle.size}, one core",

@@ -2,9 +2,11 @@
 
 import contextlib
 import importlib.util
+import io
 import statistics
 import tempfile
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from ...identification.pso import pso
 from ...identification.rank_distance_mpso import rank_distance_mpso
 from ...identification.sa_pso import sa_pso
 from ..output import messages
+from ..study import study
 from .hysteresis import textbook_rk4
 from .timing import Row, Work, compare, seconds
 
@@ -26,6 +29,7 @@ DIMENSIONS, POPULATION, ITERATIONS = 5, 50, 100
 BOUNDS = [(-5.12, 5.12)] * DIMENSIONS
 EVALUATIONS = POPULATION * (ITERATIONS + 1)
 OVERHEAD_LIMIT = 1.0  # us per evaluation
+STUDY_LIMIT = 20.0  # s
 SWARMS = {"PSO": pso, "SA-PSO": sa_pso, "MPSO": mpso, "rank-distance MPSO": rank_distance_mpso}
 
 
@@ -43,15 +47,29 @@ def rows(repeats: int) -> list[Row]:
         ),
         compare(
             "one SA-PSO trial of the study, elbow",
-            lambda: sa_pso(CurveObjective(curves), PAPER_BOUNDS, rng=0),
+            lambda: sa_pso(CurveObjective(curves, loss="paper"), PAPER_BOUNDS, rng=0),
             "with the usual RK4 loop",
             lambda: sa_pso(_by_rk4(curves), PAPER_BOUNDS, rng=0),
             repeats=min(repeats, 3),
             unit="ms",
             target=8.0,
         ),
+        Row(
+            what="the whole study, 2 joints x 2 methods x 30 trials, its report included",
+            unit="s",
+            ours=statistics.median(seconds(_whole_study) for _ in range(min(repeats, 3))),
+            limit=STUDY_LIMIT,
+        ),
         *swarm_rows(repeats),
     ]
+
+
+def _whole_study() -> None:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
+        study(Path(folder))
 
 
 def _by_rk4(curves: list[Curve]) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:

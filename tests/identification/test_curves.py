@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +23,18 @@ def test_round_trip(tmp_path, small_family):
         assert (before.name, before.role) == (after.name, after.role)
         np.testing.assert_allclose(after.angle, before.angle, atol=1e-6)
         np.testing.assert_allclose(after.torque, before.torque, atol=1e-6)
+
+
+def test_weights_round_trip(tmp_path, small_family):
+    path = tmp_path / "family.csv"
+    save_curves(path, small_family)
+    assert "weight" not in path.read_text()
+    weights = (1.0, 0.1 + 0.2, 1e-9, 12345678.9)
+    weighted = [replace(one, weight=w) for one, w in zip(small_family, weights, strict=True)]
+    save_curves(path, weighted)
+    assert path.read_text().startswith("curve,role,weight,angle_rad,torque_nm\n")
+    assert tuple(curve.weight for curve in load_curves(path)) == weights
+    assert [curve.role for curve in load_curves(path)] == [curve.role for curve in small_family]
 
 
 def test_degrees_order_and_interleaved_curves(tmp_path):
@@ -50,6 +63,9 @@ def test_degrees_order_and_interleaved_curves(tmp_path):
         (HEADER + "A,0.5,0\nA,0.5,1\n", "stays at the angle 0.5 rad"),
         ("curve,role,angle_rad,torque_nm\nA,fit,0,0\nA,predict,1,1\n", "changes its role"),
         ("curve,role,angle_rad,torque_nm\nA,test,0,0\nA,test,1,1\n", "role 'test'"),
+        ("curve,weight,angle_rad,torque_nm\nA,1,0,0\nA,2,1,1\n", "changes its weight to 2.0"),
+        ("curve,weight,angle_rad,torque_nm\nA,0,0,0\nA,0,1,1\n", "weight 0: give a number above 0"),
+        ("curve,weight,angle_rad,torque_nm\nA,x,0,0\n", "line 2: weight is 'x': give a finite"),
         (HEADER + 'A,"0,0\n', "not a CSV file"),
         ("curve,angle_rad,angle_deg,torque_nm\nA,0,0,0\n", "both angle_rad and angle_deg"),
     ],
@@ -85,6 +101,13 @@ def test_bad_arrays():
         Curve(np.zeros(3), np.zeros(2), "A")
     with pytest.raises(InputError, match="not finite"):
         Curve(np.array([0.0, 1.0]), np.array([0.0, np.inf]), "A")
+    for weight, message in (
+        (0, "weight 0: give a number above 0"),
+        (math.inf, "is inf"),
+        ("1", ""),
+    ):
+        with pytest.raises(InputError, match=f"curve 'A'.*{message}"):
+            Curve([0, 1], [0, 1], "A", weight=weight)
 
 
 def test_saving_fails_without_leftovers(tmp_path, small_family):

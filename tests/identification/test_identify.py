@@ -1,10 +1,12 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held, JilesAtherton
+from activesuit.hysteresis import MODELS, Held, JilesAtherton
+from activesuit.hysteresis.jiles_atherton import PARAMETERS
 from activesuit.identification import (
     Curve,
     CurveObjective,
@@ -15,7 +17,7 @@ from activesuit.identification import (
 )
 from activesuit.identification.certified import noise_floor
 from activesuit.identification.identify import PAPER_BOUNDS
-from helpers import TABLE_2
+from helpers import TABLE_2, sweep
 
 
 def published_nrmse(name, curves):
@@ -25,26 +27,6 @@ def published_nrmse(name, curves):
 
 def fitted(name):
     return [curve for curve in load_curves(curves_path(name)) if curve.role == "fit"]
-
-
-def test_fitness_is_eq_7(small_family, elbow):
-    curves = [curve for curve in small_family if curve.role == "fit"]
-    rows = np.array([TABLE_2["elbow-sa-pso"], TABLE_2["elbow-mpso"]])
-    objective = CurveObjective(curves)
-    measured = np.concatenate([curve.torque for curve in curves])
-    calculated = np.concatenate([elbow.response(curve.angle) for curve in curves])
-    N, peak = measured.size, np.abs(measured).max()
-    expected = math.sqrt(sum(((calculated - measured) / peak) ** 2)) / N
-    assert objective(rows)[0] == pytest.approx(expected, rel=1e-9)
-    assert objective.nrmse(rows)[0] == pytest.approx(expected * math.sqrt(N), rel=1e-9)
-    assert objective.evaluations == 4
-
-
-def test_parameters_with_a_pole_score_infinity(small_family):
-    objective = CurveObjective(small_family)
-    scores = objective([[22.0, 30.0, 9.0, 6.0, 20.0], TABLE_2["elbow-sa-pso"]])
-    assert scores[0] == math.inf
-    assert scores[1] < 0.01
 
 
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
@@ -85,7 +67,7 @@ def test_certified_fit_recovers_a_certified_truth_without_noise(table_2):
     ]
     fit = certified_fit(curves, rng=0, budget=1000)
     assert fit.nrmse < 2e-4
-    assert fit.history[-1] == fit.nrmse
+    assert fit.history[-1][1] == fit.nrmse
 
 
 def test_budget_is_kept(small_family):
@@ -110,9 +92,11 @@ def test_swarm_identification(small_family, method):
     assert fit.evaluations == 4 * 20 * 16
     low, high = np.array(PAPER_BOUNDS).T
     for trial in fit.trials:
-        assert (np.array(trial.parameters) >= low).all()
-        assert (np.array(trial.parameters) <= high).all()
+        parameters = [getattr(trial.model, name) for name in PARAMETERS]
+        assert (low <= parameters).all()
+        assert (parameters <= high).all()
         assert len(trial.history) == 16
+        assert trial.history[-1] == trial.loss
     alone = identify(small_family, method=method, trials=4, seed=7, workers=1, **options)
     assert alone.trials == fit.trials
     other = identify(small_family, method=method, trials=4, seed=8, **options)
@@ -140,7 +124,25 @@ def test_interrupt_keeps_finished_trials(small_family):
     ("options", "message"),
     [
         ({"method": "sapso"}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
-        ({"model": "preisach"}, "unknown model 'preisach'"),
+        ({"model": "preisac"}, "unknown model 'preisac'.*did you mean 'preisach'"),
+        (
+            {"model": "bouc-wen", "method": "pso"},
+            "method is 'pso': model 'bouc-wen' has the method 'certified' only",
+        ),
+        ({"model": "bouc-wen", "method": "auto"}, "'auto' chooses the model"),
+        ({"objective": "sse"}, "objective is 'sse': method 'certified' always minimizes the NRMSE"),
+        ({"method": "auto", "normalize": "curve"}, "normalize is 'curve'"),
+        ({"method": "pso", "objective": "ssee"}, "unknown loss 'ssee'"),
+        ({"initial_torque": "measurd"}, "unknown initial_torque 'measurd'"),
+        ({"initial_torque": float("nan")}, "initial_torque is nan"),
+        ({"model": "preisach", "initial_torque": 0.5}, "initial_torque is 0.5.*identify it"),
+        ({"method": "auto", "initial_torque": "measured"}, "'measured'.*identify it"),
+        ({"model": "preisach", "trials": 3}, "trials is 3: the fit of 'preisach' is made once"),
+        ({"method": "auto", "trials": 2}, "trials is 2: method 'auto' chooses once"),
+        ({"swarm_size": 9}, "unknown certified option 'swarm_size': use one of budget"),
+        ({"method": "pso", "swarmsize": 9}, "did you mean 'swarm_size'"),
+        ({"method": "auto", "budget": 90}, "unknown auto option 'budget': use one of none"),
+        ({"method": "pso", "trials": 0}, "trials is 0"),
         ({"trials": 0}, "trials is 0"),
         ({"seed": -1}, "seed is -1: use at least 0"),
         ({"workers": 0}, "workers is 0"),
@@ -151,6 +153,79 @@ def test_interrupt_keeps_finished_trials(small_family):
 def test_bad_options(small_family, options, message):
     with pytest.raises(InputError, match=message):
         identify(small_family, **options)
+
+
+@pytest.mark.parametrize(
+    "model", ["jiles-atherton", "asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"]
+)
+def test_every_model_is_identified_safely(small_family, model):
+    loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
+    option = {"initial_torque": "identified"} if model == "jiles-atherton" else {}
+    fit = identify(loaded, model=model, **option)
+    assert fit.model_name == model
+    assert model in MODELS
+    assert fit.nrmse < 0.03
+    assert fit.initial_torque == pytest.approx(0.4, abs=0.15)
+    assert fit.model.certificate().certified
+    assert fit.model.certificate().dissipative
+    assert fit.model.start_is_certified(fit.model.start(0.52, fit.initial_torque))
+    (kept,) = [curve for curve in loaded if curve.role == "predict"]
+    error = np.abs(fit.predict(kept) - kept.torque).max()
+    assert fit.prediction_errors == {kept.name: error}
+    assert identify(loaded, model=model, workers=1, **option) == fit
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"method": "nelder-mead", "trials": 2, "max_evaluations": 3000}]
+)
+def test_the_beginning_of_the_curves(elbow, options):
+    rng = np.random.default_rng(0)
+    angles = [sweep(0.52, turn, 0.52, samples=60) for turn in (0.87, 1.22, 1.57)]
+    loaded = [
+        Curve(angle, elbow.response(angle, 0.4) + 0.03 * rng.standard_normal(angle.size), str(i))
+        for i, angle in enumerate(angles)
+    ]
+    fits = {
+        given: identify(loaded, initial_torque=given, **options)
+        for given in (0.0, 0.4, "identified", "measured")
+    }
+    assert fits[0.4].initial_torque == 0.4
+    assert fits["identified"].initial_torque == pytest.approx(0.4, abs=0.1)
+    assert fits["measured"].initial_torque == "measured"
+    for given in (0.4, "identified", "measured"):
+        assert fits[given].nrmse < 0.5 * fits[0.0].nrmse
+    for curve in loaded:
+        assert fits["measured"].predict(curve)[0] == curve.torque[0]
+
+
+def test_the_objective_decides_which_trial_is_best(small_family):
+    rng = np.random.default_rng(5)
+    spoiled = []
+    for curve in small_family:
+        outliers = 3.0 * (rng.random(curve.torque.size) < 0.05)
+        spoiled.append(Curve(curve.angle, curve.torque + outliers, curve.name, curve.role))
+    options = {"method": "sa-pso", "trials": 6, "swarm_size": 20, "max_iterations": 30}
+    fits = {loss: identify(spoiled, objective=loss, **options) for loss in ("paper", "robust")}
+    for fit in fits.values():
+        best = min(fit.trials, key=lambda trial: trial.loss)
+        assert fit.model == best.model
+        assert fit.fitness == pytest.approx(fit.nrmse / math.sqrt(3 * 119))
+    assert fits["paper"].fitness == pytest.approx(min(t.loss for t in fits["paper"].trials))
+    by_curve = identify(spoiled, normalize="curve", **options)
+    assert by_curve.trials != fits["paper"].trials
+
+
+def test_weights_count_or_are_refused(small_family):
+    weighted = [replace(c, weight=9.0 if c.name == "1.57" else 1.0) for c in small_family]
+    assert identify(weighted).model != identify(small_family).model
+    for options in ({"model": "bouc-wen"}, {"method": "auto"}):
+        with pytest.raises(InputError, match="weights from 1 to 9: only fits of the model"):
+            identify(weighted, **options)
+
+
+def test_bare_gives_jiles_atherton_only(small_family):
+    with pytest.raises(InputError, match="model is 'bouc-wen': give a Jiles-Atherton model"):
+        bare(identify(small_family, model="bouc-wen").model)
 
 
 def test_nothing_to_fit(small_family):

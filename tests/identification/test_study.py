@@ -1,28 +1,33 @@
 """A study: trials that follow from their key alone, and verdicts that follow from the numbers."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.identification import Curve, CurveObjective, load_curves
+from activesuit.hysteresis import JilesAtherton
+from activesuit.identification import Curve, CurveObjective, certified_fit, load_curves
 from activesuit.identification.identify import PAPER_BOUNDS
 from activesuit.identification.sa_pso import sa_pso
 from activesuit.identification.study import (
     METHODS,
+    Prediction,
     StudyConfig,
     StudyTrial,
     TrialKey,
     check,
     fingerprint,
     fitted,
+    is_multi_order,
     run_trial,
 )
 from activesuit.identification.study_figures import figures
 from activesuit.identification.study_summary import CLAIMS, judge, summarize
 
 ELBOW = load_curves(curves_path("elbow"))
+MOTIONS = load_curves(curves_path("elbow").with_stem("elbow_multi_order"))
 SMALL = {"swarm_size": 10, "iterations": 12}
 
 
@@ -31,7 +36,10 @@ def config(**options) -> StudyConfig:
     return StudyConfig(**(given | options))
 
 
-def made_up(key: TrialKey, fitness: float, spent: int = 60, error: float = 1.0) -> StudyTrial:
+def made_up(
+    key: TrialKey, fitness: float, spent: int = 60, error: float = 1.0, **motions: Prediction
+) -> StudyTrial:
+    predictions = {"1.05": Prediction(error, 0.03), "1.40": Prediction(error, 0.04)}
     return StudyTrial(
         key=key,
         parameters=(10.0, 100.0, 0.0, 5.0, 20.0),
@@ -40,7 +48,7 @@ def made_up(key: TrialKey, fitness: float, spent: int = 60, error: float = 1.0) 
         nrmse=fitness * np.sqrt(CurveObjective(fitted(ELBOW)).torque.size),
         evaluations=130,
         improvements=((1, 10 * fitness), (spent, 1.005 * fitness), (spent + 5, fitness)),
-        predictions={"1.05": error, "1.40": error},
+        predictions=predictions | motions,
     )
 
 
@@ -61,14 +69,14 @@ def judged(sa_pso: dict, mpso: dict, trials: int = 30):
 def test_every_method_runs_within_its_budget(method):
     setup = config(methods=(method,))
     trial = run_trial(setup, TrialKey("elbow", method, 0), ELBOW)
-    objective = CurveObjective(fitted(ELBOW))
+    objective = CurveObjective(fitted(ELBOW), loss="paper")
     assert trial.fitness == objective(trial.parameters)[0]
     assert trial.nrmse == objective.nrmse(trial.parameters)[0]
     assert trial.evaluations <= (200 if method == "certified" else setup.evaluations)
     spent, best = np.array(trial.improvements).T
     assert (np.diff(spent) > 0).all()
     assert (np.diff(best) < 0).all()
-    assert best[-1] == trial.fitness
+    assert best[-1] == pytest.approx(trial.fitness, rel=1e-12)
     assert spent[-1] <= trial.evaluations
     assert set(trial.predictions) == {"1.05", "1.40"}
     assert StudyTrial.from_json(trial.to_json()) == trial
@@ -79,13 +87,13 @@ def test_the_history_is_the_swarms_own():
     key = TrialKey("elbow", "sa-pso", 1)
     trial = run_trial(setup, key, ELBOW)
     own = sa_pso(
-        CurveObjective(fitted(ELBOW)),
+        CurveObjective(fitted(ELBOW), loss="paper"),
         PAPER_BOUNDS,
         swarm_size=10,
         max_iterations=12,
         rng=np.random.default_rng(setup.seed_of(key)),
     )
-    np.testing.assert_array_equal(trial.history(10, 12), own.history)
+    np.testing.assert_array_equal(trial.best_after(10 * np.arange(1, 14)), own.history)
     converged = 1 + int(np.argmax(own.history <= 1.01 * own.fun))
     assert trial.convergence_iteration(10) == converged
 
@@ -112,13 +120,14 @@ def test_convergence_and_evaluations_to_target_by_hand():
     assert trial.convergence_iteration(59) == 2
     assert trial.evaluations_to(2.005) == 65
     assert trial.evaluations_to(1.99) == np.inf
-    history = trial.history(10, 12)
-    np.testing.assert_array_equal(history, [20.0] * 5 + [2.01] + [2.0] * 7)
+    best = trial.best_after(np.array([0, 1, 59, 60, 64, 65, 130]))
+    np.testing.assert_array_equal(best, [np.inf, 20.0, 20.0, 2.01, 2.01, 2.0, 2.0])
 
 
 def test_a_pole_on_a_held_out_curve_survives_the_file():
     trial = made_up(TrialKey("elbow", "mpso", 0), fitness=1.0)
-    trial = dataclasses.replace(trial, predictions={"A": np.inf, "B": 0.1})
+    poles = {"A": Prediction(np.inf, np.inf), "B": Prediction(0.1, 0.02)}
+    trial = dataclasses.replace(trial, predictions=poles)
     assert StudyTrial.from_json(trial.to_json()) == trial
 
 
@@ -126,6 +135,35 @@ def test_a_pole_on_a_held_out_curve_survives_the_file():
 def test_a_broken_trial_is_refused(text):
     with pytest.raises(InputError, match="not a finished trial"):
         StudyTrial.from_json(text)
+
+
+def test_a_trial_with_one_error_per_curve_is_refused():
+    content = json.loads(made_up(TrialKey("elbow", "mpso", 0), fitness=1.0).to_json())
+    content["predictions"] = {"1.05": 0.3}
+    with pytest.raises(InputError, match="not a finished trial"):
+        StudyTrial.from_json(json.dumps(content))
+
+
+def test_prediction_errors_by_hand():
+    trial = run_trial(config(), TrialKey("elbow", "mpso", 0), [*ELBOW, *MOTIONS])
+    Ms, a, alpha, c, k = trial.parameters
+    model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    peak = max(np.abs(curve.torque).max() for curve in fitted(ELBOW))
+    for curve in (ELBOW[1], MOTIONS[0]):
+        assert curve.role == "predict"
+        error = model.response(curve.angle) - curve.torque
+        found = trial.predictions[curve.name]
+        assert found.largest == pytest.approx(np.abs(error).max(), rel=1e-9)
+        assert found.nrmse == pytest.approx(np.sqrt(np.mean(error**2)) / peak, rel=1e-9)
+
+
+def test_motions_that_turn_more_than_once_are_told_from_first_order_curves():
+    assert not any(map(is_multi_order, ELBOW))
+    assert all(map(is_multi_order, MOTIONS))
+    low, high = ELBOW[-1].angle[0], ELBOW[-1].angle.max()
+    for curve in MOTIONS:  # so that they ask for no extrapolation
+        assert curve.angle[0] == low
+        assert low <= curve.angle.min() < curve.angle.max() <= high
 
 
 def test_success_and_quartiles():
@@ -141,6 +179,56 @@ def test_success_and_quartiles():
     np.testing.assert_array_equal(summary.evaluations_to_target, [60, 65, np.inf, np.inf])
     assert summary.to_target[0] == 65
     assert np.isinf(summary.to_target[2])
+
+
+def test_multi_order_beside_first_order_by_hand():
+    setup = config(methods=("mpso",), trials=3)
+    first = np.sqrt((0.03**2 + 0.04**2) / 2)
+    made = []
+    for key, ratio in zip(setup.keys, (1.0, 1.2, np.inf), strict=True):
+        motions = {
+            curve.name: Prediction(i + ratio, ratio * first) for i, curve in enumerate(MOTIONS)
+        }
+        made.append(made_up(key, fitness=1.0, **motions))
+    (summary,) = summarize(setup, {"elbow": [*ELBOW, *MOTIONS]}, made)
+    assert set(summary.predictions) == {"1.05", "1.40"}
+    multi = summary.multi_order
+    assert multi is not None
+    assert multi.curves == tuple(curve.name for curve in MOTIONS)
+    np.testing.assert_allclose(multi.ratio, [1.2, 1.2, np.inf])
+    np.testing.assert_allclose(multi.nrmse, [1.2 * first, 1.2 * first, np.inf])
+    np.testing.assert_allclose(multi.first_order, first)
+    np.testing.assert_allclose(multi.largest, [3.2, 3.2, np.inf])
+    assert multi.as_well == 1
+
+
+def test_without_first_order_curves_to_predict_there_is_nothing_to_compare():
+    setup = config(methods=("mpso",), trials=1)
+    family = [*fitted(ELBOW), *MOTIONS]
+    (summary,) = summarize(setup, {"elbow": family}, [run_trial(setup, setup.keys[0], family)])
+    assert summary.predictions == {}
+    assert summary.multi_order is not None
+    assert np.isnan(summary.multi_order.ratio).all()
+    assert np.isfinite(summary.multi_order.nrmse).all()
+
+
+def test_a_fit_at_the_noise_predicts_motions_of_any_order_to_the_noise():
+    setup = config(methods=("certified",), trials=5)
+    family = [*ELBOW, *MOTIONS]
+    (summary,) = summarize(
+        setup, {"elbow": family}, [run_trial(setup, key, family) for key in setup.keys]
+    )
+    assert summary.multi_order is not None
+    assert summary.multi_order.nrmse[1] < 1.1 * summary.noise
+    assert summary.multi_order.as_well >= 3
+
+
+def test_a_fit_to_one_motion_of_many_turns_predicts_first_order_curves():
+    fit = certified_fit(MOTIONS[:1], rng=0)
+    peak = max(np.abs(curve.torque).max() for curve in ELBOW)
+    for curve in ELBOW:
+        error = fit.model.response(curve.angle) - curve.torque
+        assert np.sqrt(np.mean(error**2)) < 1.1 * 0.0102 * peak
 
 
 def test_verdicts():
@@ -190,14 +278,18 @@ def test_the_printed_percentages_are_of_sa_pso():
 
 def test_figures_of_a_study_with_and_without_held_out_curves():
     setup = config(methods=("sa-pso", "certified"))
-    for family in (ELBOW, fitted(ELBOW)):
+    for family in (ELBOW, fitted(ELBOW), [*ELBOW, *MOTIONS]):
         trials = [run_trial(setup, key, family) for key in setup.keys]
         summaries = summarize(setup, {"elbow": family}, trials)
         drawn = figures(setup, {"elbow": family}, summaries)
-        assert ("prediction" in drawn) == (family is ELBOW)
+        assert ("prediction" in drawn) == (len(family) > 3)
+        assert ("multi-order" in drawn) == (len(family) > 5)
         assert {"curves", "convergence", "loops", "ecdf"} <= set(drawn)
         labels = [line.get_label() for line in drawn["loops"].axes[0].lines]
         assert {"sa-pso", "certified"} <= set(labels)
+        for name in ("convergence", "ecdf"):
+            labels = [line.get_label() for line in drawn[name].axes[0].lines]
+            assert {"sa-pso", "certified"} <= set(labels)
 
 
 def test_fingerprint_sees_every_change():
@@ -206,8 +298,9 @@ def test_fingerprint_sees_every_change():
         Curve(curve.angle, curve.torque, name="other", role=curve.role),
         Curve(curve.angle, curve.torque, name=curve.name, role="predict"),
         Curve(curve.angle, curve.torque + 1e-9, name=curve.name, role=curve.role),
+        Curve(curve.angle, curve.torque, name=curve.name, role=curve.role, weight=2.0),
     ]
-    assert len({fingerprint([one]) for one in [curve, *changed]}) == 4
+    assert len({fingerprint([one]) for one in [curve, *changed]}) == 5
     assert fingerprint(ELBOW) == fingerprint(load_curves(curves_path("elbow")))
 
 

@@ -1,6 +1,6 @@
 """`activesuit study`: the same tables however it was run, and nothing lost when it was killed."""
 
-import importlib.util
+import csv
 import json
 import os
 import signal
@@ -47,14 +47,20 @@ def test_prints_tables_and_writes_everything(capsys, tmp_path, whole):
     for word in ("best of 3 trials", "sa-pso", "mpso", "undecidable", "report.md"):
         assert word in out
     assert len(whole) == len(TABLES) + 2 * 2 * 3
-    for figure in ("curves", "convergence", "loops", "prediction", "prediction-errors", "ecdf"):
+    figures = ("curves", "convergence", "loops", "ecdf")
+    for figure in (*figures, "prediction", "prediction-errors", "multi-order"):
         assert (tmp_path / f"{figure}.png").stat().st_size > 10_000
         assert (tmp_path / f"{figure}.svg").exists()
     report = (tmp_path / "report.md").read_text()
     assert "the first whose best fitness is within 1 % of the trial's final one" in report
+    assert "- shoulder, mpso: **worse**. The error is" in report
     for claim in ("6.25 %", "20.29 %", "14.45 %", "46.5 %", "predicts better"):
         assert claim in report
     assert len((tmp_path / "trials.csv").read_text().splitlines()) == 1 + 2 * 2 * 3
+    with (tmp_path / "table.csv").open(newline="") as file:
+        for row in csv.DictReader(file):
+            assert float(row["multi_order_ratio_q1"]) <= float(row["multi_order_ratio_q3"])
+            assert 0 <= int(row["multi_order_as_well"]) <= 3
 
 
 def test_json(capsys, tmp_path):
@@ -75,6 +81,7 @@ def test_workers_and_processes_change_nothing(tmp_path, whole, arguments):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(60)
 @pytest.mark.parametrize("backend", ["dask", "ray"])
 def test_a_cluster_of_two_workers_changes_nothing(tmp_path, whole, backend):
     pytest.importorskip("distributed" if backend == "dask" else "ray")
@@ -143,6 +150,16 @@ def test_csv_files_without_held_out_curves(capsys, tmp_path):
     assert "claims" not in (tmp_path / "out" / "report.md").read_text()  # of other joints
 
 
+def test_a_csv_file_with_a_motion_that_turns_more_than_once(capsys, tmp_path):
+    elbow, motions = curves_path("elbow"), curves_path("elbow").with_stem("elbow_multi_order")
+    rows = [line for line in motions.read_text().splitlines() if line.startswith("multi-order 1")]
+    (tmp_path / "knee.csv").write_text(elbow.read_text() + "\n".join(rows))
+    study(tmp_path / "out", "--joints", tmp_path / "knee.csv", "--methods", "mpso", "--json")
+    (summary,) = json.loads(capsys.readouterr().out)["summaries"]
+    assert summary["multi_order"]["curves"] == ["multi-order 1"]
+    assert set(summary["prediction_max_error"]) == {"1.05", "1.40"}
+
+
 def test_another_study_in_the_folder(capsys, tmp_path):
     study(tmp_path)
     capsys.readouterr()
@@ -184,9 +201,8 @@ def test_mistakes(capsys, tmp_path, arguments, message):
 
 
 @pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
-def test_a_missing_cluster_package(capsys, tmp_path, backend, package):
-    if importlib.util.find_spec(package):
-        pytest.skip(f"{package} is installed")
+def test_a_missing_cluster_package(capsys, tmp_path, monkeypatch, backend, package):
+    monkeypatch.setitem(sys.modules, package, None)
     message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--backend", backend)
     assert f"--backend {backend} needs packages that are not installed" in message
     assert "activesuit[cluster]" in message

@@ -1,0 +1,79 @@
+"""Which methods `identify` has, and which options each of them takes."""
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from ..errors import InputError, at_least, unknown_name
+from .baselines import BASELINES
+from .mpso import mpso
+from .objective import InitialTorque
+from .own_fits import FITS, is_seeded
+from .pso import pso
+from .rank_distance_mpso import rank_distance_mpso
+from .sa_pso import sa_pso
+
+SWARMS = {
+    "pso": pso,
+    "sa-pso": sa_pso,
+    "mpso": mpso,
+    "rank-distance-mpso": rank_distance_mpso,
+}
+SEARCHES: dict[str, Callable[..., Any]] = {**SWARMS, **BASELINES}
+METHODS = ("certified", "auto", *SEARCHES)
+SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
+
+
+def check_method(model: str | None, method: str) -> None:
+    """Refuses unknown names, and methods that a model does not have."""
+    if method not in METHODS:
+        raise unknown_name("method", method, METHODS)
+    if model is None:
+        return
+    if model not in FITS:
+        raise unknown_name("model", model, FITS)
+    if method == "auto":
+        raise InputError(f"model is {model!r}, but method 'auto' chooses the model: leave one out")
+    if method != "certified" and model != "jiles-atherton":
+        raise InputError(f"method is {method!r}: model {model!r} has the method 'certified' only")
+
+
+def check_options(
+    model: str | None,
+    method: str,
+    objective: str | None,
+    normalize: str | None,
+    initial_torque: InitialTorque | None,
+    trials: int | None,
+    options: dict[str, Any],
+) -> None:
+    """Refuses options that the method would ignore; None stands for one that is left out."""
+    for option, given in (("objective", objective), ("normalize", normalize)):
+        if given is not None and method not in SEARCHES:
+            raise InputError(
+                f"{option} is {given!r}: method {method!r} always minimizes the NRMSE over the "
+                "family; leave it out, or use a swarm or a baseline"
+            )
+    name = model or "jiles-atherton"
+    identifies = method == "auto" or name != "jiles-atherton"
+    if identifies and initial_torque not in (None, "identified"):
+        raise InputError(
+            f"initial_torque is {initial_torque!r}: the fits of other models than 'jiles-atherton' "
+            "identify it; leave it out"
+        )
+    if trials is not None:
+        at_least("trials", trials, 1)
+        if trials > 1 and (method == "auto" or not is_seeded(name)):
+            what = "method 'auto' chooses" if method == "auto" else f"the fit of {name!r} is made"
+            raise InputError(f"trials is {trials}: {what} once; leave it out")
+    known = _own_options(name, method)
+    for option in options:
+        if option not in known:
+            raise unknown_name(f"{method} option", option, known or ["none"])
+
+
+def _own_options(model: str, method: str) -> list[str]:
+    if method == "auto":
+        return []
+    function = FITS[model] if method == "certified" else SEARCHES[method]
+    return [name for name in inspect.signature(function).parameters if name not in SET_BY_IDENTIFY]

@@ -1,0 +1,241 @@
+"""The losses that a fit of Jiles-Atherton parameters minimizes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import JilesAtherton
+from activesuit.identification import (
+    Curve,
+    CurveObjective,
+    first_order_motions,
+    measure,
+    pso,
+)
+from activesuit.identification.curves import noise_floor
+from helpers import TABLE_2
+from scipy.integrate import quad
+from scipy.optimize import minimize
+
+ROWS = np.array([TABLE_2["elbow-sa-pso"], TABLE_2["elbow-mpso"]])
+POLE = [22.0, 30.0, 9.0, 6.0, 20.0]
+LOSSES = ("nrmse", "paper", "sse", "robust")
+
+
+@pytest.fixture(scope="module")
+def unequal(small_family):
+    """Curves of different weight and torque."""
+    weights = (2.0, 0.5, 7.0, 1.0)
+    return [replace(one, weight=w) for one, w in zip(small_family, weights, strict=True)]
+
+
+def family(model, *, noise=0.01, seed=0, initial_torque=0.0):
+    motions = first_order_motions((0.87, 1.22, 1.57), start_angle=0.52, angle_step=0.01)
+    return measure(model, motions, noise_fraction=noise, initial_torque=initial_torque, rng=seed)
+
+
+def transcribed(loss, normalize, curves, row):
+    """One loss of one row, term by term as printed, for weights of any mean."""
+    N = sum(curve.torque.size for curve in curves)
+    Tmax = max(abs(T) for curve in curves for T in curve.torque)
+    mean_weight = sum(curve.weight * curve.torque.size for curve in curves) / N
+    d = 1.345 * noise_floor(curves)
+    Ms, a, alpha, c, k = row
+    model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    total = 0.0
+    for curve in curves:
+        peak = max(abs(T) for T in curve.torque) if normalize == "curve" else Tmax
+        for Tc, Tm in zip(model.response(curve.angle), curve.torque, strict=True):
+            E = Tc - Tm
+            term = {
+                "nrmse": (E / peak) ** 2,
+                "paper": (E / peak) ** 2,
+                "sse": E**2,
+                "robust": 2 * (math.sqrt(1 + (E / d) ** 2) - 1) * (d / peak) ** 2,
+            }[loss]
+            total += curve.weight / mean_weight * term
+    return {
+        "nrmse": math.sqrt(total / N),
+        "paper": math.sqrt(total) / N,
+        "sse": total,
+        "robust": math.sqrt(total / N),
+    }[loss]
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("normalize", ["family", "curve"])
+def test_losses_are_their_equations(unequal, loss, normalize):
+    if (loss, normalize) == ("sse", "curve"):
+        return
+    objective = CurveObjective(unequal, loss=loss, normalize=normalize)
+    expected = [transcribed(loss, normalize, unequal, row) for row in ROWS]
+    np.testing.assert_allclose(objective(ROWS), expected, rtol=1e-9)
+    np.testing.assert_allclose(objective(ROWS[1]), expected[1:], rtol=1e-9)
+    assert objective.evaluations == 3
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_parameters_with_a_pole_score_infinity(small_family, loss):
+    scores = CurveObjective(small_family, loss=loss)([POLE, ROWS[0]])
+    assert scores[0] == math.inf
+    assert np.isfinite(scores[1])
+    assert CurveObjective(small_family, loss=loss).nrmse(POLE) == math.inf
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("loss", LOSSES)
+def test_absurd_parameters_score_badly_without_a_warning(small_family, loss):
+    objective = CurveObjective(small_family, loss=loss)
+    for Ms in (1e100, 1e200, 1e308, math.inf, math.nan):
+        assert objective([Ms, 100.0, 0.0, 2.0, 20.0])[0] > 1e40
+    assert objective(np.zeros(5))[0] == math.inf
+
+
+def test_nrmse_is_the_same_whatever_is_minimized(small_family, unequal):
+    expected = CurveObjective(small_family)(ROWS)
+    for loss in LOSSES:
+        score = CurveObjective(unequal, loss=loss).nrmse(ROWS)
+        np.testing.assert_allclose(score, expected, rtol=1e-14)
+    by_curve = CurveObjective(unequal, normalize="curve")
+    np.testing.assert_allclose(by_curve.nrmse(ROWS), expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_only_the_ratios_of_weights_count(unequal, loss):
+    expected = CurveObjective(unequal, loss=loss)(ROWS)
+    for factor in (1e-3, 1e300):
+        scaled = [replace(curve, weight=factor * curve.weight) for curve in unequal]
+        np.testing.assert_allclose(CurveObjective(scaled, loss=loss)(ROWS), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("loss", ["nrmse", "robust"])
+def test_a_weight_of_two_is_a_curve_measured_twice(small_family, loss):
+    heavy = [replace(small_family[0], weight=2.0), *small_family[1:]]
+    twice = [small_family[0], *small_family]
+    scores = CurveObjective(heavy, loss=loss)(ROWS), CurveObjective(twice, loss=loss)(ROWS)
+    # Twice the curve also has its say in the estimate of the noise.
+    np.testing.assert_allclose(*scores, rtol=1e-12 if loss == "nrmse" else 0.05)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_torque_in_another_unit(small_family, loss):
+    ours = CurveObjective(small_family, loss=loss)(ROWS)
+    scaled = [Curve(one.angle, 10 * one.torque, one.name) for one in small_family]
+    rows = ROWS * [10, 1, 0.1, 1, 1]  # the model's exact scaling
+    np.testing.assert_allclose(
+        CurveObjective(scaled, loss=loss)(rows), ours * (100 if loss == "sse" else 1), rtol=1e-6
+    )
+
+
+def test_normalized_by_curve_no_curve_dwarfs_another(small_family, elbow):
+    small = Curve(small_family[0].angle, 0.01 * small_family[0].torque, "small")
+    rows = ROWS[:1]
+    alone = CurveObjective([small])(rows)[0]
+    pair = [small_family[2], small]
+    assert CurveObjective(pair, normalize="curve")(rows)[0] == pytest.approx(
+        alone * math.sqrt(small.angle.size / sum(one.angle.size for one in pair)), rel=1e-3
+    )
+    assert CurveObjective(pair)(rows)[0] < 0.01 * alone
+
+
+def test_the_robust_loss_keeps_95_percent_of_the_efficiency():
+    # The asymptotic variance of an M-estimator of location under Gaussian noise, against 1.
+    d, density = 1.345, lambda x: math.exp(-x * x / 2) / math.sqrt(2 * math.pi)
+    slope = quad(lambda x: (1 + (x / d) ** 2) ** -1.5 * density(x), -30, 30)[0]
+    power = quad(lambda x: x * x / (1 + (x / d) ** 2) * density(x), -30, 30)[0]
+    assert slope**2 / power == pytest.approx(0.954, abs=1e-3)
+
+
+def fitted_nrmse(curves, loss, clean):
+    """NRMSE on clean curves of the fit to others, by Nelder-Mead in relative parameters."""
+    objective, truth = CurveObjective(curves, loss=loss), ROWS[0]
+    found = minimize(
+        lambda scale: objective(truth * scale)[0],
+        np.full(5, 1.1),
+        method="Nelder-Mead",
+        options={"maxfev": 1500, "xatol": 1e-6, "fatol": 1e-10},
+    )
+    return CurveObjective(clean).nrmse(truth * found.x)[0]
+
+
+def test_the_robust_loss_ignores_gross_outliers(elbow):
+    clean, rng = family(elbow, noise=0.0), np.random.default_rng(1)
+    spoiled = []
+    for curve in family(elbow):
+        torque = curve.torque.copy()
+        hit = rng.choice(torque.size, round(0.05 * torque.size), replace=False)
+        torque[hit] += 20.0  # the sensor's cable, always to one side
+        spoiled.append(Curve(curve.angle, torque, curve.name))
+    without = fitted_nrmse(family(elbow), "nrmse", clean)
+    robust, squares = (fitted_nrmse(spoiled, loss, clean) for loss in ("robust", "nrmse"))
+    assert without < 0.003
+    assert robust < 0.005
+    assert squares > 0.02
+
+
+def test_the_robust_loss_has_a_scale_without_noise(elbow):
+    curves = family(elbow, noise=0.0)
+    objective = CurveObjective(curves, loss="robust")
+    assert objective(ROWS[0])[0] < 1e-9
+    assert objective(ROWS[1])[0] > 1e-3
+
+
+@pytest.mark.parametrize("first", [0.0, -1.5, 3.0])
+def test_initial_torques(elbow, first):
+    curves = family(elbow, initial_torque=first)
+    expected = np.concatenate([elbow.response(curve.angle, first) for curve in curves])
+    fixed = CurveObjective(curves, initial_torque=first)
+    identified = CurveObjective(curves, initial_torque="identified")
+    np.testing.assert_allclose(fixed.responses(ROWS[0])[0], expected, atol=1e-9)
+    both = identified.responses([[*ROWS[0], first], [*ROWS[1], 0.5]])
+    np.testing.assert_allclose(both[0], expected, atol=1e-9)
+    np.testing.assert_array_equal(
+        both[1], CurveObjective(curves, initial_torque=0.5).responses(ROWS[1])[0]
+    )
+    measured = CurveObjective(curves, initial_torque="measured").responses(ROWS)
+    starts = np.cumsum([0, *(curve.angle.size for curve in curves)])[:-1]
+    np.testing.assert_array_equal(measured[:, starts], [[one.torque[0] for one in curves]] * 2)
+
+
+def test_a_swarm_identifies_the_initial_torque(elbow):
+    curves = family(elbow, initial_torque=2.5)
+    objective = CurveObjective(curves, initial_torque="identified")
+    bounds = [*((0.8 * value, 1.25 * value) for value in ROWS[0]), (-8.0, 8.0)]
+    bounds[2] = (-0.1, 0.1)
+    found = pso(objective, bounds, swarm_size=40, max_iterations=80, rng=0)
+    assert found.x[5] == pytest.approx(2.5, abs=0.1)
+    floor = CurveObjective(curves, initial_torque=2.5).nrmse(ROWS[0])[0]
+    assert found.fun < 1.05 * floor
+    assert CurveObjective(curves).nrmse(ROWS[0])[0] > 5 * floor
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"loss": "robus"}, "unknown loss 'robus'.*did you mean 'robust'"),
+        ({"normalize": "curves"}, "unknown normalize 'curves'.*did you mean 'curve'"),
+        ({"loss": "sse", "normalize": "curve"}, "'sse' does not normalize"),
+        ({"initial_torque": "measurd"}, "'measurd': use one of a number.*mean 'measured'"),
+        ({"initial_torque": math.nan}, "initial_torque is nan: give a finite number"),
+        ({"initial_torque": [1, 2]}, "initial_torque is .*: give a number"),
+    ],
+)
+def test_bad_options(small_family, options, message):
+    with pytest.raises(InputError, match=message):
+        CurveObjective(small_family, **options)
+
+
+def test_bad_rows_and_curves(small_family):
+    with pytest.raises(InputError, match=r"shape \(1, 6\): give rows of 5 numbers \(Ms"):
+        CurveObjective(small_family)(np.zeros(6))
+    six = CurveObjective(small_family, initial_torque="identified")
+    with pytest.raises(InputError, match=r"give rows of 6 numbers.*initial torque"):
+        six.nrmse(ROWS)
+    with pytest.raises(InputError, match="give rows of 5"):
+        CurveObjective(small_family)(np.zeros((2, 2, 5)))
+    silent = Curve(small_family[0].angle, 0 * small_family[0].angle, "silent")
+    with pytest.raises(InputError, match="every torque of curve 'silent' is zero"):
+        CurveObjective([*small_family, silent], normalize="curve")
+    assert np.isfinite(CurveObjective([*small_family, silent])(ROWS)).all()

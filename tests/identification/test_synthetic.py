@@ -1,0 +1,187 @@
+"""The synthetic rig: the truth, then its noise, then its sensors; and the motions."""
+
+import math
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import (
+    Asymmetric,
+    BoucWen,
+    Held,
+    PoleError,
+    PrandtlIshlinskii,
+    Preisach,
+)
+from activesuit.hysteresis.loops import reversals
+from activesuit.identification import (
+    first_order_motions,
+    load_curves,
+    measure,
+    multi_order_motion,
+    save_curves,
+)
+from activesuit.identification.curves import noise_floor
+
+TURNS = (0.87, 1.22, 1.57)
+MOTIONS = first_order_motions(TURNS, start_angle=0.52, angle_step=0.004)
+BOUC_WEN = BoucWen(elastic=2.0, hysteretic=6.0, beta=3.0, gamma=-1.0, n=1.5)
+STOPS = PrandtlIshlinskii(stiffness=1.0, thresholds=(0.1, 0.3), weights=(4.0, 3.0))
+RELAYS = Preisach(levels=(0.5, 1.0, 1.6), density=((3.0,), (1.0, 2.0)), elastic=(0.5, 0.5))
+
+
+@pytest.fixture(params=["jiles-atherton", "held", "asymmetric", "bouc-wen", "stops", "relays"])
+def model(request, elbow, shoulder):
+    return {
+        "jiles-atherton": elbow,
+        "held": Held(model=shoulder, angle_range=(0.6, 1.2)),
+        "asymmetric": Asymmetric(model=elbow, polynomial=(0.1, 0.5)),
+        "bouc-wen": BOUC_WEN,
+        "stops": STOPS,
+        "relays": RELAYS,
+    }[request.param]
+
+
+def test_a_perfect_rig_measures_the_model_itself(model):
+    curves = measure(model, MOTIONS, rng=0, predict=["1.22"])
+    assert [curve.name for curve in curves] == ["0.87", "1.22", "1.57"]
+    assert [curve.role for curve in curves] == ["fit", "predict", "fit"]
+    for curve in curves:
+        np.testing.assert_array_equal(curve.angle, MOTIONS[curve.name])
+        np.testing.assert_array_equal(curve.torque, model.response(curve.angle))
+
+
+def test_initial_torque(elbow):
+    curve = measure(elbow, MOTIONS, rng=0, initial_torque=1.25)[0]
+    np.testing.assert_array_equal(curve.torque, elbow.response(curve.angle, 1.25))
+
+
+def test_noise_is_a_fraction_of_the_family_and_seeded(model):
+    truth = measure(model, MOTIONS, rng=0)
+    noisy = measure(model, MOTIONS, rng=1, noise_fraction=0.02)
+    peak = max(np.abs(curve.torque).max() for curve in truth)
+    errors = np.concatenate([a.torque - b.torque for a, b in zip(noisy, truth, strict=True)])
+    # 1,050 samples: a standard deviation is known to 2.2 %, the mean to 3 % of it.
+    assert errors.std() == pytest.approx(0.02 * peak, rel=0.1)
+    assert abs(errors.mean()) < 0.15 * 0.02 * peak
+    assert noise_floor(noisy) == pytest.approx(0.02 * peak, rel=0.15)
+    again = measure(model, MOTIONS, rng=np.random.default_rng(1), noise_fraction=0.02)
+    other = measure(model, MOTIONS, rng=2, noise_fraction=0.02)
+    for a, b, c in zip(noisy, again, other, strict=True):
+        np.testing.assert_array_equal(a.torque, b.torque)
+        assert (a.torque != c.torque).any()
+        np.testing.assert_array_equal(a.angle, MOTIONS[a.name])
+
+
+def test_sensors_round_what_is_measured_not_what_happens(elbow):
+    exact = measure(elbow, MOTIONS, rng=3, noise_fraction=0.01)
+    coarse = measure(
+        elbow, MOTIONS, rng=3, noise_fraction=0.01, torque_resolution=0.25, angle_resolution=0.01
+    )
+    for a, b in zip(exact, coarse, strict=True):
+        steps = b.torque / 0.25
+        np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+        assert np.abs(b.torque - a.torque).max() <= 0.125 + 1e-12
+        assert np.abs(b.torque - a.torque).max() > 0.1
+        np.testing.assert_allclose(b.angle / 0.01, np.round(b.angle / 0.01), atol=1e-9)
+        assert np.abs(b.angle - a.angle).max() <= 0.005 + 1e-12
+
+
+def test_what_is_measured_can_be_kept(tmp_path, elbow):
+    motions = {
+        "up": np.linspace(0.5, 1.0, 9),
+        "random": multi_order_motion(0.5, 1.5, turns=5, angle_step=0.02, rng=0),
+    }
+    curves = measure(elbow, motions, rng=0, noise_fraction=0.01, predict=("random",))
+    save_curves(tmp_path / "curves.csv", curves)
+    for a, b in zip(curves, load_curves(tmp_path / "curves.csv"), strict=True):
+        np.testing.assert_allclose(b.torque, a.torque, atol=1e-6)
+        assert (a.name, a.role) == (b.name, b.role)
+
+
+def test_first_order_motions():
+    for turn, angle in zip(TURNS, MOTIONS.values(), strict=True):
+        assert (angle[0], angle.max(), angle[-1]) == (0.52, turn, 0.52)
+        top = int(angle.argmax())
+        assert (np.diff(angle[: top + 1]) > 0).all()
+        assert (np.diff(angle[top:]) < 0).all()
+        assert np.abs(np.diff(angle)) == pytest.approx(0.004, rel=0.02)
+    down = first_order_motions([-0.5], start_angle=0.0, angle_step=0.1)["-0.50"]
+    np.testing.assert_allclose(down, [0, -0.1, -0.2, -0.3, -0.4, -0.5, -0.4, -0.3, -0.2, -0.1, 0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("turns", [2, 3, 12])
+def test_multi_order_motion(seed, turns):
+    angle = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
+    places = reversals(angle, 0.0)
+    assert len(places) == turns
+    assert angle[0] == 0.4 < angle[1]
+    assert 0.4 <= angle.min()
+    assert angle.max() <= 1.4
+    travels = np.abs(np.diff(angle[[0, *places, -1]]))
+    assert (travels >= 0.1 - 1e-12).all()
+    assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
+    # Second order: the second reversal comes before the first branch is wiped out.
+    assert angle[places[1]] > angle[0]
+    np.testing.assert_array_equal(
+        angle, multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
+    )
+
+
+def test_random_motions_differ_and_use_the_range():
+    angles = [multi_order_motion(0, 1, turns=20, angle_step=0.01, rng=seed) for seed in range(20)]
+    assert len({angle.size for angle in angles}) > 10
+    assert min(angle[1:].min() for angle in angles) < 0.05
+    assert max(angle.max() for angle in angles) > 0.95
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"motions": {}}, "there is no motion"),
+        ({"motions": {"A": [0.0, math.nan]}}, r"motion 'A'\[1\] is nan"),
+        ({"motions": {"A": [0.5]}}, "curve 'A' has 1 sample"),
+        ({"predict": ["1.2"]}, "predict names '1.2': the motions are 0.87, 1.22, 1.57"),
+        ({"noise_fraction": -0.01}, "noise_fraction is -0.01: give 0 or more"),
+        ({"noise_fraction": math.inf}, "noise_fraction is inf"),
+        ({"torque_resolution": 0}, r"torque_resolution is 0 N·m: give a number above 0"),
+        ({"angle_resolution": -1.0}, "angle_resolution is -1 rad: give a number above 0"),
+        ({"angle_resolution": 100.0}, "stays at the angle 0 rad"),
+        ({"initial_torque": "measured"}, "initial torque is 'measured': give a number"),
+    ],
+)
+def test_bad_rigs(elbow, options, message):
+    with pytest.raises(InputError, match=message) as error:
+        measure(elbow, **{"motions": MOTIONS, "rng": 0, **options})
+    assert "\n" not in str(error.value)
+
+
+def test_a_motion_into_the_pole_is_no_measurement(shoulder):
+    with pytest.raises(PoleError):
+        measure(shoulder, first_order_motions([math.pi / 2], start_angle=0, angle_step=0.01), rng=0)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "turns", "angle_step", "message"),
+    [
+        (1.0, 0.5, 5, 0.01, "from 1 to 0.5 rad: give low below high"),
+        (0.0, math.inf, 5, 0.01, "high is inf"),
+        (0.0, 1.0, 1, 0.01, "turns is 1: use at least 2"),
+        (0.0, 1.0, 5, 0.0, "angle_step is 0 rad: give a number above 0"),
+    ],
+)
+def test_bad_motions(low, high, turns, angle_step, message):
+    with pytest.raises(InputError, match=message):
+        multi_order_motion(low, high, turns=turns, angle_step=angle_step, rng=0)
+
+
+def test_bad_turns():
+    with pytest.raises(InputError, match=r"differ by 0.01 rad"):
+        first_order_motions((0.871, 0.872), start_angle=0.5, angle_step=0.01)
+    with pytest.raises(InputError, match="give at least one number"):
+        first_order_motions((), start_angle=0.5, angle_step=0.01)
+    with pytest.raises(InputError, match=r"angle_step is -0.1 rad"):
+        first_order_motions((1.0,), start_angle=0.5, angle_step=-0.1)
+    with pytest.raises(InputError, match="start_angle is nan"):
+        first_order_motions((1.0,), start_angle=math.nan, angle_step=0.1)

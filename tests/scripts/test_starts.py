@@ -1,0 +1,26 @@
+"""The benchmark's random starts: our own fit keeps its limits, others spend their budget."""
+
+import pytest
+from activesuit.scripts.benchmarks import starts
+
+
+@pytest.mark.slow
+def test_certified_fits_keep_their_limits(monkeypatch):
+    pytest.importorskip("cma")
+    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 4)
+    found = starts.random_starts(repeats=1)
+    assert [(one.joint, one.method) for one in found] == [
+        (joint, method) for joint in ("shoulder", "elbow") for method in starts.METHODS
+    ]
+    for one in found:
+        assert one.starts == 4
+        assert one.milliseconds > 0
+        if one.method == "certified":
+            assert one.success_rate == 1
+            assert one.over_floor < 1.05
+            assert one.to_target <= one.evaluations <= one.most_evaluations <= 200
+        else:
+            assert one.met is None
+            assert one.evaluations == one.most_evaluations == 5050
+    header, rows = starts.starts_table(found)
+    assert {len(row) for row in rows} == {len(header)}
