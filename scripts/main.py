@@ -2,20 +2,34 @@
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from importlib import import_module
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import InputError, unknown_name
+
+# Each is a function in a module of its name, imported only when asked for: all together take more
+# than a second. The sentence is the beginning of that function's own help.
+COMMANDS = {
+    "demo": "Do the whole job once: identify, simulate, compensate, report.",
+    "identify": "Identify a hysteresis model from measured angle-torque curves.",
+    "rig": "Measure first-order curves of a suit joint on a simulated rig.",
+    "study": "Compare identification methods by many trials, and judge the paper's claims.",
+    "simulate": "Simulate one assisted arm motion, headless.",
+    "evaluate": "Compare assist policies by what the wearer has to do.",
+    "validate": "Validate an identified suit model in closed loop.",
+    "train": "Train an assist policy with Stable-Baselines3.",
+    "suits": "List the shipped suits, or show and check one.",
+    "kao-fung": "Repeat Kao and Fung (2009).",
+    "bench": "Measure speed, each row against something else in turn in this very run.",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Runs one command; a user's mistake ends with one sentence on stderr and exit code 2."""
-    arguments = sys.argv[1:] if arguments is None else list(arguments)
-    if arguments == ["--version"]:
-        print(f"activesuit {__version__}")
-        return
     try:
-        _run(arguments)
+        _run(sys.argv[1:] if arguments is None else list(arguments))
+        sys.stdout.flush()
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
@@ -27,31 +41,44 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _run(arguments: Sequence[str]) -> None:
+    if not arguments:
+        raise InputError(f"give a command: {', '.join(COMMANDS)}; --help says what they do")
+    name, *rest = arguments
+    if name == "--version":
+        print(f"activesuit {__version__}")
+    elif name in ("-h", "--help"):
+        print(_help())
+    elif name in COMMANDS:
+        _run_command(name, rest)
+    else:
+        raise unknown_name("command", name, COMMANDS)
+
+
+def _help() -> str:
+    width = max(map(len, COMMANDS))
+    return "\n".join(
+        [
+            "usage: activesuit COMMAND [arguments]",
+            "       activesuit COMMAND --help",
+            "       activesuit --version",
+            "",
+            "Identify, simulate and compensate the hysteretic joints of a spacesuit.",
+            "",
+            *(f"  {name:{width}}  {sentence}" for name, sentence in COMMANDS.items()),
+        ]
+    )
+
+
+def _run_command(name: str, arguments: Sequence[str]) -> None:
     import tyro
 
-    tyro.extras.subcommand_cli_from_dict(
-        {command.__name__.replace("_", "-"): command for command in _commands()},
-        prog="activesuit",
-        description="Identify, simulate and compensate the hysteretic joints of a spacesuit.",
+    function = name.replace("-", "_")
+    tyro.cli(
+        getattr(import_module(f".{function}", __package__), function),
+        prog=f"activesuit {name}",
         args=arguments,
         config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
     )
-    sys.stdout.flush()
-
-
-def _commands() -> Sequence[Callable[..., None]]:
-    from .bench import bench
-    from .demo import demo
-    from .evaluate import evaluate
-    from .identify import identify
-    from .kao_fung import kao_fung
-    from .simulate import simulate
-    from .study import study
-    from .suits import suits
-    from .train import train
-    from .validate import validate
-
-    return demo, identify, study, simulate, evaluate, validate, train, suits, kao_fung, bench
 
 
 def _stop(message: str) -> None:

@@ -1,12 +1,15 @@
 """The command line: answers a program can read, and one clear sentence for every mistake."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import model_from_dict
-from activesuit.scripts.main import main
+from activesuit.identification import identify, load_curves
+from activesuit.scripts.main import COMMANDS, main
 
 ELBOW = str(curves_path("elbow"))
 
@@ -190,6 +193,11 @@ MISTAKES = [
     (["suits", "nope"], "unknown suit 'nope'"),
     (["bench", "--repeats", "0"], "repeats is 0"),
     (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
+    (["identify", ELBOW, "--model", "preisach", "--method", "de"], "has the method 'certified'"),
+    (["identify", ELBOW, "--objective", "sse"], "objective is 'sse': method 'certified' always"),
+    (["identify", ELBOW, "--model", "preisach", "--samples", "2"], "samples is 2: samples are"),
+    (["identify", ELBOW, "--method", "de", "--samples", "2"], "samples is 2: samples are"),
+    (["identify", ELBOW, "--samples", "-1"], "samples is -1"),
     (["identify", ELBOW, "--workers", "0"], "workers is 0"),
     (["identify", ELBOW, "--base", "nope", "--out", "{bad}/out"], "unknown suit 'nope'"),
     (["identify", ELBOW, "--base", "mock-suit"], "--base mock-suit needs --out"),
@@ -216,21 +224,105 @@ def test_mistakes(capsys, tmp_path, arguments, message):
     assert sorted(path.name for path in left) == before  # nothing half-written
 
 
-def test_unknown_command_and_option(capsys):
-    for arguments in (["fly"], ["demo", "--speed", "3"], ["identify"], []):
+def test_unknown_option_and_missing_argument(capsys):
+    for arguments in (["demo", "--speed", "3"], ["identify"]):
         with pytest.raises(SystemExit) as stop:
             main(arguments)
         assert stop.value.code == 2
 
 
+def test_unknown_and_missing_command(capsys):
+    assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
+    assert "unknown command '--fly': use one of bench, demo" in fails(capsys, "--fly", "suits")
+    assert "give a command: demo, identify" in fails(capsys)
+
+
+def test_help_lists_every_command_as_its_own_help_begins(capsys):
+    listed = run(capsys, "--help")
+    assert listed == run(capsys, "-h")
+    for name, sentence in COMMANDS.items():
+        assert f"  {name} " in listed
+        assert sentence in listed
+        with pytest.raises(SystemExit) as stop:
+            main([name, "--help"])
+        assert stop.value.code == 0
+        own = " ".join(capsys.readouterr().out.split())
+        assert own.startswith(f"usage: activesuit {name} [-h]")
+        assert f" {sentence.removesuffix('.')}" in own
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["bench", "--help"]])
+def test_only_the_command_asked_for_is_imported(arguments):
+    command = [sys.executable, "-X", "importtime", "-m", "activesuit.scripts.main", *arguments]
+    report = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+    loaded = {line.rpartition("|")[2].strip() for line in report.splitlines()}
+    assert "activesuit.errors" in loaded
+    assert not {"numba", "mujoco", "scipy", "matplotlib", "activesuit.scripts.demo"} & loaded
+
+
 def test_identify_auto_chooses_and_writes(capsys, tmp_path):
     out = tmp_path / "auto"
     result = json.loads(run(capsys, "identify", ELBOW, "--method", "auto", "--json"))
-    assert result["chosen"] == "jiles-atherton"
-    assert result["certified"]
+    assert result["model_name"] == "jiles-atherton"
+    assert "predicts curves left out" in result["why"]
+    assert result["certificate"]["certified"]
     assert {one["name"] for one in result["candidates"]} > {"bouc-wen", "preisach"}
+    assert max(result["prediction_max_error"].values()) < 0.25
     text = run(capsys, "identify", ELBOW, "--method", "auto", "--out", out)
-    assert "predicts curves left out" in text
-    model = model_from_dict(json.loads((out / "model.json").read_text()))
-    assert model.certificate().certified
-    assert (out / "loops.png").stat().st_size > 10_000
+    assert result["why"] in text
+    names = {path.name for path in out.iterdir()}
+    assert names == {"suit.json", "result.json", "trials.csv", "loops.png", "loops.svg"}
+    assert json.loads((out / "result.json").read_text()) == result
+    model = load_suit(out / "suit.json").joints["elbow_flexion"].model
+    assert model == model_from_dict(result["model"])
+
+
+@pytest.mark.parametrize(
+    "model", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach", "held"]
+)
+def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model):
+    joint, chosen = ("shoulder", []) if model == "held" else ("elbow", ["--model", model])
+    run(capsys, "identify", curves_path(joint), *chosen, "--out", tmp_path)
+    suit = tmp_path / "suit.json"
+    (entry,) = load_suit(suit).joints.values()
+    assert entry.model.name == model
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert entry.start_torque == result["initial_torque"]
+    assert model.rpartition("-")[2] in run(capsys, "suits", suit)
+    simulated = run(capsys, "simulate", "--suit", suit, "--out", tmp_path, "--json")
+    assert json.loads(simulated)["failures"] == 0
+    short = ["--episodes", "1", "--json"]
+    scores = json.loads(run(capsys, "evaluate", "--suit", suit, *short))["policies"]
+    assert not any(score["failures"] for score in scores)
+    result = json.loads(run(capsys, "validate", suit, "--plant", suit, *short))
+    assert result["share_of_oracle"][f"{joint}_flexion"] > 0.9
+
+
+def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path):
+    arguments = ["identify", ELBOW, "--samples", "3", "--out", tmp_path]
+    text = run(capsys, *arguments)
+    result = json.loads(run(capsys, *arguments, "--json"))["uncertainty"]
+    assert result["names"] == ["Ms", "a", "alpha", "c", "k"]
+    assert "95 % interval" in text
+    assert f"{result['values'][0]:.5g}" in text
+    (entry,) = load_suit(tmp_path / "suit.json").joints.values()
+    assert [sample.to_dict() for sample in entry.samples] == result["samples"]
+    assert len({sample.Ms for sample in entry.samples}) == 3
+
+
+def test_options_reach_the_fit(capsys):
+    options = ["--method", "de", "--trials", "1", "--objective", "robust", "--json"]
+    options += ["--normalize", "curve", "--initial-torque", "identified"]
+    result = json.loads(run(capsys, "identify", ELBOW, *options))
+    expected = identify(
+        load_curves(ELBOW),
+        method="de",
+        trials=1,
+        objective="robust",
+        normalize="curve",
+        initial_torque="identified",
+    )
+    assert result["initial_torque"] == expected.initial_torque
+    assert result["model"] == expected.model.to_dict()
+    result = json.loads(run(capsys, "identify", ELBOW, "--initial-torque", "0.1", "--json"))
+    assert result["initial_torque"] == 0.1

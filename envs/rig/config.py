@@ -1,0 +1,150 @@
+"""What the rig measures, and with which device."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...assets import load_suit
+from ...errors import InputError, at_least, unknown_name
+from ...hysteresis import HysteresisModel
+from ...hysteresis._checks import number, numbers
+from ..provenance import Quantity
+
+# Li et al. 2022, sections 3.1 and 5.1: where the first-order curves turn [rad].
+TURNS = {
+    "shoulder_flexion": (0.52, 0.70, 0.87, 1.05, 1.22),
+    "elbow_flexion": (0.87, 1.05, 1.22, 1.40, 1.57),
+}
+LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
+FULL_TURN = 2 * math.pi  # rad
+RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s
+SAMPLE_RATE, SAMPLE_RATE_RANGE = 25.0, (1.0, 1000.0)  # Hz
+NOISE = 0.05  # N·m
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(
+        Quantity(f"rig.{joint}.turn.{i}", turn, "rad", "Li et al. 2022, 3.1 and 5.1", "published")
+        for joint, turns in TURNS.items()
+        for i, turn in enumerate(turns, start=1)
+    ),
+    Quantity("rig.rate", RATE, "rad/s", "slow: a curve takes 10 to 20 s", "assumed"),
+    Quantity("rig.sample_rate", SAMPLE_RATE, "Hz", "0.004 rad between samples", "assumed"),
+    Quantity("rig.noise", NOISE, "N·m", "about 1 % of a suit's elbow torque", "assumed"),
+)
+
+
+class Specimen(NamedTuple):
+    """The joint in the rig: its model, where its memory begins [rad, N·m], its range [rad]."""
+
+    name: str
+    model: HysteresisModel
+    start_angle: float = 0.0
+    start_torque: float = 0.0
+    range: tuple[float, float] = (-FULL_TURN, FULL_TURN)
+
+    def inside(self, what: str, angle: float) -> float:
+        """Returns a finite angle in the range, or raises an InputError that says why it is none."""
+        low, high = self.range
+        # The range of an identified suit ends at a sample, which may miss the turn itself.
+        if not low - LEAST_TRAVEL <= number(what, angle, "rad") <= high + LEAST_TRAVEL:
+            raise InputError(
+                f"{what} is {angle:g} rad: give an angle in the range of {self.name}, "
+                f"{low:.4g} to {high:.4g} rad"
+            )
+        return float(angle)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RigConfig:
+    """What to measure, and with which device. Once made, it holds all numbers that are used.
+
+    Attributes:
+        suit: name of a shipped suit or path of a suit file; or any hysteresis model.
+        joint: which joint of the suit; a model is of no joint, and its name is ignored.
+        turns: angles at which the first-order curves turn back [rad]. By default those of Li et al.
+            2022 for shoulder and elbow flexion, fifths of the suit's range for its other joints,
+            and none for a model.
+        start_angle: where all curves begin [rad]; by default where the suit's memory does, and 0
+            for a model.
+        repeats: how often each curve goes to its turn and back. The suit's memory begins afresh
+            before each curve, not before each repeat.
+        rate: of the joint between reversals [rad/s], from 0.01 to 0.5.
+        sample_rate: of both sensors [Hz], from 1 to 1000.
+        noise: standard deviation of the torque sensor's white noise [N·m].
+        drift: of the torque sensor since it was zeroed, which is before each curve [N·m/s].
+        torque_resolution: step of the torque sensor [N·m]; None measures all digits.
+        angle_resolution: step of the encoder [rad]; None measures all digits.
+        bearing_friction: Coulomb friction of the joint's bearings [N·m].
+        seed: fixes the noise.
+
+    Raises:
+        InputError: there is no such suit or joint, or a number is out of its range.
+    """
+
+    suit: str | HysteresisModel = "mock-suit"
+    joint: str = "elbow_flexion"
+    turns: tuple[float, ...] = ()
+    start_angle: float | None = None
+    repeats: int = 1
+    rate: float = RATE
+    sample_rate: float = SAMPLE_RATE
+    noise: float = NOISE
+    drift: float = 0.0
+    torque_resolution: float | None = None
+    angle_resolution: float | None = None
+    bearing_friction: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        specimen = self.specimen()
+        start = specimen.start_angle if self.start_angle is None else self.start_angle
+        object.__setattr__(self, "start_angle", specimen.inside("start_angle", start))
+        turns = numbers("turns", self.turns, "rad") if np.size(self.turns) else ()
+        if not turns and not isinstance(self.suit, HysteresisModel):
+            turns = TURNS.get(self.joint) or _fifths(start, specimen.range[1])
+        object.__setattr__(self, "turns", tuple(specimen.inside("turn", turn) for turn in turns))
+        _check_turns(self.turns, start)
+        at_least("repeats", self.repeats, 1)
+        at_least("seed", self.seed, 0)
+        _within("rate", self.rate, RATE_RANGE, "rad/s")
+        _within("sample_rate", self.sample_rate, SAMPLE_RATE_RANGE, "Hz")
+        number("drift", self.drift, "N·m/s")
+        for name in ("noise", "bearing_friction"):
+            if number(name, value := getattr(self, name), "N·m") < 0:
+                raise InputError(f"{name} is {value:g} N·m: give 0 or more")
+        for name, unit in (("torque_resolution", "N·m"), ("angle_resolution", "rad")):
+            value = getattr(self, name)
+            if value is not None and number(name, value, unit) <= 0:
+                raise InputError(f"{name} is {value:g} {unit}: give a number above 0, or none")
+
+    def specimen(self) -> Specimen:
+        """Returns the joint to measure."""
+        if isinstance(self.suit, HysteresisModel):
+            return Specimen("the model", self.suit)
+        joints = load_suit(self.suit).joints
+        if self.joint not in joints:
+            raise unknown_name(f"joint of suit {self.suit!r}", self.joint, joints)
+        entry = joints[self.joint]
+        return Specimen(self.joint, entry.model, entry.start_angle, entry.start_torque, entry.range)
+
+
+def _fifths(start: float, end: float) -> tuple[float, ...]:
+    return tuple(round(start + i / 5 * (end - start), 4) for i in range(1, 6))
+
+
+def _check_turns(turns: tuple[float, ...], start: float) -> None:
+    """Refuses turns that make no curve, or two of one name."""
+    names = {f"{turn:.2f}" for turn in turns}
+    if len(names) < len(turns) or any(abs(turn - start) < LEAST_TRAVEL for turn in turns):
+        raise InputError(
+            f"turns are {', '.join(f'{turn:g}' for turn in turns)} rad, from {start:g} rad: give "
+            f"turns that differ from the start and each other by {LEAST_TRAVEL:g} rad or more"
+        )
+
+
+def _within(name: str, value: float, allowed: tuple[float, float], unit: str) -> None:
+    low, high = allowed
+    if not low <= number(name, value, unit) <= high:
+        raise InputError(f"{name} is {value:g} {unit}: give {low:g} to {high:g}")

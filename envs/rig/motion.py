@@ -1,0 +1,76 @@
+"""How the motor moves: from reversal to reversal, at constant rate between short ramps."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..provenance import Quantity
+
+Array = NDArray[np.float64]
+
+RAMP = 0.5  # s, from rest to full rate
+
+PROVENANCE: tuple[Quantity, ...] = (
+    Quantity("rig.ramp", RAMP, "s", "long beside the servo's time constant of 0.01 s", "assumed"),
+)
+
+
+class Plan(NamedTuple):
+    """What the motor is to do at every step: angle [rad], its rate and acceleration, (n,) each."""
+
+    angle: Array
+    rate: Array
+    acceleration: Array
+
+
+def plan_motion(points: Sequence[float], rate: float, time_step: float) -> Plan:
+    """Plans a motion through its reversals; it begins and ends at rest.
+
+    Args:
+        points: the first angle, the reversals and the last angle [rad].
+        rate: between the reversals [rad/s]; a short branch does not reach it.
+        time_step: between two steps [s].
+    """
+    rest = np.array([[points[0]], [0.0], [0.0]])
+    branches = (_branch(start, end, rate, time_step) for start, end in pairwise(points))
+    return Plan(*np.concatenate([rest, *branches], axis=1))
+
+
+def duration(points: Sequence[float], rate: float) -> float:
+    """Returns how long such a motion takes [s]."""
+    return sum(abs(end - start) / _top(start, end, rate) + RAMP for start, end in pairwise(points))
+
+
+def reversals(angle: Array) -> list[float]:
+    """Returns the first angle, those at which the motion turns back, and the last [rad]."""
+    moving = angle[np.append(True, np.diff(angle) != 0)]
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(moving)))) + 1
+    return [float(moving[0]), *moving[turns].tolist(), float(moving[-1])]
+
+
+def _branch(start: float, end: float, rate: float, time_step: float) -> Array:
+    """Returns angle, rate and acceleration of a branch without its first instant, shape (3, n).
+
+    Rate and acceleration are continuous and vanish at both ends, so that the servo can follow.
+    """
+    distance = abs(end - start)
+    top = _top(start, end, rate)
+    total = distance / top + RAMP
+    time = np.minimum(np.arange(1, math.ceil(total / time_step) + 1) * time_step, total)
+    left = total - time
+    speeding, braking = time < RAMP, left < RAMP
+    phase = math.pi * np.minimum(np.minimum(time, left) / RAMP, 1)
+    ramp_way = top * RAMP / (2 * math.pi) * (phase - np.sin(phase))
+    way = np.select([speeding, braking], [ramp_way, distance - ramp_way], top * (time - RAMP / 2))
+    speed = top * np.sin(phase / 2) ** 2
+    acceleration = math.pi * top / (2 * RAMP) * np.sin(phase) * np.where(speeding, 1, -1)
+    sign = math.copysign(1.0, end - start)
+    return np.array([start + sign * way, sign * speed, sign * acceleration])
+
+
+def _top(start: float, end: float, rate: float) -> float:
+    return min(rate, abs(end - start) / RAMP)

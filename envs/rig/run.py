@@ -1,0 +1,212 @@
+"""A motor turns one joint of an empty pressurized suit, slowly; what do the sensors read?
+
+A torque sensor sits between motor and joint, an encoder on the joint. What the sensor reads beyond
+the suit's resistance is compensated as an experimenter would: a run without the suit tells the
+inertia and the friction of the bearings, and the torque that these need along the planned motion is
+subtracted. The axis stands upright, so that weight has no moment.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...assets import FOLDER
+from ...errors import InputError
+from ...hysteresis.engine import attach, fault_slots
+from ...hysteresis.model import finite_series
+from ..provenance import Quantity
+from .config import RigConfig, Specimen
+from .motion import Plan, duration, plan_motion, reversals
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+RIG = FOLDER / "mjcf" / "rig.xml"
+JOINT = "joint"
+STEP = 0.001  # s; the torsion bar of rig.xml oscillates by a quarter of a radian meanwhile
+DWELL = 0.5  # s, at rest before each curve
+PATIENCE = 3600.0  # s, the longest curve
+ZEROING = 50  # readings without the suit before each curve, whose mean is the sensor's zero
+
+PROVENANCE: tuple[Quantity, ...] = (
+    Quantity("rig.dwell", DWELL, "s", "longer than the servo takes to settle", "assumed"),
+    Quantity("rig.zeroing", ZEROING, "1", "makes the zero 7 times as sure as a reading", "assumed"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One measured curve.
+
+    Attributes:
+        name: of the curve.
+        time: since its beginning [s], shape (n,).
+        angle: what the encoder read [rad], shape (n,).
+        torque: resistance, positive against positive motion [N·m], shape (n,): what the torque
+            sensor read, less what inertia and bearings need.
+    """
+
+    name: str
+    time: Array
+    angle: Array
+    torque: Array
+
+
+def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -> list[Record]:
+    """Measures first-order curves, or any other motions, on the simulated rig.
+
+    Before each curve the torque sensor is zeroed without the suit, and the suit's memory begins
+    afresh at the start angle: with zero torque, unless the suit's file says otherwise. Certified or
+    not, a suit can be measured where its torque stays finite.
+
+    Args:
+        config: what to measure, and how.
+        motions: angles [rad], shape (n,), by the name of their curve, in place of the first-order
+            curves. They begin at `config.start_angle`; only their reversals matter, since the motor
+            goes from one to the next at its own rate.
+
+    Returns:
+        One record per curve; first-order curves are named after their turn, with two decimals.
+
+    Raises:
+        InputError: there is nothing to measure, a motion begins elsewhere or leaves the joint's
+            range or takes more than an hour, the suit is too stiff for the motor, or its torque
+            becomes infinite.
+    """
+    specimen = config.specimen()
+    points = _curves(config) if motions is None else _motions(config, specimen, motions)
+    if not points:
+        raise InputError("there is no motion: give turns (rad), or motions by name")
+    times = {name: duration(angles, config.rate) for name, angles in points.items()}
+    longest = max(times, key=times.__getitem__)
+    if times[longest] > PATIENCE:
+        raise InputError(
+            f"curve {longest!r} takes {times[longest]:.0f} s: stay within {PATIENCE:.0f} s with a "
+            "higher rate or fewer reversals"
+        )
+    rng = np.random.default_rng(config.seed)
+    own_torque = _own_torque(config, plan_motion(points[longest], config.rate, STEP), rng)
+    rig = _compose(config, specimen)
+    records = []
+    for name, angles in points.items():
+        plan = plan_motion(angles, config.rate, STEP)
+        now = _samples(config, plan)
+        angle, torque = _readings(config, rig, name, plan, rng)
+        torque -= _causes(plan, now) @ own_torque
+        records.append(Record(name, STEP * now.astype(np.float64), angle, torque))
+    return records
+
+
+def _curves(config: RigConfig) -> dict[str, list[float]]:
+    start = _start(config)
+    return {f"{turn:.2f}": [start, *[turn, start] * config.repeats] for turn in config.turns}
+
+
+def _motions(
+    config: RigConfig, specimen: Specimen, motions: Mapping[str, ArrayLike]
+) -> dict[str, list[float]]:
+    """Returns the checked reversals of motions."""
+    points = {}
+    for name, angles in motions.items():
+        series = finite_series(f"motion {name!r}", angles, "rad")
+        if np.ptp(series) == 0:
+            raise InputError(f"motion {name!r} stays at {series[0]:g} rad: let it move")
+        if abs(series[0] - _start(config)) > 1e-6:
+            raise InputError(
+                f"motion {name!r} begins at {series[0]:g} rad: let it begin at the start_angle, "
+                f"{config.start_angle:g} rad"
+            )
+        points[name] = [specimen.inside(f"motion {name!r}", angle) for angle in reversals(series)]
+    return points
+
+
+def _start(config: RigConfig) -> float:
+    assert config.start_angle is not None
+    return config.start_angle
+
+
+def _compose(config: RigConfig, specimen: Specimen | None = None) -> mujoco.MjModel:
+    """Returns the rig with the specimen in it, or empty."""
+    spec = mujoco.MjSpec.from_file(str(RIG))
+    spec.option.timestep = STEP
+    spec.joint(JOINT).frictionloss = config.bearing_friction
+    if specimen:
+        attach(
+            spec,
+            JOINT,
+            specimen.model,
+            start_angle=config.start_angle,
+            start_torque=specimen.start_torque,
+            sensors=False,
+            allow_uncertified=True,
+        )
+    return spec.compile()
+
+
+def _own_torque(config: RigConfig, plan: Plan, rng: np.random.Generator) -> Array:
+    """Returns the coefficients of `_causes`, as a run of the empty rig shows them."""
+    now = _samples(config, plan)
+    _, torque = _readings(config, _compose(config), "without the suit", plan, rng)
+    # Time is a cause here, so that a drift of the sensor is not taken for friction.
+    causes = np.column_stack([_causes(plan, now), now])
+    return np.linalg.lstsq(causes, torque)[0][:-1].astype(np.float64)
+
+
+def _causes(plan: Plan, now: Indices) -> Array:
+    """Returns what the rig itself needs torque for, shape (n, 2): acceleration and friction."""
+    return np.column_stack([plan.acceleration[now], np.sign(plan.rate[now])])
+
+
+def _samples(config: RigConfig, plan: Plan) -> Indices:
+    """Returns the steps of a plan at which the sensors are read."""
+    steps = np.arange(0, plan.angle.size - 1, 1 / (config.sample_rate * STEP))
+    return np.round(steps).astype(np.int64)
+
+
+def _readings(
+    config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Returns encoder angles [rad] and sensor torques [N·m] of a motion, shape (n,) each."""
+    now = _samples(config, plan)
+    twist, angle = _move(config, rig, name, plan)[now].T
+    torque = rig.tendon_stiffness[0] * twist + config.drift * STEP * now
+    noise = config.noise * rng.standard_normal(ZEROING + torque.size)
+    read = _rounded(np.append(np.zeros(ZEROING), torque) + noise, config.torque_resolution)
+    return _rounded(angle, config.angle_resolution), read[ZEROING:] - read[:ZEROING].mean()
+
+
+def _move(config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan) -> Array:
+    """Returns twist and angle of the joint [rad] at each step of a plan, shape (n, 2).
+
+    Raises:
+        InputError: the motor cannot follow, or the suit's model meets its pole.
+    """
+    data = mujoco.MjData(rig)
+    data.qpos[:] = _start(config)
+    command, sensors = data.ctrl, data.sensordata
+    command[:] = _start(config), 0.0
+    mujoco.mj_step(rig, data, round(DWELL / STEP))
+    measured = np.empty((plan.angle.size, sensors.size))
+    for i, setpoint in enumerate(zip(plan.angle, plan.rate, strict=True)):
+        command[:] = setpoint
+        mujoco.mj_step(rig, data)  # reads the sensors, then moves
+        measured[i] = sensors
+    if data.plugin_state[fault_slots(rig)].any():
+        raise InputError(
+            f"the torque of the suit becomes infinite on curve {name!r}: its model is not "
+            "certified there; give turns nearer to the start"
+        )
+    limit = rig.actuator_forcerange[0, 1]
+    if not np.abs(measured[:, -1]).max() < limit:  # a motion that diverged is NaN
+        raise InputError(
+            f"the suit resists more than the {limit:g} N·m of the motor on curve {name!r}: give "
+            "turns nearer to the start, or a softer suit"
+        )
+    return measured[:, :-1]
+
+
+def _rounded(values: Array, resolution: float | None) -> Array:
+    return values if resolution is None else resolution * np.round(values / resolution)

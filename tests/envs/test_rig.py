@@ -1,0 +1,207 @@
+"""The measuring rig: what it reads is the suit's resistance, as well as its sensors allow."""
+
+import re
+
+import numpy as np
+import pytest
+from activesuit.assets import load_suit, suit_names
+from activesuit.envs.rig import RigConfig, run_rig
+from activesuit.envs.rig.config import NOISE
+from activesuit.envs.rig.figure import records_figure
+from activesuit.errors import InputError
+from activesuit.hysteresis import BoucWen, Preisach
+from activesuit.identification import Curve, identify, multi_order_motion
+
+EXACT = NOISE / 10  # N·m, so that no reading of the default sensor could tell
+START, TURNS = 0.52, (0.87, 1.22)
+SHIPPED = [(suit, joint) for suit in suit_names() for joint in load_suit(suit).joints]
+
+
+def exact(model, **options):
+    return run_rig(
+        RigConfig(suit=model, start_angle=START, **{"turns": TURNS, "noise": 0, **options})
+    )
+
+
+def errors(model, record):
+    return record.torque - model.response(record.angle)
+
+
+def rms(values):
+    return np.sqrt(np.mean(np.square(values)))
+
+
+def curves_of(records):
+    roles = ["predict" if i % 2 else "fit" for i in range(len(records))]
+    return [Curve(r.angle, r.torque, r.name, role) for r, role in zip(records, roles, strict=True)]
+
+
+def prediction_error(fit, curves):
+    kept_out = [curve for curve in curves if curve.role == "predict"]
+    return rms(np.concatenate([fit.predict(curve) - curve.torque for curve in kept_out]))
+
+
+def test_a_perfect_rig_reads_the_resistance(elbow):
+    for record, turn in zip(exact(elbow), TURNS, strict=True):
+        assert record.name == f"{turn:.2f}"
+        assert np.abs(errors(elbow, record)).max() < EXACT
+        assert record.angle[0] == pytest.approx(START, abs=1e-9)
+        assert record.angle[-1] == pytest.approx(START, abs=0.002)
+        assert record.angle.max() == pytest.approx(turn, abs=0.002)  # the torque sensor twists
+        assert record.torque[0] == pytest.approx(0, abs=EXACT)
+        assert np.allclose(np.diff(record.time), 1 / 25)
+
+
+def test_the_paper_measures_the_shipped_joints():
+    assert RigConfig(joint="shoulder_flexion").turns == (0.52, 0.70, 0.87, 1.05, 1.22)
+    assert RigConfig(joint="shoulder_flexion").start_angle == 0.35
+    assert RigConfig(joint="elbow_flexion").turns == (0.87, 1.05, 1.22, 1.40, 1.57)
+    assert RigConfig(joint="wrist_flexion").turns == (0.14, 0.28, 0.42, 0.56, 0.7)
+
+
+def test_every_curve_begins_with_a_fresh_memory(elbow):
+    alone = exact(elbow, turns=TURNS[1:])[0]
+    np.testing.assert_array_equal(exact(elbow)[1].torque, alone.torque)
+
+
+def test_repeats_show_accommodation(elbow):
+    once, thrice = (exact(elbow, repeats=n, turns=(1.57,))[0] for n in (1, 3))
+    n = once.angle.size - 20  # before they part
+    np.testing.assert_allclose(thrice.torque[:n], once.torque[:n], atol=EXACT)
+    assert np.abs(errors(elbow, thrice)).max() < EXACT
+    peaks = [part.max() for part in np.array_split(thrice.torque, 3)]
+    assert peaks[0] > peaks[1] + 0.02
+    assert peaks[1] > peaks[2]
+
+
+def test_inertia_and_friction_of_the_rig_are_compensated(elbow):
+    fast = exact(elbow, rate=0.5)[1]
+    assert np.abs(errors(elbow, fast)).max() < 0.01  # inertia alone takes 0.15 N·m
+    rough = exact(elbow, bearing_friction=0.2)[1]
+    turned = np.abs(rough.time - rough.time[rough.angle.argmax()]) < 0.3
+    moving = ~turned & (rough.time > 0.3) & (rough.time < rough.time[-1] - 0.3)
+    assert np.abs(errors(elbow, rough))[moving].max() < 0.02
+    assert (
+        np.abs(errors(elbow, rough)).max() < 0.4 + EXACT
+    )  # a bearing that sticks holds either way
+
+
+def test_noise_has_its_size_and_its_seed(elbow):
+    noisy = exact(elbow, noise=0.1, seed=3)
+    assert rms(np.concatenate([errors(elbow, one) for one in noisy])) == pytest.approx(0.1, rel=0.1)
+    again, other = exact(elbow, noise=0.1, seed=3), exact(elbow, noise=0.1, seed=4)
+    np.testing.assert_array_equal(noisy[1].torque, again[1].torque)
+    assert not np.array_equal(noisy[1].torque, other[1].torque)
+    np.testing.assert_array_equal(noisy[1].angle, other[1].angle)
+
+
+def test_drift_starts_anew_with_each_curve(elbow):
+    for record in exact(elbow, drift=0.01):
+        np.testing.assert_allclose(errors(elbow, record), 0.01 * record.time, atol=EXACT)
+
+
+def test_resolutions(elbow):
+    record = exact(elbow, angle_resolution=0.01)[1]
+    steps = record.angle / 0.01
+    np.testing.assert_allclose(steps, np.round(steps), atol=1e-9)
+    coarse = np.abs(errors(elbow, exact(elbow, torque_resolution=1.0)[1]))
+    assert 0.4 < coarse.max() < 0.5 + 0.02
+
+
+def test_any_motion_of_any_model(elbow):
+    motion = multi_order_motion(START, 1.57, turns=6, angle_step=0.01, rng=0)
+    config = RigConfig(suit=elbow, start_angle=START, noise=0)
+    (record,) = run_rig(config, {"random": motion})
+    assert record.name == "random"
+    assert np.abs(errors(elbow, record)).max() < EXACT
+    turns = np.count_nonzero(np.diff(np.sign(np.diff(record.angle[::5]))))
+    assert turns == 6
+
+
+@pytest.mark.parametrize(("suit", "joint"), SHIPPED)
+def test_what_it_measures_predicts_turns_it_did_not_fit(suit, joint):
+    config = RigConfig(suit=suit, joint=joint)
+    curves = curves_of(run_rig(config))
+    assert prediction_error(identify(curves), curves) <= 1.2 * config.noise
+
+
+@pytest.mark.slow
+def test_a_truth_of_many_weights_is_predicted():
+    rng = np.random.default_rng(1)
+    truth = Preisach(
+        levels=np.linspace(0.4, 1.6, 9),
+        density=[rng.uniform(0, 0.3, i + 1) for i in range(8)],
+        elastic=rng.uniform(10, 15, 8),
+    )
+    turns = tuple(np.linspace(0.62, 1.57, 11))
+    config = RigConfig(suit=truth, start_angle=START, turns=turns, noise=0.08)
+    curves = curves_of(run_rig(config))
+    fit = identify(curves, method="auto")
+    assert fit.model_name == "preisach"
+    assert prediction_error(fit, curves) <= 1.2 * config.noise
+
+
+def test_the_figure_shows_every_curve(elbow):
+    ax = records_figure("an elbow", exact(elbow)).axes[0]
+    assert {text.get_text() for text in ax.get_legend().get_texts()} == {"0.87", "1.22"}
+    assert ax.get_title() == "an elbow"
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"turns": (0.87, 1.7)}, "turn is 1.7 rad: give an angle in the range of elbow_flexion"),
+        ({"turns": (0.87, float("nan"))}, "turns[1] is nan: give finite numbers"),
+        ({"turns": (0.87, 0.872)}, "differ from the start and each other by 0.01 rad"),
+        ({"turns": (0.52, 0.87)}, "differ from the start and each other"),
+        ({"start_angle": -1.0}, "start_angle is -1 rad"),
+        ({"turns": 1.2}, "turns is 1.2: give at least one number"),
+        ({"rate": 0.0}, "rate is 0 rad/s: give 0.01 to 0.5"),
+        ({"rate": 3.0}, "rate is 3 rad/s"),
+        ({"sample_rate": 0.0}, "sample_rate is 0 Hz: give 1 to 1000"),
+        ({"noise": -0.1}, "noise is -0.1 N·m: give 0 or more"),
+        ({"bearing_friction": -1.0}, "bearing_friction is -1 N·m"),
+        ({"drift": float("inf")}, "drift is inf"),
+        ({"torque_resolution": 0.0}, "torque_resolution is 0 N·m: give a number above 0"),
+        ({"angle_resolution": -1.0}, "angle_resolution is -1 rad"),
+        ({"repeats": 0}, "repeats is 0"),
+        ({"seed": -1}, "seed is -1"),
+        ({"suit": "mok-suit"}, "did you mean 'mock-suit'"),
+        ({"joint": "knee"}, "unknown joint of suit 'mock-suit' 'knee': use one of elbow_flexion"),
+    ],
+)
+def test_bad_input_is_refused_with_a_sentence(options, sentence):
+    with pytest.raises(InputError, match=re.escape(sentence)):
+        RigConfig(**options)
+
+
+@pytest.mark.parametrize(
+    ("motions", "sentence"),
+    [
+        (None, "there is no motion"),
+        ({}, "there is no motion"),
+        ({"a": [0.6, 1.0]}, "motion 'a' begins at 0.6 rad"),
+        ({"a": [START, START]}, "motion 'a' stays at 0.52 rad"),
+        ({"a": [START, 7.0, START]}, "motion 'a' is 7 rad"),
+        ({"a": [START, np.nan]}, "motion 'a'.* is nan"),
+    ],
+)
+def test_bad_motions_are_refused_with_a_sentence(elbow, motions, sentence):
+    with pytest.raises(InputError, match=sentence):
+        run_rig(RigConfig(suit=elbow, start_angle=START), motions)
+
+
+def test_a_curve_that_takes_hours_is_refused(elbow):
+    with pytest.raises(InputError, match=r"curve '1.22' takes 14.* s: stay within 3600 s"):
+        exact(elbow, rate=0.01, repeats=100)
+
+
+def test_a_suit_that_stops_the_motor_is_refused():
+    steel = BoucWen(elastic=200.0, hysteretic=1.0, beta=20.0, gamma=8.0, n=1.5)
+    with pytest.raises(InputError, match=r"more than the 100 N·m of the motor on curve '1.00'"):
+        run_rig(RigConfig(suit=steel, turns=(0.3, 1.0)))
+
+
+def test_a_suit_whose_torque_becomes_infinite_is_refused(shoulder):
+    with pytest.raises(InputError, match=r"becomes infinite on curve '1.57'"):
+        run_rig(RigConfig(suit=shoulder, turns=(1.57,)))
