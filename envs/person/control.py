@@ -1,0 +1,200 @@
+"""How the wearer pulls: foreseen torque, delayed feedback, and the noise of muscles.
+
+The engine's position and velocity inputs give the wearer an instantaneous impedance, the
+*intrinsic* torque of co-contracted muscles. What the wearer adds at control rate is
+
+    foreseen:  own feed-forward + suit_learning · resistance of the suit
+    feedback:  feedback · intrinsic torque of `delay` ago
+
+so feedback answers the errors of angle and rate as the muscles do, but late. All of it together,
+with the intrinsic torque, stays within strength. It then varies in proportion to itself: slow noise
+(first-order low-pass, corner 4 Hz, whatever the control rate) and tremor (a resonance at 10 Hz,
+4 Hz wide).
+
+With the gains of the shipped arm the default feedback is stable for any delay: the loop gain is
+below 1 at all frequencies, for all arms from a bare one to one with suit, exoskeleton and 5 kg.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, exp, isclose, pi, sin, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...assets import JOINTS
+from ...errors import InputError
+from ..provenance import Quantity
+
+Array = NDArray[np.float64]
+Generators = np.random.Generator | Sequence[np.random.Generator]
+
+_HAMILTON = "size: ours; falls with strength, Hamilton et al. 2004, Exp. Brain Res. 157:417-430"
+_FLUCTUATION = "ours: isometric force varies slowly, at less than the frequency of tremor"
+_TREMOR = "Novak and Newell 2017, Neurosci. Lett.: physiological tremor has 8 to 12 Hz"
+_NOISE = tuple(
+    Quantity(f"control.noise.{joint}", value, "1", _HAMILTON, "assumed")
+    for joint, value in zip(JOINTS, (0.025, 0.025, 0.025, 0.045), strict=True)
+)
+_CORNER = Quantity("control.noise.corner", 4.0, "Hz", _FLUCTUATION, "assumed")
+_CENTER = Quantity("control.tremor.center", 10.0, "Hz", _TREMOR, "derived")
+_WIDTH = Quantity("control.tremor.width", 4.0, "Hz", _TREMOR, "derived")
+_DELAY = Quantity(
+    "control.delay",
+    0.05,
+    "s",
+    "long-latency response of arm muscles, from 50 ms: PLOS ONE 11(10) e0163854, without the "
+    "muscle's own delay",
+    "derived",
+)
+_FEEDBACK = Quantity(
+    "control.feedback", 0.4, "1", "ours: less than the intrinsic part, and stable", "assumed"
+)
+
+PROVENANCE: tuple[Quantity, ...] = (*_NOISE, _CORNER, _CENTER, _WIDTH, _DELAY, _FEEDBACK)
+
+_COEFFICIENTS = np.array([quantity.value for quantity in _NOISE])
+
+
+@dataclass(frozen=True, kw_only=True)
+class VoluntaryControl:
+    """How a wearer controls the arm. All fields are plain numbers.
+
+    Nothing is random by default: two policies, or two models of a suit, then meet the same wearer.
+    `noise=1` is the switch to a wearer who varies as people do.
+
+    Attributes:
+        suit_learning: share of the suit's resistance that the wearer foresees, 0 to 1; 0 has never
+            worn it.
+        feedback: delayed torque over the intrinsic torque that it repeats, 0 to 1.
+        delay: from an error to the torque that answers it [s], 0 to 0.5, a multiple of the control
+            period.
+        noise: signal-dependent noise in multiples of a typical one, whose standard deviation is
+            2.5 % of the torque at shoulder and elbow and 4.5 % at the wrist, 0 to 10.
+        tremor: standard deviation of physiological tremor over the torque, 0 to 0.5.
+
+    Raises:
+        InputError: a value is outside its range.
+    """
+
+    suit_learning: float = 0.0
+    feedback: float = _FEEDBACK.value
+    delay: float = _DELAY.value
+    noise: float = 0.0
+    tremor: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, highest, kind in (
+            ("suit_learning", 1, "as a share of the suit's resistance"),
+            ("feedback", 1, "as a share of the intrinsic torque"),
+            ("delay", 0.5, "in s"),
+            ("noise", 10, "as a multiple of a typical person's"),
+            ("tremor", 0.5, "as a fraction of the torque"),
+        ):
+            value = getattr(self, name)
+            if not (isinstance(value, int | float) and 0 <= value <= highest):
+                raise InputError(f"{name} is {value}: give it {kind}, from 0 to {highest:g}")
+
+
+@dataclass(frozen=True, eq=False)
+class ControlState:
+    """What the wearer's control remembers between two periods.
+
+    Attributes:
+        past: intrinsic torques not yet answered [N·m], oldest first, shape (..., delay, 4).
+        variation: slow noise, tremor and tremor a quarter period later, each of variance 1 in the
+            long run, shape (..., 3, 4).
+    """
+
+    past: Array
+    variation: Array
+
+
+def start_control(settings: VoluntaryControl, intrinsic: ArrayLike, dt: float) -> ControlState:
+    """Returns the state of a wearer who has been holding still, without any noise yet.
+
+    Args:
+        settings: how the wearer controls the arm.
+        intrinsic: the intrinsic torque so far [N·m], shape (..., 4); zeros if nothing pulled.
+        dt: control period [s].
+
+    Raises:
+        InputError: the delay is no multiple of the control period.
+    """
+    samples = round(settings.delay / dt)
+    if not isclose(samples * dt, settings.delay, abs_tol=1e-9):
+        raise InputError(
+            f"delay is {settings.delay:g} s: give it as a multiple of the control period, "
+            f"{dt:g} s, such as {samples * dt:g} s"
+        )
+    intrinsic = np.asarray(intrinsic, dtype=float)
+    past = np.repeat(intrinsic[..., None, :], samples, axis=-2)
+    return ControlState(past, np.zeros((*intrinsic.shape[:-1], 3, intrinsic.shape[-1])))
+
+
+def voluntary_torque(
+    settings: VoluntaryControl,
+    state: ControlState,
+    *,
+    intrinsic: Array,
+    feedforward: Array,
+    suit_resistance: Array,
+    limits: tuple[Array, Array],
+    dt: float,
+    rng: Generators,
+) -> tuple[Array, ControlState]:
+    """Returns what the wearer adds to the intrinsic torque in this control period.
+
+    It goes to the feed-forward input of the engine's actuators, whose position and velocity inputs
+    are the intention.
+
+    Args:
+        settings: how the wearer controls the arm.
+        state: of the period before, or of `start_control`; it is left as it is.
+        intrinsic: torque of the wearer's impedance at this instant, stiffness · (intended - actual
+            angle) + damping · (intended - actual rate) [N·m], shape (..., 4), the state's.
+        feedforward: torque that moves the bare arm along the intention [N·m], shape (..., 4).
+        suit_resistance: torque that the suit resists with along the intention, as the wearer could
+            learn it [N·m], shape (..., 4).
+        limits: least and greatest torque the wearer can give now: `strength_limits` of the strength
+            that fatigue has left [N·m], shape (..., 4) each.
+        dt: control period [s].
+        rng: random numbers, one generator for all wearers or one for each of a one-dimensional
+            batch; nothing is drawn without noise and tremor.
+
+    Returns:
+        torque: the wearer's torque without the intrinsic one [N·m], shape (..., 4).
+        state: for the next period.
+    """
+    window = np.concatenate([state.past, intrinsic[..., None, :]], axis=-2)
+    foreseen = feedforward + settings.suit_learning * suit_resistance
+    low, high = limits
+    total = np.clip(intrinsic + foreseen + settings.feedback * window[..., 0, :], low, high)
+    variation = state.variation
+    if settings.noise > 0 or settings.tremor > 0:
+        variation = _vary(variation, dt, rng)
+        slow, tremor = variation[..., 0, :], variation[..., 1, :]
+        relative = settings.noise * _COEFFICIENTS * slow + settings.tremor * tremor
+        total = np.clip(total * (1 + relative), low, high)
+    return total - intrinsic, ControlState(window[..., 1:, :], variation)
+
+
+def _vary(variation: Array, dt: float, rng: Generators) -> Array:
+    """One period of an autoregressive process of first order and of a randomly driven rotation."""
+    lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
+    turn = 2 * pi * _CENTER.value * dt
+    slow, x, y = np.moveaxis(variation, -2, 0)
+    kept = np.stack(
+        [
+            lag * slow,
+            ring * (cos(turn) * x - sin(turn) * y),
+            ring * (sin(turn) * x + cos(turn) * y),
+        ],
+        axis=-2,
+    )
+    if isinstance(rng, np.random.Generator):
+        fresh = rng.standard_normal(kept.shape)
+    else:
+        fresh = np.stack([one.standard_normal(kept.shape[-2:]) for one in rng])
+    weight = np.array([sqrt(1 - lag**2), sqrt(1 - ring**2), sqrt(1 - ring**2)])
+    return kept + weight[:, None] * fresh

@@ -1,0 +1,102 @@
+"""What a motion costs the wearer: torque, work, estimates of metabolic energy, and smoothness."""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ..provenance import Quantity
+from .smoothness import log_dimensionless_jerk, spectral_arc_length
+
+Array = NDArray[np.float64]
+
+_MARGARIA = (
+    "Margaria 1968, recalled; legs on a sledge: 0.17 and 0.80, Int. J. Sports Med. 7(1) 1986"
+)
+_ISOMETRIC = "metabolic rate of isometric torque, arXiv 2501.00723"
+_EXPONENT = Quantity("effort.torque_exponent", 1.36, "1", _ISOMETRIC, "published")
+_RAISING = Quantity("effort.efficiency.positive_work", 0.25, "1", _MARGARIA, "assumed")
+_LOWERING = Quantity("effort.efficiency.negative_work", 1.20, "1", _MARGARIA, "assumed")
+
+PROVENANCE: tuple[Quantity, ...] = (_EXPONENT, _RAISING, _LOWERING)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EffortMetrics:
+    """What a motion costs at every joint; the sums of consecutive records add up.
+
+    The two costs estimate metabolic energy, for comparisons within one person and task:
+    `torque_cost` knows no motion, `work_cost` no holding.
+
+    Attributes:
+        rms: root mean square of the torque [N·m], shape (..., joints) like all.
+        peak: largest |torque| [N·m].
+        impulse: integral of |torque| [N·m·s].
+        positive_work: work done on the arm [J].
+        negative_work: work taken from the arm, positive [J].
+        torque_cost: integral of |torque|^1.36, proportional to the metabolic energy of holding
+            [(N·m)^1.36·s].
+        work_cost: positive work / 0.25 + negative work / 1.20, the metabolic energy of working [J].
+        spectral_arc_length: smoothness SPARC of the joint's speed; NaN where nothing moves.
+        log_dimensionless_jerk: smoothness LDLJ of the joint's rate; NaN where nothing moves.
+    """
+
+    rms: Array
+    peak: Array
+    impulse: Array
+    positive_work: Array
+    negative_work: Array
+    torque_cost: Array
+    work_cost: Array
+    spectral_arc_length: Array
+    log_dimensionless_jerk: Array
+
+    def to_dict(self) -> dict[str, list]:
+        """Returns the metrics as nested lists."""
+        return {name: value.tolist() for name, value in asdict(self).items()}
+
+
+def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetrics:
+    """Measures the effort of a motion.
+
+    Every sample stands for one period of `dt`.
+
+    Args:
+        torque: the wearer's torque [N·m], shape (..., n, joints), n >= 3.
+        rate: joint rates [rad/s], the same shape.
+        dt: sampling period [s].
+
+    Raises:
+        InputError: shapes that differ or are too small, values that are not finite, or a period
+            that is not positive.
+    """
+    torque, rate = np.asarray(torque, dtype=float), np.asarray(rate, dtype=float)
+    _check(torque, rate, dt)
+    size, power = np.abs(torque), torque * rate
+    raised = np.maximum(power, 0).sum(axis=-2) * dt
+    lowered = np.maximum(-power, 0).sum(axis=-2) * dt
+    velocity = np.swapaxes(rate, -1, -2)
+    return EffortMetrics(
+        rms=np.sqrt(np.mean(torque**2, axis=-2)),
+        peak=size.max(axis=-2),
+        impulse=size.sum(axis=-2) * dt,
+        positive_work=raised,
+        negative_work=lowered,
+        torque_cost=(size**_EXPONENT.value).sum(axis=-2) * dt,
+        work_cost=raised / _RAISING.value + lowered / _LOWERING.value,
+        spectral_arc_length=spectral_arc_length(np.abs(velocity), dt),
+        log_dimensionless_jerk=log_dimensionless_jerk(velocity, dt),
+    )
+
+
+def _check(torque: Array, rate: Array, dt: float) -> None:
+    if torque.shape != rate.shape or torque.ndim < 2 or torque.shape[-2] < 3:
+        raise InputError(
+            f"torque has shape {torque.shape} and rate {rate.shape}: give both the same shape "
+            "(..., samples, joints), with 3 samples or more"
+        )
+    if not (np.isfinite(torque).all() and np.isfinite(rate).all()):
+        raise InputError("torque or rate holds values that are not finite: leave those samples out")
+    if not (np.isfinite(dt) and dt > 0):
+        raise InputError(f"dt is {dt}: give the sampling period in s, above 0")

@@ -1,0 +1,131 @@
+"""How the wearer's muscles tire and recover: the three-compartment controller with rest, 3CC-r.
+
+Of a muscle group a part is active, a part fatigued and the rest resting (Xia and Frey-Law 2008).
+Active muscle tires, and fatigued muscle recovers:
+
+    d fatigued / dt = F · active - R · fatigued
+
+At rest R is multiplied by r (Looft et al. 2018). In the original a controller makes the active part
+follow the load within 0.1 s; here it follows at once, as far as muscle is left:
+
+    active = min(load, 1 - fatigued),  resting = 1 - active - fatigued
+
+So the fatigued part is the whole state, and a step under constant load has a closed form: it is
+exact for any length. Multiply `isometric_strength` by 1 - fatigued to have the strength that is
+left. The torque of antagonists that cancels out tires nobody here.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...assets import JOINTS
+from ...errors import InputError, unknown_name
+from ..provenance import Quantity
+
+Array = NDArray[np.float64]
+
+_RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
+_REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"
+_REGIONS = {  # F and R [1/s], r
+    "shoulder": (0.01820, 0.00168, 15.0),
+    "elbow": (0.00912, 0.00094, 15.0),
+    "grip": (0.00980, 0.00064, 30.0),
+}
+_COLUMNS = (
+    ("fatigue_rate", "1/s", _RATES),
+    ("recovery_rate", "1/s", _RATES),
+    ("rest_multiplier", "1", _REST),
+)
+_REGION_OF = {
+    "shoulder_abduction": "shoulder",
+    "shoulder_flexion": "shoulder",
+    "elbow_flexion": "elbow",
+    "wrist_flexion": "grip",
+}
+_RESTING = Quantity(
+    "fatigue.resting_load", 0.01, "1", "a muscle group below it counts as resting", "assumed"
+)
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(
+        Quantity(f"fatigue.{region}.{column}", value, unit, source, "published")
+        for region, row in _REGIONS.items()
+        for (column, unit, source), value in zip(_COLUMNS, row, strict=True)
+    ),
+    _RESTING,
+)
+
+_TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for joint in JOINTS]).T
+
+
+def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:
+    """Returns how much of its unfatigued strength every muscle group is asked for.
+
+    Args:
+        torque: the wearer's torque at every joint [N·m], shape (..., 4).
+        limits: `strength_limits` without fatigue at the present angles and rates, shape (..., 4)
+            each.
+
+    Returns:
+        Shape (..., 2, 4), the order of `isometric_strength`. A group that is asked for torque where
+        it has none is at 1.
+    """
+    torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
+    asked = np.maximum(np.stack([-torque, torque], axis=-2), 0)
+    available = np.stack([-low, high], axis=-2)
+    return np.divide(asked, available, out=np.sign(asked), where=available > 0)
+
+
+def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
+    """Returns the fatigued part of every muscle group after a time under constant load.
+
+    Args:
+        fatigued: the part that is fatigued now, 0 to 1, shape (..., 2, 4); zero in a rested wearer.
+        load: of `muscle_load`, shape (..., 2, 4); beyond what is left, all that is left works.
+        dt: duration [s].
+
+    Returns:
+        The same after `dt`, shape (..., 2, 4).
+    """
+    recovery = np.where(load <= _RESTING.value, _MULTIPLIER * _RECOVERY, _RECOVERY)
+    ceiling = 1 - load
+    able = fatigued <= ceiling
+    goal, rate = _approach(able, load, recovery)
+    # The flow is continuous where ability ends, so a group passes the ceiling once or never.
+    passes = (goal > ceiling) == able
+    share = np.divide(goal - ceiling, goal - fatigued, out=np.zeros_like(goal), where=passes)
+    with np.errstate(divide="ignore"):
+        before = np.minimum(-np.log(share) / rate, dt)
+    fatigued = fatigued + (fatigued - goal) * np.expm1(-rate * before)
+    goal, rate = _approach(~able, load, recovery)
+    return fatigued + (fatigued - goal) * np.expm1(-rate * (dt - before))
+
+
+def endurance_time(load: ArrayLike, joint: str) -> Array:
+    """Returns how long a rested wearer can hold a load [s].
+
+    The closed form -log(1 - R(1 - load) / (F load)) / R; infinite up to load R / (F + R).
+
+    Args:
+        load: fraction of the unfatigued strength, 0 to 1, any shape.
+        joint: one of `JOINTS`.
+
+    Raises:
+        InputError: the arm has no such joint, or a load is outside 0 to 1.
+    """
+    if joint not in JOINTS:
+        raise unknown_name("joint", joint, JOINTS)
+    load = np.asarray(load, dtype=float)
+    if not np.all((load >= 0) & (load <= 1)):
+        raise InputError(f"load is {load}: give it as a fraction of strength, from 0 to 1")
+    i = JOINTS.index(joint)
+    tiring, recovery = _TIRING[i], _RECOVERY[i]
+    with np.errstate(divide="ignore"):
+        share = recovery * (1 - load) / (tiring * load)
+        return -np.log1p(-np.minimum(share, 1)) / recovery
+
+
+def _approach(able: NDArray[np.bool_], load: Array, recovery: Array) -> tuple[Array, Array]:
+    """Limit and rate of the fatigued part while a group bears the load, or all it has is active."""
+    rate = np.where(able, recovery, _TIRING + recovery)
+    return np.where(able, load, 1) * _TIRING / rate, rate

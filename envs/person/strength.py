@@ -1,0 +1,260 @@
+"""How hard the wearer can pull at each joint, and what the joints resist by themselves.
+
+Every joint has two muscle groups, which pull toward negative angles (extension, adduction) and
+toward positive ones (flexion, abduction). Each gives
+
+    torque = peak · exp(-((angle - best_angle) / width)² / 2) · hill(speed / fastest)
+
+after Millard's torque muscles in RBDL. Their angles are "anatomical", which we read as ours: zero
+with the arm hanging, elbow and wrist straight, flexion positive. Their passive torques fit only
+that: the flexors of the shoulder tighten behind the body, its extensors overhead, those of the
+elbow near 150 degrees, and its flexors when it is straight.
+
+Their data are of one elite gymnast. His shoulder flexors are strongest at 51 degrees, but those of
+26 men were 24 % weaker at 45 degrees than with the arm hanging: that peak is fitted to them.
+"""
+
+from math import exp, log, sqrt
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...assets import JOINTS
+from ..provenance import Grade, Quantity
+from .anthropometry import Person
+
+Array = NDArray[np.float64]
+
+DIRECTIONS = ("negative", "positive")
+_SIGN = np.array([[-1.0], [1.0]])
+
+_Source = tuple[str, Grade]
+_COLUMNS = (
+    ("peak", "N·m"),
+    ("fastest", "rad/s"),
+    ("best_angle", "rad"),
+    ("width", "rad"),
+    ("eccentric", "1"),
+    ("half_speed", "1"),
+    ("passive_from", "rad"),
+    ("passive_peak", "rad"),
+)
+_GYMNAST: _Source = ("RBDL, Millard2016TorqueMuscle, data set Gymnast, one man", "published")
+_SCALED: _Source = ("a man of 80 kg; about 0.7 times the gymnast of RBDL", "assumed")
+_DYNAMIC = (
+    "'Dynamic shoulder flexion strength for use in occupational risk analysis and clinical "
+    "assessment': 26 men, 89.9 N·m at 0 and 68.6 N·m at 45 degrees"
+)
+_MEASURED: _Source = (f"{_DYNAMIC}; curve of the width below through both", "derived")
+_LIKE_FLEXORS: _Source = ("like the shoulder's flexors", "assumed")
+_LIKE_EXTENSORS: _Source = ("like the shoulder's extensors", "assumed")
+
+
+def _group(
+    name: str, values: tuple[float, ...], shape: _Source, **other: _Source
+) -> list[Quantity]:
+    """The quantities of a muscle group, in the order of `_COLUMNS`."""
+    return [
+        Quantity(f"strength.{name}.{column}", value, unit, *other.get(column, shape))
+        for (column, unit), value in zip(_COLUMNS, values, strict=True)
+    ]
+
+
+# Peak and speed [N·m, rad/s]; best angle and width [rad]; the factors of torque at fastest
+# lengthening and at half of fastest shortening; where passive torque begins and equals the peak.
+_GROUPS = (
+    _group(
+        "shoulder_abduction.negative",
+        (70, 16.2, 2.147, 1.831, 1.10, 0.250, 2.829, 3.558),
+        _LIKE_EXTENSORS,
+        peak=("Holzbaur et al. 2007: 67.9 N·m, the mean of 10 adults; rounded", "assumed"),
+    ),
+    _group(
+        "shoulder_abduction.positive",
+        (55, 19.1, -0.180, 1.831, 1.23, 0.250, -0.524, -1.047),
+        _LIKE_FLEXORS,
+        peak=("between half of adduction (Ivey et al. 1985) and all of it", "assumed"),
+        width=("wider than the shoulder's flexors: 0.63 of the peak at 90 degrees", "assumed"),
+    ),
+    _group(
+        "shoulder_flexion.negative",
+        (85, 16.2, 2.147, 1.831, 1.10, 0.250, 2.829, 3.558),
+        _GYMNAST,
+        peak=_SCALED,
+    ),
+    _group(
+        "shoulder_flexion.positive",
+        (90.8, 19.1, -0.180, 1.290, 1.23, 0.250, -0.524, -1.047),
+        _GYMNAST,
+        peak=_MEASURED,
+        best_angle=_MEASURED,
+    ),
+    _group(
+        "elbow_flexion.negative",
+        (52, 18.5, 1.643, 1.308, 1.32, 0.190, 2.094, 2.618),
+        _GYMNAST,
+        peak=_SCALED,
+    ),
+    _group(
+        "elbow_flexion.positive",
+        (70, 18.1, 0.330, 3.622, 1.37, 0.190, 0.0, -0.175),
+        _GYMNAST,
+        peak=_SCALED,
+    ),
+    _group(
+        "wrist_flexion.negative",
+        (10, 36.5, 1.553, 1.389, 1.17, 0.115, 1.047, 1.571),
+        _GYMNAST,
+        peak=("Holzbaur et al. 2007: 10.2 N·m, the mean of 10 adults; rounded", "assumed"),
+    ),
+    _group(
+        "wrist_flexion.positive",
+        (18, 36.4, 0.663, 1.710, 1.14, 0.115, -0.794, -1.497),
+        _GYMNAST,
+        peak=("extension times 12.2 / 7.1 of Delp et al. 1996, 10 men; rounded up", "assumed"),
+    ),
+)
+
+_REFERENCE_MASS = Quantity("strength.male.mass", 80.0, "kg", "the man of the peaks", "assumed")
+_FEMALE = Quantity(
+    "strength.female.ratio",
+    0.55,
+    "1",
+    "average woman to average man; shoulders of 20 and 20 gave 0.5, Clin. Biomech. 1989",
+    "assumed",
+)
+_SPREAD = Quantity(
+    "strength.coefficient_of_variation",
+    0.187,
+    "1",
+    "Lategan and Krüger 2003: elbow extension per body mass of 199 men, 67 with SD 12.5",
+    "derived",
+)
+
+_WIEGNER = "Wiegner and Watts 1986, J. Neurol. Neurosurg. Psychiatry 49, 19 people"
+_VISCOSITY = "0.5 for forearm rotation and 0.25 for the wrist in MyoSuite; ours by size"
+# Of an elastic torque in the middle of the range, only the elbow's is known; that of the wrist is
+# near zero in its central 150 degrees (Delp et al. 1996, 10 men).
+_PASSIVE = (
+    Quantity("passive.shoulder_abduction.viscosity", 0.5, "N·m·s/rad", _VISCOSITY, "assumed"),
+    Quantity("passive.shoulder_flexion.viscosity", 0.5, "N·m·s/rad", _VISCOSITY, "assumed"),
+    Quantity("passive.elbow_flexion.viscosity", 0.3, "N·m·s/rad", _VISCOSITY, "assumed"),
+    Quantity("passive.wrist_flexion.viscosity", 0.1, "N·m·s/rad", _VISCOSITY, "assumed"),
+    Quantity(
+        "passive.elbow_flexion.stiffness",
+        1.1,
+        "N·m/rad",
+        f"{_WIEGNER}: middle of 0.40 to 1.8",
+        "derived",
+    ),
+    Quantity(
+        "passive.elbow_flexion.rest",
+        1.274,
+        "rad",
+        f"{_WIEGNER}: 107 degrees, read as the angle between the bones",
+        "derived",
+    ),
+)
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(quantity for group in _GROUPS for quantity in group),
+    _REFERENCE_MASS,
+    _FEMALE,
+    _SPREAD,
+    *_PASSIVE,
+)
+
+
+def _column(name: str) -> Array:
+    """A column of the muscle groups, shape (2, 4): `DIRECTIONS` and `JOINTS`."""
+    value = {quantity.name: quantity.value for quantity in PROVENANCE}
+    return np.array(
+        [[value[f"strength.{joint}.{way}.{name}"] for joint in JOINTS] for way in DIRECTIONS]
+    )
+
+
+def _passive(what: str) -> Array:
+    value = {quantity.name: quantity.value for quantity in _PASSIVE}
+    return np.array([value.get(f"passive.{joint}.{what}", 0.0) for joint in JOINTS])
+
+
+_GROUP = {name: _column(name) for name, _ in _COLUMNS}
+_HILL = _GROUP["half_speed"] / (1 - 2 * _GROUP["half_speed"])
+_GAIN = _GROUP["eccentric"] - 1
+_KNEE = _GAIN / (1 + 1 / _HILL - _GAIN)
+_STIFFNESS, _REST, _DAMPING = _passive("stiffness"), _passive("rest"), _passive("viscosity")
+
+
+def isometric_strength(person: Person) -> Array:
+    """Returns the greatest torque of every muscle group at its best angle and rest [N·m].
+
+    It is proportional to body mass (Jaric 2002, Sports Med. 32(10), for torque), log-normal among
+    people of one sex and mass, and for an average woman 0.55 of that of an average man. With much
+    body fat it really grows more slowly (Folland et al. 2008).
+
+    `numpy.stack` the strengths of several people to compute with all of them at once.
+
+    Returns:
+        Shape (2, 4), all positive: the groups that pull toward negative and toward positive
+        angles, and the joints of `JOINTS`.
+    """
+    relative_mass = person.mass / _REFERENCE_MASS.value
+    if person.sex == "female":
+        averages = [Person.percentile(sex, 50).mass for sex in ("male", "female")]
+        relative_mass *= _FEMALE.value * averages[0] / averages[1]
+    spread = sqrt(log(1 + _SPREAD.value**2))
+    rank = NormalDist().inv_cdf(person.strength / 100)
+    return _GROUP["peak"] * relative_mass * exp(spread * rank)
+
+
+def strength_limits(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> tuple[Array, Array]:
+    """Returns the least and the greatest torque the wearer can give at every joint [N·m].
+
+    Args:
+        isometric: of `isometric_strength`, shape (2, 4), or (..., 2, 4) for several wearers.
+        angle: joint angles in the order of `JOINTS` [rad], shape (..., 4).
+        rate: their rates [rad/s], shape (..., 4).
+
+    Returns:
+        low: at most zero, shape (..., 4).
+        high: at least zero, shape (..., 4).
+    """
+    shortening = _SIGN * np.asarray(rate)[..., None, :] / _GROUP["fastest"]
+    offset = (np.asarray(angle)[..., None, :] - _GROUP["best_angle"]) / _GROUP["width"]
+    torque = isometric * np.exp(-(offset**2) / 2) * _velocity_factor(shortening)
+    return -torque[..., 0, :], torque[..., 1, :]
+
+
+def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array:
+    """Returns the torque on every joint of the relaxed arm [N·m], gravity apart.
+
+    Near the ends of the range the muscle that is stretched pulls back with
+    peak · ((angle - passive_from) / (passive_peak - passive_from))². This stiffens to 800 N·m/rad
+    at the elbow, so evaluate it in every physics step.
+
+    Args:
+        isometric: of `isometric_strength`, shape (2, 4), or (..., 2, 4) for several wearers.
+        angle: joint angles in the order of `JOINTS` [rad], shape (..., 4).
+        rate: their rates [rad/s], shape (..., 4).
+
+    Returns:
+        Shape (..., 4).
+    """
+    angle, rate = np.asarray(angle), np.asarray(rate)
+    begin = _GROUP["passive_from"]
+    stretch = (angle[..., None, :] - begin) / (_GROUP["passive_peak"] - begin)
+    pull = isometric * np.maximum(stretch, 0) ** 2
+    return pull[..., 1, :] - pull[..., 0, :] - _STIFFNESS * (angle - _REST) - _DAMPING * rate
+
+
+def _velocity_factor(shortening: Array) -> Array:
+    """Torque over isometric torque at a shortening speed over the fastest, shape (..., 2, 4).
+
+    Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0), and for lengthening another one
+    that leaves (0, 1) with the same slope and meets (-1, eccentric); constant beyond both ends.
+    """
+    shorter = np.clip(shortening, 0, 1)
+    longer = np.clip(-shortening, 0, 1)
+    concentric = (1 - shorter) / (1 + shorter / _HILL)
+    return concentric + _GAIN * (1 + _KNEE) * longer / (longer + _KNEE)
