@@ -15,6 +15,7 @@ from pydantic import (
     InstanceOf,
     PlainSerializer,
     ValidationError,
+    field_validator,
     model_validator,
 )
 
@@ -26,6 +27,8 @@ SCHEMA_VERSION = 2
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
 Grade = Literal["published", "identified", "assumed"]
 GRADES: tuple[str, ...] = get_args(Grade)
+Label = Literal["from paper", "illustrative", "extrapolated"]
+HIGHEST_PRESSURE = 110.0  # kPa: a little above the atmosphere at sea level
 FOLDER = Path(__file__).parent / "suits"
 
 
@@ -94,6 +97,22 @@ class SuitJoint(_Strict):
                 )
         return self
 
+    def scaled(self, *, torque: float) -> "SuitJoint":
+        """Returns the joint with `torque` times the resistance, as its source then says.
+
+        Raises:
+            InputError: `torque` is not finite or not above 0.
+        """
+        model = self.model.scaled(torque=torque)
+        changes = {
+            "model": model,
+            "samples": tuple(sample.scaled(torque=torque) for sample in self.samples),
+            "start_torque": torque * self.start_torque,
+            "certificate_margin": self.certificate_margin and model.certificate().margin,
+            "source": f"{self.source}; then {torque:.3g} times that torque",
+        }
+        return SuitJoint(**(dict(self) | changes))
+
 
 class Suit(_Strict):
     """A suit: hysteresis models by joint. Joints that are not listed move freely.
@@ -102,13 +121,64 @@ class Suit(_Strict):
         schema_version: version of this file format.
         name: what it is called.
         description: what it is, including how far to trust it.
+        label: "from paper" (its numbers come from published ones), "illustrative" (of a plausible
+            size, but no real suit's) or "extrapolated" (to another pressure); None for your own.
+        pressure_kpa: operating pressure that its torques belong to [kPa], above 0 and at most 110;
+            None if it is not known.
         joints: resistance by joint name.
     """
 
     schema_version: Literal[2] = SCHEMA_VERSION
     name: Annotated[str, Field(min_length=1)]
     description: str
+    label: Label | None = None
+    pressure_kpa: FiniteFloat | None = None
     joints: dict[Literal[JOINTS], SuitJoint]  # type: ignore[valid-type]
+
+    @field_validator("pressure_kpa")
+    @classmethod
+    def _is_in_kpa(cls, pressure: float | None) -> float | None:
+        if pressure is not None and not 0 < pressure <= HIGHEST_PRESSURE:
+            raise ValueError(
+                f"it is {pressure:g}: give kPa above 0, at most {HIGHEST_PRESSURE:g}, or leave it "
+                "out if it is not known"
+            )
+        return pressure
+
+    def at_pressure(self, pressure: float) -> "Suit":
+        """Returns the suit at another operating pressure, to which its torques are proportional.
+
+        They come from the gas that bending displaces (volume effect: Holschuh 2010, MIT). The
+        fabric's own share is scaled too, though it would stay.
+
+        Args:
+            pressure: of the suit [kPa], 0 to 110; at 0 no joint resists.
+
+        Raises:
+            InputError: the pressure is out of its range, or `pressure_kpa` is not known.
+        """
+        if not 0 <= pressure <= HIGHEST_PRESSURE:
+            raise InputError(f"pressure is {pressure:g} kPa: give 0 to {HIGHEST_PRESSURE:g} kPa")
+        if self.pressure_kpa is None:
+            raise InputError(
+                f"pressure is {pressure:g} kPa, but the suit {self.name!r} does not tell at which "
+                "its torque was measured: add pressure_kpa to its file, or leave pressure out"
+            )
+        if pressure == self.pressure_kpa:
+            return self
+        factor = pressure / self.pressure_kpa
+        return Suit(
+            name=f"{self.name}-{pressure:g}kPa",
+            description=f"{self.name} at {pressure:g} kPa: {factor:.3g} times its torque at "
+            f"{self.pressure_kpa:g} kPa. {self.description}",
+            label="extrapolated",
+            pressure_kpa=pressure or None,
+            joints={
+                joint: entry.scaled(torque=factor)
+                for joint, entry in self.joints.items()
+                if factor > 0
+            },
+        )
 
 
 def suit_names() -> list[str]:

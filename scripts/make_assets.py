@@ -5,6 +5,7 @@ published parameters (Table 2, SA-PSO) along the paper's first-order transition 
 """
 
 import argparse
+import math
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,20 @@ ASSUMED = {
     ),
 }
 LABEL = "SYNTHETIC: generated from the published parameters, not measured."
+NO_PRESSURE = "The paper does not print its pressure."
+
+# The EMU's arm alone, measured by Holschuh 2010 (thesis, MIT): its plots of elbow torque run from
+# 25 to 105 degrees and up to 20 N·m. That elbow bends to 115 degrees. All else here is assumed.
+EMU_PRESSURE = 29.6  # kPa
+EMU_ELBOW = (math.radians(105), 17.5)  # rad, N·m
+EMU_WRIST = (math.radians(40), 3.0)  # rad, N·m: the most that wrists are said to need
+EMU_RANGES = {
+    "shoulder_abduction": (0.0, 1.22),
+    "shoulder_flexion": (0.0, 1.57),
+    "elbow_flexion": (0.0, 2.0),
+    "wrist_flexion": (-0.7, 0.7),
+}
+EXPLORATION_PRESSURE = 56.5  # kPa, 8.2 psi
 
 
 def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
@@ -98,6 +113,58 @@ def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
     }
 
 
+def emu_like(models: dict[str, JilesAtherton]) -> Suit:
+    """Returns the loops of the mock suit with torques of the size of a pressurized suit's.
+
+    Args:
+        models: of "shoulder" and "elbow", certified at all angles: an arm that bends further than
+            the mock suit did then meets a torque that goes on rising.
+    """
+    factor = EMU_ELBOW[1] / _torque_at(models["elbow"], LOWEST["elbow"], EMU_ELBOW[0])
+    aside = ASSUMED["shoulder_abduction"][1]
+    wrist = EMU_WRIST[1] / _torque_at(models["elbow"], 0.0, EMU_WRIST[0])
+    target = f"{EMU_ELBOW[1]:g} N·m at {math.degrees(EMU_ELBOW[0]):.0f} degrees"
+    wrist_target = f"{EMU_WRIST[1]:g} N·m at {math.degrees(EMU_WRIST[0]):.0f} degrees"
+    joints = {
+        "shoulder_abduction": ("shoulder", 0.0, aside * factor, f"{aside:g} of flexion's"),
+        "shoulder_flexion": ("shoulder", LOWEST["shoulder"], factor, "the elbow's factor"),
+        "elbow_flexion": ("elbow", LOWEST["elbow"], factor, f"{target} when first bent"),
+        "wrist_flexion": ("elbow", 0.0, wrist, f"{wrist_target}, as wrists are said to need"),
+    }
+    return Suit(
+        name="emu-like",
+        description="Of the size of a pressurized suit such as the EMU, but no real suit's: the "
+        f"loops of mock-suit, scaled until the elbow resists {target} (Holschuh 2010, MIT: up "
+        "to 20 N·m). Shoulder and abduction take the elbow's factor, the wrist gets "
+        f"{wrist_target}. Trust the size of the elbow's torque, hardly its course, and the other "
+        "joints less.",
+        label="illustrative",
+        pressure_kpa=EMU_PRESSURE,
+        joints={
+            joint: suit_joint(
+                models[known].scaled(torque=scale),
+                range=EMU_RANGES[joint],
+                start_angle=start,
+                grade="assumed",
+                source=f"assumed: the mock suit's {known} model, certified at all angles, "
+                f"{scale:.3g} times its torque: {reason}",
+            )
+            for joint, (known, start, scale, reason) in joints.items()
+        },
+    )
+
+
+def exploration(emu: Suit) -> Suit:
+    """Returns `emu` at the pressure that is assumed for exploration suits."""
+    suit = emu.at_pressure(EXPLORATION_PRESSURE)
+    return suit.model_copy(update={"name": "exploration-56kpa"})
+
+
+def _torque_at(model: JilesAtherton, start: float, angle: float) -> float:
+    """Returns the resistance [N·m] at `angle` when first bent from `start` [rad]."""
+    return float(model.response([start, angle])[-1])
+
+
 def main(folder: Path = FOLDER) -> None:
     """Writes curves and suits into `folder`."""
     rng = np.random.default_rng(SEED)
@@ -130,25 +197,25 @@ def main(folder: Path = FOLDER) -> None:
         fit = identify(whole, method="certified", seed=SEED)
         fits[name] = nearest_certified(bare(fit.model)).model
         identified[joint] = fitted_joint(fit, whole, path, LABEL)
+    published_suit = Suit(
+        name="published-2022",
+        description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 rad "
+        f"it can meet infinite torque. Abduction and wrist are assumptions. {NO_PRESSURE}",
+        label="from paper",
+        joints=published | assumed_joints(PUBLISHED),
+    )
+    mock_suit = Suit(
+        name="mock-suit",
+        description="The mock spacesuit of Li et al. 2022, re-identified with certified models "
+        f"over each joint's whole range. {LABEL} Abduction and wrist are assumptions. "
+        f"{NO_PRESSURE}",
+        label="from paper",
+        joints=identified | assumed_joints(fits),
+    )
+    emu = emu_like(fits)
     (folder / "suits").mkdir(exist_ok=True)
-    save_suit(
-        Suit(
-            name="published-2022",
-            description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 "
-            "rad it can meet infinite torque. Abduction and wrist are assumptions.",
-            joints=published | assumed_joints(PUBLISHED),
-        ),
-        folder / "suits" / "published-2022.json",
-    )
-    save_suit(
-        Suit(
-            name="mock-suit",
-            description="The mock spacesuit of Li et al. 2022, re-identified with certified models "
-            f"over each joint's whole range. {LABEL} Abduction and wrist are assumptions.",
-            joints=identified | assumed_joints(fits),
-        ),
-        folder / "suits" / "mock-suit.json",
-    )
+    for suit in (published_suit, mock_suit, emu, exploration(emu)):
+        save_suit(suit, folder / "suits" / f"{suit.name}.json")
 
 
 if __name__ == "__main__":

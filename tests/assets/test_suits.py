@@ -1,6 +1,7 @@
 import hashlib
 import json
 
+import numpy as np
 import pytest
 from activesuit.assets import (
     CURVES,
@@ -21,7 +22,7 @@ from activesuit.hysteresis import (
     PrandtlIshlinskii,
     Preisach,
 )
-from helpers import TABLE_2
+from helpers import TABLE_2, sweep
 
 SAFE = JilesAtherton(Ms=11.4488, a=128.97, alpha=-0.0515, c=6.4043, k=23.0945, angle_unit="deg")
 UNSAFE = JilesAtherton(Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg")
@@ -48,14 +49,48 @@ def load(folder, content):
 
 
 def test_shipped_suits():
-    assert suit_names() == ["mock-suit", "published-2022"]
+    assert suit_names() == ["emu-like", "exploration-56kpa", "mock-suit", "published-2022"]
     for name in suit_names():
         suit = load_suit(name)
         assert suit.name == name
+        assert suit.label
         assert tuple(sorted(suit.joints)) == tuple(sorted(JOINTS))
-    for entry in load_suit("mock-suit").joints.values():
-        assert entry.model.certificate().certified
-        assert entry.model.certificate().dissipative
+        for entry in suit.joints.values():
+            certificate = entry.model.certificate()
+            assert certificate.margin == pytest.approx(entry.certificate_margin)
+            assert name == "published-2022" or (certificate.certified and certificate.dissipative)
+
+
+def test_emu_like_has_the_torque_of_its_sources():
+    suit = load_suit("emu-like")
+    assert (suit.label, suit.pressure_kpa) == ("illustrative", 29.6)  # 4.3 psi
+    elbow, wrist = (suit.joints[f"{joint}_flexion"] for joint in ("elbow", "wrist"))
+    # Holschuh 2010: up to 20 N·m at 105 degrees, measured from 25 degrees on.
+    for start in (elbow.start_angle, np.radians(25)):
+        assert 15 < elbow.model.response([start, np.radians(105)])[-1] < 20
+    assert wrist.model.response([0, np.radians(40)])[-1] == pytest.approx(3, abs=1e-6)
+    mock = load_suit("mock-suit").joints["shoulder_flexion"]
+    angle = sweep(0.35, 1.22, 0.35, 1.22)
+    ratio = elbow.model.Ms / load_suit("mock-suit").joints["elbow_flexion"].model.Ms
+    theirs = suit.joints["shoulder_flexion"].model.response(angle) / ratio
+    assert (
+        np.abs(theirs - mock.model.response(angle)).max() < 0.05 * mock.model.response(angle).max()
+    )
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+@pytest.mark.parametrize("name", ["emu-like", "exploration-56kpa"])
+def test_the_torque_goes_on_rising_where_the_arm_can_bend_to(name, joint):
+    entry = load_suit(name).joints[joint]
+    low, high = entry.range
+    rising = entry.model.response(sweep(entry.start_angle, low, high))[-199:]
+    assert (np.diff(rising) > 0).all()
+
+
+def test_exploration_is_emu_like_at_its_pressure():
+    emu, exploration = load_suit("emu-like"), load_suit("exploration-56kpa")
+    assert (exploration.label, exploration.pressure_kpa) == ("extrapolated", 56.5)
+    assert exploration.joints == emu.at_pressure(56.5).joints
 
 
 def test_published_suit_is_table_2_as_printed():
@@ -113,6 +148,45 @@ def test_samples_are_as_safe_as_the_model(tmp_path, content):
     assert load(tmp_path, content).joints["elbow_flexion"].samples == (SAFE, UNSAFE)
 
 
+@pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
+def test_torque_is_exactly_proportional_to_pressure(model):
+    start_torque = model.response([0.0, 0.5])[-1]
+    joint = SuitJoint(
+        model=model,
+        samples=(model, model),
+        range=(0.4, 1.2),
+        start_angle=0.5,
+        start_torque=start_torque,
+        grade="assumed",
+        source="nowhere",
+    )
+    suit = Suit(name="any", description="Mine.", pressure_kpa=30, joints={"wrist_flexion": joint})
+    other = suit.at_pressure(45)
+    angle = sweep(0.5, 1.2, 0.4, 1.0)
+    scaled = other.joints["wrist_flexion"]
+    expected = 1.5 * model.response(angle, start_torque)
+    for one in (scaled.model, *scaled.samples):
+        torque = one.response(angle, scaled.start_torque)
+        np.testing.assert_allclose(torque, expected, rtol=1e-6, atol=1e-8)
+    before, after = model.certificate(), scaled.model.certificate()
+    assert after.margin == before.margin or after.margin == pytest.approx(before.margin, abs=1e-9)
+    assert after.dissipative == before.dissipative
+    assert scaled.source == "nowhere; then 1.5 times that torque"
+    assert (other.label, other.pressure_kpa) == ("extrapolated", 45)
+    assert "at 45 kPa: 1.5 times its torque at 30 kPa. Mine." in other.description
+
+
+def test_pressures_at_the_border():
+    suit = load_suit("emu-like")
+    assert suit.at_pressure(29.6) is suit
+    assert suit.at_pressure(0).joints == {}
+    for pressure in (-1, 111, float("nan")):
+        with pytest.raises(InputError, match=rf"pressure is {pressure} kPa: give 0 to 110 kPa"):
+            suit.at_pressure(pressure)
+    with pytest.raises(InputError, match=r"suit 'mock-suit' does not tell at .* leave"):
+        load_suit("mock-suit").at_pressure(40)
+
+
 def changed(content, path, value):
     *parents, last = path
     inner = content
@@ -149,6 +223,9 @@ ELBOW = ("joints", "elbow_flexion")
         ((*ELBOW, "range"), [1.0, 0.5], "range is .*smaller one"),
         ((*ELBOW, "grade"), "guess", "grade is 'guess'"),
         ((*ELBOW, "range"), [30, 90], "more than a full turn; both are radians"),
+        (("pressure_kpa",), 0, "pressure_kpa: it is 0: give kPa above 0, at most 110, or leave"),
+        (("pressure_kpa",), 29600, "pressure_kpa: it is 29600: give kPa"),
+        (("label",), "real", "label is 'real': use 'from paper', 'illustrative' or 'extrapol"),
     ],
 )
 def test_bad_content(tmp_path, content, path, value, message):
