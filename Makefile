@@ -42,5 +42,5 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,compare,cluster,dev]'
+	$(PIP) -e '.[train,compare,cluster,video,dev]'
 	touch $@

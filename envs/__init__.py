@@ -1,7 +1,7 @@
 """The simulated arm: composition, tasks, assist policies and their evaluation."""
 
 from .arm_env import ArmEnv
-from .composition import ArmConfig, compose
+from .model import ArmConfig, compose
 from .tasks import ArmTrackingEnv, ElbowFlexionEnv, ShoulderFlexionEnv
 
 __all__ = [

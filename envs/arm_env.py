@@ -1,7 +1,8 @@
 """The Gymnasium environment: a suited arm follows an intention, the agent drives the motors."""
 
 import math
-from copy import copy, deepcopy
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
 from typing import Any, ClassVar, Literal
 
 import gymnasium
@@ -9,59 +10,72 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assets import JOINTS
 from ..errors import InputError
-from .composition import ASSISTED, ArmConfig, bare_arm, compose
+from .meter import Meter
+from .model import ASSISTED, ArmConfig, bare_arm, compose, resisting_joints, start_encoders
+from .model.config import nested
+from .motors import Motors, checked
 from .observation import Observer
-from .reference import Reference, follow, random_moves
+from .person import VoluntaryControl
+from .reference import Reference, follow, random_motion
 from .rendering import Renderer
 from .reward import LOST, reward_terms
-from .state import ENERGIES, check_state, physics_of, restore_physics
-from .wearer import intend, settle
+from .state import check_state, physics_of, restore_physics
+from .wearer import Wearer
 from .wiring import Wiring
 
 Array = NDArray[np.float64]
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+FAR_OFF = (LOST,) * len(ASSISTED)  # rad, the tracking error that a diverged step counts
 
 
 class ArmEnv(gymnasium.Env):
     """Base of the tasks: physics, observation, reward, state; a task adds only its motion.
 
-    The wearer tracks a minimum-jerk intention with engine-native PID actuators whose torque is
-    limited to human strength. The suit resists every joint inside the physics. The agent sets the
-    assist torque of shoulder and elbow.
+    The wearer tracks a minimum-jerk intention with engine-native PID actuators, delayed feedback
+    and a feed-forward of the bare arm, within human strength (see `envs.person`). The suit resists
+    every joint inside the physics. The agent sets the assist torque of shoulder and elbow.
 
     Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
-    motors' peak (40 and 25 N·m). What lies outside is clipped and counted in
-    `info["clipped_actions"]`.
+    motors' peak. What lies outside is clipped and counted in `info["clipped_actions"]`. A motor
+    that its continuous torque has heated through gives no more than that. Without an exoskeleton
+    (`coupling="none"`) there is nothing to act with: the shape is (0,).
 
     Observation: `Box` of float32, the parts of `layout` one after the other: joint angles [rad] and
-    rates [rad/s] of the four encoders, motor torque over peak, target angles of shoulder and elbow
-    0.02, 0.1 and 0.24 s ahead [rad], previous action; with `observe="oracle"` also the suit
-    torque [N·m] of the four joints. Positions, rates and suit torques are those of this instant;
-    the torques of motors and wearer are the ones applied in the last physics step.
+    rates [rad/s] of the exoskeleton's four encoders, motor torque over peak, target angles of
+    shoulder and elbow 0.02, 0.1 and 0.24 s ahead [rad], previous action; with cuffs their forces on
+    upper arm, forearm and hand [N]; with `observe="oracle"` also the suit torque [N·m] of the four
+    joints. Positions, rates, cuff forces and suit torques are those of this instant; the torques of
+    motors and wearer are the ones applied in the last physics step.
+
+    `info` tells what no sensor does: angle, rate and target_angle of the arm, human_torque,
+    suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
+    square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
+    the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
     more than 1 rad from the intention, or in a suit whose torque met its pole, or diverged.
 
     Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness;
-    never below -270.
+    never below -271 for the default wearer, whose strength bounds the effort.
 
     Where MuJoCo reports that the physics diverged, `info["diverged"]` is true, and that step shows
     the last valid observation and measurements; its reward is that of a tracking error of 1 rad at
     both joints. All numbers stay finite.
 
     Args:
-        suit: name of a shipped suit, or path of a suit file.
-        gravity: "earth", "mars", "moon" or "microgravity".
         observe: "sensors" (what an exoskeleton can measure) or "oracle" (with the suit torque).
-        control_dt: time between actions [s], a multiple of `sim_dt` that divides 0.02 s.
-        sim_dt: physics step [s].
-        allow_uncertified: accept suits whose torque could become infinite in some motion.
+        control_dt: time between actions [s], a multiple of the physics step that divides 0.02 s.
+        control: how the wearer controls the arm, or a dict of what differs from the default, whose
+            delay is the multiple of `control_dt` that is next to 0.05 s.
+        fatigue: whether the wearer's muscles tire, from a rested start in every episode.
         render_mode: None, "rgb_array" or "human".
         camera: name of the camera to render from.
         width: picture width [pixels].
         height: picture height [pixels].
+        **arm: what is simulated, by the fields of `ArmConfig`: suit, pressure, gravity, wearer,
+            exo, coupling, payload, side, tilt, misalignment, sim_dt, allow_uncertified. Give
+            nested ones as dicts where `EnvSpec.to_json` is to work.
 
     Raises:
         InputError: an argument is out of its range; the message names it.
@@ -78,39 +92,44 @@ class ArmEnv(gymnasium.Env):
     def __init__(
         self,
         *,
-        suit: str = "mock-suit",
-        gravity: str = "earth",
         observe: Literal["sensors", "oracle"] = "sensors",
         control_dt: float = 0.01,
-        sim_dt: float = 0.002,
-        allow_uncertified: bool = False,
+        control: VoluntaryControl | Mapping[str, Any] | None = None,
+        fatigue: bool = False,
         render_mode: str | None = None,
         camera: str = "overview",
         width: int = 640,
         height: int = 480,
+        **arm: Any,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
-        self.config = ArmConfig(
-            suit=suit, gravity=gravity, sim_dt=sim_dt, allow_uncertified=allow_uncertified
-        )
+        self.config = ArmConfig.from_dict(arm)
         self.model = compose(self.config)
+        self.control_dt, sim_dt = control_dt, self.config.timestep
         self.substeps = round(control_dt / sim_dt)
         if self.substeps < 1 or abs(self.substeps * sim_dt - control_dt) > 1e-9:
             raise InputError(
                 f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
             )
-        self.control_dt = control_dt
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.data = mujoco.MjData(self.model)
         self.render_mode = render_mode
         self.renderer = Renderer(camera=camera, width=width, height=height)
         self.wiring = Wiring.of(self.model)
-        self._observer = Observer(self.wiring, control_dt, observe)
-        self._bare_arm = bare_arm(gravity)
+        self._observer = Observer(self.wiring, self.config.exo.encoder_bits, control_dt, observe)
+        usual = VoluntaryControl()
+        usual = replace(usual, delay=round(usual.delay / control_dt) * control_dt)
+        settings = nested("control", {} if control is None else control, usual)
+        self.wearer = Wearer(self.config.wearer, settings, fatigue, self.wiring, control_dt)
+        self._motors = Motors(self.config.exo, self.wiring, control_dt)
+        self._previous_action = np.zeros(self.wiring.motors.size)
+        self._meter = Meter(self.wiring, control_dt)
+        self._bare_arm = bare_arm(self.config)
+        self._known_suit = resisting_joints(self.config) if settings.suit_learning > 0 else {}
         self.layout = self._observer.layout
         self.observation_space = self._observer.space
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (len(ASSISTED),), np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, self._previous_action.shape, np.float32)
 
     # --- Gymnasium ----------------------------------------------------------------------------
 
@@ -125,19 +144,21 @@ class ArmEnv(gymnasium.Env):
         if options:
             raise InputError(f"reset got the options {sorted(options)}: it knows none")
         mujoco.mj_resetData(self.model, self.data)
-        self.reference = self._new_reference(self.np_random)
+        self._pursue(self._new_reference(self.np_random))
         self._step = 0
         self._clipped = 0
-        self._energy = dict.fromkeys(ENERGIES, 0.0)
-        self._previous_action = np.zeros(len(ASSISTED))
-        intend(self.data, self.wiring, self.reference, 1)
-        settle(self.model, self.data, self.wiring, self.reference)
-        self._dissipated_at_reset = float(self.data.sensordata[self.wiring.dissipated].sum())
+        self._diverged = False
+        self._previous_action[:] = 0
+        self._motors.mean_square[:] = 0
+        self.wearer.settle(self.model, self.data, self.reference)
+        start_encoders(self.model, self.data)
+        mujoco.mj_forward(self.model, self.data)
+        self._meter.begin(self.data)
+        self._look()
         if self.render_mode == "human":
             self.render()
-        return self._present(
-            reward_terms(self._human_torque(), self._tracking_error(), np.zeros(len(ASSISTED)))
-        )
+        change = np.zeros_like(self._previous_action)
+        return self._answer(self._reward_terms(self._tracking_error(), change))
 
     def step(
         self, action: NDArray[np.floating[Any]]
@@ -148,9 +169,11 @@ class ArmEnv(gymnasium.Env):
             InputError: the action has the wrong shape or is not finite, or there was no reset.
         """
         self._require_reset("step")
-        command = self._checked(action)
-        self.data.ctrl[self.wiring.motors] = command
-        intend(self.data, self.wiring, self.reference, self._step + 1)
+        command, clipped = checked(action, self._previous_action.shape)
+        self._clipped += clipped
+        if not self._diverged:
+            self._motors.drive(self.data, command)
+            self.wearer.act(self.data, self.reference, self._step + 1, self.np_random)
         # mj_step1 of the last substep comes last: positions, velocities and the forces that
         # depend on them are then those of the new state.
         mujoco.mj_step2(self.model, self.data)
@@ -159,14 +182,17 @@ class ArmEnv(gymnasium.Env):
         mujoco.mj_step1(self.model, self.data)
         self._step += 1
         change, self._previous_action = command - self._previous_action, command
-        if self._diverged():
-            terminated = True
-            observation, info = self._last_valid(change)
+        self._diverged = self._has_diverged()
+        if self._diverged:
+            error, terminated = FAR_OFF, True
         else:
-            self._count_energy()
+            self._motors.heat(self.data)
+            self.wearer.tire(self.data)
+            self._look()
+            self._meter.count()
             error = self._tracking_error()
             terminated = self._lost(error)
-            observation, info = self._present(reward_terms(self._human_torque(), error, change))
+        observation, info = self._answer(self._reward_terms(error, change))
         if self.render_mode == "human":
             self.render()
         truncated = self._step >= len(self.reference.angle) - 1
@@ -205,11 +231,11 @@ class ArmEnv(gymnasium.Env):
             "reference": self.reference,
             "step": self._step,
             "clipped_actions": self._clipped,
-            "energy": dict(self._energy),
-            "dissipated_at_reset": self._dissipated_at_reset,
-            "previous_action": self._previous_action.copy(),
-            "diverged": self._diverged(),
+            "energy": dict(self._meter.energy),
+            "dissipated_at_reset": self._meter.dissipated_at_reset,
+            "diverged": self._diverged,
             "random": self.np_random.bit_generator.state,
+            **{name: values.copy() for name, values in self._memory().items()},
         }
 
     def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
@@ -222,112 +248,106 @@ class ArmEnv(gymnasium.Env):
             InputError: the state is of an environment with another suit, gravity or step, or of an
                 episode that has diverged, or not what `get_state` returned; nothing has changed.
         """
-        check_state(state, self._identity(), self.model, self._samples(), self.np_random)
+        memory = self._memory()
+        identity, samples = self._identity(), self._samples()
+        check_state(state, identity, self.model, samples, memory, self.np_random)
         restore_physics(self.model, self.data, state)
-        self.reference = state["reference"]
+        self._pursue(state["reference"])
         self._step = state["step"]
         self._clipped = state["clipped_actions"]
-        self._energy = dict(state["energy"])
-        self._dissipated_at_reset = state["dissipated_at_reset"]
-        self._previous_action = state["previous_action"].copy()
+        self._meter.energy = dict(state["energy"])
+        self._meter.dissipated_at_reset = state["dissipated_at_reset"]
+        for name, values in memory.items():
+            values[:] = state[name]
+        self._diverged = False
         self.np_random.bit_generator.state = state["random"]
-        return self._present({})
+        self._look()
+        return self._answer({})
 
     # --- Parts --------------------------------------------------------------------------------
 
-    def _identity(self) -> str:
-        return f"{type(self).__name__}({self.config}, control_dt={self.control_dt})"
+    def _identity(self) -> dict[str, Any]:
+        return {
+            "task": type(self).__name__,
+            **self.config.to_dict(),
+            "control_dt": self.control_dt,
+            "control": asdict(self.wearer.settings),
+            "fatigue": self.wearer.tires,
+        }
+
+    def _memory(self) -> dict[str, Array]:
+        """What wearer, motors and agent remember: the arrays themselves."""
+        return {
+            "previous_action": self._previous_action,
+            "motor_heat": self._motors.mean_square,
+            "past_torque": self.wearer.control.past,
+            "variation": self.wearer.control.variation,
+            "fatigued": self.wearer.fatigued,
+        }
 
     def _require_reset(self, what: str) -> None:
         if not hasattr(self, "reference"):
             raise InputError(f"{what} before the first reset: call reset() first")
 
+    def intended_motion(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+        """Returns the angles [rad] of an episode and two derivatives, (samples, 4) each.
+
+        Override it for a motion of your own; the others see the same arm and wearer.
+        """
+        return random_motion(
+            rng,
+            self.span,
+            self.hold,
+            self._samples(),
+            self.control_dt,
+            self.move_time,
+            self.dwell_time,
+        )
+
     def _samples(self) -> int:
         return round(self.duration / self.control_dt) + 1
 
     def _new_reference(self, rng: np.random.Generator) -> Reference:
-        samples = self._samples()
-        motion = np.zeros((3, samples, len(JOINTS)))
-        for joint, span in self.span.items():
-            motion[:, :, JOINTS.index(joint)] = random_moves(
-                rng, span, samples, self.control_dt, self.move_time, self.dwell_time
-            )
-        for joint, span in self.hold.items():
-            motion[0, :, JOINTS.index(joint)] = rng.uniform(*span)
-        return follow(self._bare_arm, self.wiring.joints, (motion[0], motion[1], motion[2]))
+        motion = self.intended_motion(rng)
+        return follow(self._bare_arm, self.wiring.joints, motion, self._known_suit)
 
-    def _checked(self, action: NDArray[np.floating[Any]]) -> Array:
-        command = np.asarray(action, dtype=np.float64)
-        if command.shape != (len(ASSISTED),):
-            raise InputError(
-                f"action has shape {command.shape}: give ({len(ASSISTED)},), shoulder and elbow"
-            )
-        if not np.isfinite(command).all():
-            raise InputError(f"action is {command.tolist()}: give finite numbers from -1 to 1")
-        if np.abs(command).max() > 1.0:
-            self._clipped += 1
-            command = np.clip(command, -1.0, 1.0)
-        return command
+    def _pursue(self, reference: Reference) -> None:
+        self.reference = reference
+        self._observer.begin(reference)
 
-    def _tracking_error(self) -> Array:
-        angle = self.data.qpos[self.wiring.joints[self.wiring.assisted]]
-        return angle - self.reference.angle[self.reference.at(self._step), self.wiring.assisted]
+    def _has_diverged(self) -> bool:
+        warned = any(self.data.warning.number[DIVERGENCE].tolist())
+        torque = sum(self.data.sensordata[self.wiring.suit_torque].tolist())
+        return warned or not math.isfinite(torque + self._meter.dissipated_in(self.data))
 
-    def _human_torque(self) -> Array:
-        return self.data.actuator_force[self.wiring.human[self.wiring.assisted]]
+    def _look(self) -> None:
+        """Takes in what this answer shows, and later ones should the physics diverge."""
+        now = self.reference.at(self._step)
+        self._observation = self._observer(self.data, now, self._previous_action)
+        others = {}
+        if self.wiring.motors.size:
+            others["motor_load"] = self._motors.load
+        if self.wearer.tires:
+            others["fatigue"] = self.wearer.fatigued
+        self._meter.read(self.data, self.reference.angle[now], others)
 
-    def _count_energy(self) -> None:
-        rate = np.abs(self.data.qvel[self.wiring.joints])
-        force = np.abs(self.data.actuator_force)
-        human_power = force[self.wiring.human] @ rate
-        assist_power = force[self.wiring.assist] @ rate[self.wiring.assisted]
-        self._energy["human_energy"] += float(human_power) * self.control_dt
-        self._energy["assist_energy"] += float(assist_power) * self.control_dt
+    def _tracking_error(self) -> list[float]:
+        error = self._meter.values["angle"] - self._meter.values["target_angle"]
+        return error[self.wiring.assisted].tolist()
 
-    def _lost(self, error: Array) -> bool:
+    def _lost(self, error: list[float]) -> bool:
         faults = self.data.plugin_state[self.wiring.faults]
-        return bool(np.abs(error).max() > LOST or faults.any())
+        return max(map(abs, error)) > LOST or any(faults.tolist())
 
-    def _diverged(self) -> bool:
-        sensed = self.data.sensordata
-        total = sensed[self.wiring.suit_torque].sum() + sensed[self.wiring.dissipated].sum()
-        return bool(self.data.warning.number[DIVERGENCE].any()) or not math.isfinite(total)
+    def _reward_terms(self, error: Sequence[float], change: Array) -> dict[str, float]:
+        human_torque = self._meter.values["human_torque"][self.wiring.assisted]
+        return reward_terms(human_torque.tolist(), error, change.tolist())
 
-    def _present(self, terms: dict[str, float]) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        observation, info = self._observation(), self._info(terms)
-        self._valid = (observation.copy(), {key: copy(value) for key, value in info.items()})
-        return observation, info
-
-    def _last_valid(self, change: Array) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Returns the last valid observation and info, with the time and price of this step."""
-        observation, info = deepcopy(self._valid)
-        human_torque = info["human_torque"][self.wiring.assisted]
-        return observation, {
-            **info,
+    def _answer(self, terms: dict[str, float]) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        return self._observation.copy(), {
             "time": float(self.data.time),
+            **self._meter.report(),
             "clipped_actions": self._clipped,
-            "diverged": True,
-            "reward_terms": reward_terms(human_torque, np.full(len(ASSISTED), LOST), change),
-        }
-
-    def _observation(self) -> NDArray[np.float32]:
-        return self._observer(self.data, self.reference, self._step, self._previous_action)
-
-    def _info(self, terms: dict[str, float]) -> dict[str, Any]:
-        data = self.data
-        dissipated = (
-            float(data.sensordata[self.wiring.dissipated].sum()) - self._dissipated_at_reset
-        )
-        return {
-            "time": float(data.time),
-            "angle": data.qpos[self.wiring.joints].copy(),
-            "target_angle": self.reference.angle[self.reference.at(self._step)].copy(),
-            "human_torque": data.actuator_force[self.wiring.human].copy(),
-            "suit_torque": self.wiring.suit_torque_of(data),
-            "assist_torque": data.actuator_force[self.wiring.assist].copy(),
-            **self._energy,
-            "dissipated_energy": dissipated,
-            "clipped_actions": self._clipped,
-            "diverged": False,
+            "diverged": self._diverged,
             "reward_terms": terms,
         }

@@ -1,7 +1,7 @@
 """Closed-loop evaluation: the same intentions under several policies, and what the wearer pays."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import gymnasium
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from ..assets import JOINTS, Suit
 from ..errors import InputError, at_least, unknown_name
 from .arm_env import ArmEnv
-from .composition import ASSISTED
+from .model import ASSISTED
+from .model.cuffs import CUFFS
+from .person import EffortMetrics, effort_metrics
 from .policies import Policy, make_policy
 
 Array = NDArray[np.float64]
@@ -27,10 +29,12 @@ class Trace:
     Attributes:
         time: [s], shape (n,).
         angle: joint angles [rad], shape (n, 4), columns as `JOINTS`.
+        rate: joint rates [rad/s], shape (n, 4).
         target_angle: intended angles [rad], shape (n, 4).
         human_torque: the wearer's torque [N·m], shape (n, 4).
         suit_torque: the suit's torque on the joints [N·m], shape (n, 4).
         assist_torque: the motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
+        cuff_force: on upper arm, forearm and hand [N], shape (n, 3, 3); None without cuffs.
         assist_energy: sum over the motors of the integral of |torque x rate| [J].
         rewards: reward of each period, shape (n,).
         terminated: whether it ended by failure.
@@ -38,27 +42,31 @@ class Trace:
 
     time: Array
     angle: Array
+    rate: Array
     target_angle: Array
     human_torque: Array
     suit_torque: Array
     assist_torque: Array
+    cuff_force: Array | None
     assist_energy: float
     rewards: Array
     terminated: bool
 
 
-SERIES = ("time", "angle", "target_angle", "human_torque", "suit_torque", "assist_torque")
+SERIES = ("time", "angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """What a policy achieved over some episodes; per joint: shoulder and elbow flexion.
+    """What a policy achieved over some episodes; by joint: shoulder and elbow flexion.
 
     Attributes:
         policy: its name.
         human_rms: root mean square of the wearer's torque [N·m] by joint.
         human_peak: largest |torque| of the wearer [N·m] by joint.
+        effort: the other `EffortMetrics` of the wearer by joint, means over episodes.
         tracking_rmse: tracking error [rad] by joint.
+        cuff_peak: greatest force [N] by limb segment; None without cuffs.
         assist_energy: mean over episodes [J].
         mean_return: mean over episodes of the sum of rewards.
         failures: episodes that ended early.
@@ -68,7 +76,9 @@ class Score:
     policy: str
     human_rms: dict[str, float]
     human_peak: dict[str, float]
+    effort: dict[str, dict[str, float]]
     tracking_rmse: dict[str, float]
+    cuff_peak: dict[str, float] | None
     assist_energy: float
     mean_return: float
     failures: int
@@ -91,8 +101,10 @@ def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
         rewards.append(float(reward))
         ended = terminated or truncated
     series = {name: np.array([info[name] for info in infos]) for name in SERIES}
+    cuffs = [info["cuff_force"] for info in infos if "cuff_force" in info]
     return Trace(
         **series,
+        cuff_force=np.array(cuffs) if cuffs else None,
         assist_energy=info["assist_energy"],
         rewards=np.array(rewards),
         terminated=terminated,
@@ -113,7 +125,9 @@ def score(policy: str, traces: Sequence[Trace]) -> Score:
         policy=policy,
         human_rms=_by_joint(np.sqrt(np.mean(human**2, axis=0))),
         human_peak=_by_joint(np.abs(human).max(axis=0)),
+        effort=_effort(traces, late),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
+        cuff_peak=_cuff_peak(traces),
         assist_energy=float(np.mean([trace.assist_energy for trace in traces])),
         mean_return=float(np.mean([trace.rewards.sum() for trace in traces])),
         failures=sum(trace.terminated for trace in traces),
@@ -235,6 +249,33 @@ def _with_reduction(scores: list[Score]) -> list[Score]:
         replace(s, reduction={j: 1 - s.human_rms[j] / base.human_rms[j] for j in ASSISTED})
         for s in scores
     ]
+
+
+def _effort(
+    traces: Sequence[Trace], parts: Sequence[NDArray[np.bool_]]
+) -> dict[str, dict[str, float]]:
+    """Means by joint of what a record must have three samples for, else NaN."""
+    found = [
+        effort_metrics(trace.human_torque[part], trace.rate[part], trace.time[1] - trace.time[0])
+        for trace, part in zip(traces, parts, strict=True)
+        if part.sum() > 2
+    ]
+    names = [field.name for field in fields(EffortMetrics) if field.name not in ("rms", "peak")]
+    return {
+        joint: {
+            name: float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
+            for name in names
+        }
+        for joint, column in zip(ASSISTED, ASSISTED_COLUMNS, strict=True)
+    }
+
+
+def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
+    forces = [trace.cuff_force for trace in traces if trace.cuff_force is not None]
+    if not forces:
+        return None
+    peak = np.linalg.norm(np.concatenate(forces), axis=-1).max(axis=0)
+    return dict(zip(CUFFS, map(float, peak), strict=True))
 
 
 def _stack(series: Sequence[Array], parts: Sequence[NDArray[np.bool_]]) -> Array:

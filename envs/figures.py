@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from ..assets import JOINTS
-from .composition import ASSISTED
 from .evaluation import ASSISTED_COLUMNS, TAKEOVER, Trace
+from .model import ASSISTED
+from .model.cuffs import FORCE_LIMITS
 
 COLORS = {
     "none": "#555555",
@@ -91,6 +93,30 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
     grid[1][0].set_ylabel("human torque [N·m]")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
+    return figure
+
+
+def cuff_forces_figure(traces: Mapping[str, Trace]) -> Figure:
+    """Draws the size of the cuffs' forces over time and what a person should bear of each.
+
+    Args:
+        traces: of motions with cuffs, by policy.
+    """
+    figure = Figure(figsize=(10, 6.5), layout="constrained")
+    axes = figure.subplots(len(FORCE_LIMITS), 1, sharex=True)
+    for policy, color in _colors(traces).items():
+        trace = traces[policy]
+        assert trace.cuff_force is not None
+        sizes = np.linalg.norm(trace.cuff_force, axis=-1).T
+        for ax, force in zip(axes, sizes, strict=True):
+            ax.plot(trace.time, force, color=color, lw=1.2, ls=_style(policy), label=policy)
+    for ax, (segment, limit) in zip(axes, FORCE_LIMITS.items(), strict=True):
+        ax.axhline(limit, color="#d62728", lw=1.2, label="ISO/TS 15066")
+        ax.set_ylim(bottom=0)
+        ax.set_ylabel(f"{segment.replace('_', ' ')} [N]")
+        ax.grid(alpha=0.25)
+    axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
+    axes[-1].set_xlabel("time [s]")
     return figure
 
 

@@ -1,10 +1,13 @@
 """Intended motions: minimum-jerk moves between random targets, and the wearer's feed-forward."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from ..assets import JOINTS, SuitJoint
 
 Array = NDArray[np.float64]
 
@@ -17,11 +20,14 @@ class Reference:
         angle: intended joint angles [rad].
         rate: their derivatives [rad/s].
         feedforward: torque that moves the bare arm along them [N·m].
+        resistance: torque that the suit resists with along them [N·m]; zeros for a wearer who has
+            not learned any of it.
     """
 
     angle: Array
     rate: Array
     feedforward: Array
+    resistance: Array
 
     def at(self, step: int) -> int:
         """Returns the sample of control period `step`: the last one past the end."""
@@ -71,13 +77,45 @@ def random_moves(
     return angle, rate, acceleration
 
 
+def random_motion(
+    rng: np.random.Generator,
+    span: Mapping[str, tuple[float, float]],
+    hold: Mapping[str, tuple[float, float]],
+    samples: int,
+    dt: float,
+    move_time: tuple[float, float],
+    dwell_time: tuple[float, float],
+) -> tuple[Array, Array, Array]:
+    """Returns angle, rate and acceleration of the whole arm, shape (samples, joints) each.
+
+    The joints in `span` make `random_moves`, those in `hold` stay at a random angle, the others at
+    zero.
+    """
+    motion = np.zeros((3, samples, len(JOINTS)))
+    for joint, between in span.items():
+        moves = random_moves(rng, between, samples, dt, move_time, dwell_time)
+        motion[:, :, JOINTS.index(joint)] = moves
+    for joint, between in hold.items():
+        motion[0, :, JOINTS.index(joint)] = rng.uniform(*between)
+    return motion[0], motion[1], motion[2]
+
+
 def follow(
-    arm: mujoco.MjModel, indices: NDArray[np.int64], motion: tuple[Array, Array, Array]
+    arm: mujoco.MjModel,
+    indices: NDArray[np.int64],
+    motion: tuple[Array, Array, Array],
+    known: Mapping[str, SuitJoint] | None = None,
 ) -> Reference:
     """Returns the reference for a motion (angle, rate, acceleration), shape (samples, joints).
 
-    The feed-forward is the inverse dynamics of the wearer's own arm: a person has learned that,
-    but neither the suit nor the exoskeleton.
+    The feed-forward is the inverse dynamics of the wearer's own arm: a person has learned that, but
+    not the exoskeleton.
+
+    Args:
+        arm: of `bare_arm`.
+        indices: of the joints in its qpos.
+        motion: what is intended.
+        known: how the suit resists which joints, for a wearer who has learned some of it.
     """
     angle, rate, acceleration = motion
     data = mujoco.MjData(arm)
@@ -87,4 +125,13 @@ def follow(
         data.qacc[indices] = acceleration[i]
         mujoco.mj_inverse(arm, data)
         torque[i] = data.qfrc_inverse[indices]
-    return Reference(angle, rate, torque)
+    return Reference(angle, rate, torque, _resistance(known or {}, angle))
+
+
+def _resistance(joints: Mapping[str, SuitJoint], angle: Array) -> Array:
+    torque = np.zeros_like(angle)
+    for joint, entry in joints.items():
+        column = JOINTS.index(joint)
+        motion = np.append(entry.start_angle, angle[:, column])
+        torque[:, column] = entry.model.response(motion, entry.start_torque)[1:]
+    return torque

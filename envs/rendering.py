@@ -93,6 +93,8 @@ class Renderer:
                     "without a display"
                 ) from error
             self._window_threads = set(threading.enumerate()) - others
+            with self._window.lock():
+                mujoco.mjv_defaultFreeCamera(model, self._window.cam)
         if not self._window.is_running():
             raise RenderingUnavailableError("the window was closed: make the environment again")
         time.sleep(max(0.0, self._shown + period - time.monotonic()))

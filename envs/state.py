@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from ..assets import JOINTS
 from ..errors import InputError
-from .composition import ASSISTED
+from .meter import ENERGIES
 from .reference import Reference
 
 Array = NDArray[np.float64]
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
-ENERGIES = ("assist_energy", "human_energy")
 KEYS = (
     "config",
     "physics",
@@ -27,7 +26,6 @@ KEYS = (
     "clipped_actions",
     "energy",
     "dissipated_at_reset",
-    "previous_action",
     "diverged",
     "random",
 )
@@ -49,7 +47,12 @@ def restore_physics(model: mujoco.MjModel, data: mujoco.MjData, state: dict[str,
 
 
 def check_state(
-    state: Any, config: str, model: mujoco.MjModel, samples: int, random: np.random.Generator
+    state: Any,
+    config: dict[str, Any],
+    model: mujoco.MjModel,
+    samples: int,
+    memory: dict[str, Array],
+    random: np.random.Generator,
 ) -> None:
     """Refuses what `get_state` of an environment like this one cannot have returned.
 
@@ -58,6 +61,7 @@ def check_state(
         config: what the environment is.
         model: its model.
         samples: of an intention.
+        memory: further arrays that the state holds, now.
         random: its generator, which stays as it is.
 
     Raises:
@@ -66,17 +70,14 @@ def check_state(
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
-    missing = [key for key in KEYS if key not in state]
+    missing = [key for key in (*KEYS, *memory) if key not in state]
     if missing:
         raise InputError(f"the state lacks {', '.join(missing)}: give the whole dict of get_state")
-    if str(state["config"]) != config:
-        raise InputError(
-            f"the state is of {state['config']} and this environment is {config}: "
-            "make it with the same options"
-        )
+    _check_config(state["config"], config)
     if state["diverged"] is not False:
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
-    for name, value, wanted, usable in _parts(state, model, samples, random):
+    shapes = {name: value.shape for name, value in memory.items()}
+    for name, value, wanted, usable in _parts(state, model, samples, shapes, random):
         if not usable:
             raise InputError(
                 f"the state's {name} is {reprlib.repr(value)}: it must be {wanted}, as get_state "
@@ -84,14 +85,32 @@ def check_state(
             )
 
 
+def _check_config(saved: Any, own: dict[str, Any]) -> None:
+    if not isinstance(saved, dict) or saved.keys() != own.keys():
+        raise InputError(f"the state's config is {reprlib.repr(saved)}: give that of get_state")
+    differing = [name for name in own if saved[name] != own[name]]
+    if differing:
+        there, here = (
+            ", ".join(f"{name}={values[name]!r}" for name in differing) for values in (saved, own)
+        )
+        raise InputError(
+            f"the state is of an environment with {there}, and this one has {here}: make it with "
+            "the same options"
+        )
+
+
 def _parts(
-    state: dict[str, Any], model: mujoco.MjModel, samples: int, random: np.random.Generator
+    state: dict[str, Any],
+    model: mujoco.MjModel,
+    samples: int,
+    shapes: dict[str, tuple[int, ...]],
+    random: np.random.Generator,
 ) -> Iterator[tuple[str, Any, str, bool]]:
     """Yields name, value, what it must be, and whether it is; what follows relies on that."""
     shapes = {
         "physics": (mujoco.mj_stateSize(model, PHYSICS),),
         "actuator_force": (model.nactuator,),
-        "previous_action": (len(ASSISTED),),
+        **shapes,
     }
     for name, shape in shapes.items():
         yield name, state[name], f"float64 numbers of shape {shape}", _is_array(state[name], shape)
@@ -102,7 +121,7 @@ def _parts(
     yield "physics", physics, f"a motion below {mujoco.mjMAXVAL:g}", bounded
     reference, shape = state["reference"], (samples, len(JOINTS))
     yield "reference", reference, "a Reference", isinstance(reference, Reference)
-    for name in ("angle", "rate", "feedforward"):
+    for name in ("angle", "rate", "feedforward", "resistance"):
         value = getattr(reference, name)
         yield f"reference.{name}", value, f"numbers of shape {shape}", _is_array(value, shape)
     for name in ("step", "clipped_actions"):

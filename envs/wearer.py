@@ -1,32 +1,130 @@
-"""The wearer: where the intention goes into the physics, and how an episode begins."""
+"""The wearer: from an intention to the inputs of the engine's actuators, once per control period.
+
+Position and velocity inputs of the actuators are the intention; their feed-forward input is what
+`voluntary_torque` adds to it.
+"""
+
+from dataclasses import dataclass
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
+from ..assets import JOINTS
+from .person import (
+    ControlState,
+    Person,
+    VoluntaryControl,
+    fatigue_step,
+    isometric_strength,
+    muscle_load,
+    start_control,
+    strength_limits,
+    voluntary_torque,
+)
 from .reference import Reference
 from .wiring import Wiring
 
-SETTLING_ITERATIONS = 8  # each one shrinks the error by stiffness of suit and weight over kp
+Array = NDArray[np.float64]
+SETTLING_STEPS = 6  # of Newton's method, which doubles the digits each time
+NUDGE = 1e-6  # rad, for its derivatives
 
 
-def intend(data: mujoco.MjData, wiring: Wiring, reference: Reference, step: int) -> None:
-    """Gives the wearer the intention of control period `step`; past the end, to stay there."""
-    i = reference.at(step)
-    where = wiring.intention
-    data.ctrl[where[:, 0]] = reference.angle[i]
-    data.ctrl[where[:, 1]] = reference.rate[i] * (i == step)
-    data.ctrl[where[:, 2]] = reference.feedforward[i]
+@dataclass(eq=False)
+class Wearer:
+    """One person in control of one arm.
 
+    Attributes:
+        person: who it is.
+        settings: how they control the arm.
+        tires: whether effort costs them strength.
+        wiring: where the model keeps things.
+        dt: control period [s].
+        control: what their control remembers.
+        fatigued: part of every muscle group that is fatigued, as in `fatigue_step`, shape (2, 4).
+    """
 
-def settle(
-    model: mujoco.MjModel, data: mujoco.MjData, wiring: Wiring, reference: Reference
-) -> None:
-    """Puts the arm where the wearer holds it at rest: feedback carries what is not foreseen."""
-    intended, feedforward = reference.angle[0], reference.feedforward[0]
-    angle = intended
-    for _ in range(SETTLING_ITERATIONS):
-        data.qpos[wiring.joints] = angle
-        mujoco.mj_forward(model, data)
-        load = data.qfrc_bias[wiring.joints] - data.qfrc_passive[wiring.joints]
-        angle = intended - (load - feedforward) / wiring.stiffness
-    data.qpos[wiring.joints] = angle
-    mujoco.mj_forward(model, data)
+    person: Person
+    settings: VoluntaryControl
+    tires: bool
+    wiring: Wiring
+    dt: float
+
+    def __post_init__(self) -> None:
+        self._rested = isometric_strength(self.person)
+        self.begin(np.zeros(len(JOINTS)))
+
+    def begin(self, intrinsic: Array) -> None:
+        """Begins rested, having held still with this intrinsic torque [N·m], shape (4,)."""
+        self.control = start_control(self.settings, intrinsic, self.dt)
+        self.fatigued = np.zeros_like(self._rested)
+
+    def restore(self, control: ControlState, fatigued: Array) -> None:
+        """Goes on from a saved state."""
+        self.control, self.fatigued = control, fatigued.copy()
+
+    def settle(self, model: mujoco.MjModel, data: mujoco.MjData, reference: Reference) -> None:
+        """Begins where the first intention is held at rest: feedback carries what is unforeseen.
+
+        Strength does not limit that: who is too weak lets the arm go from there.
+        """
+        joints, intended = self.wiring.joints, reference.angle[0]
+        foreseen = reference.feedforward[0] + self.settings.suit_learning * reference.resistance[0]
+
+        def added(intrinsic: Array) -> Array:
+            return foreseen + self.settings.feedback * intrinsic
+
+        def imbalance(angle: Array) -> Array:
+            data.qpos[:] = angle
+            mujoco.mj_fwdPosition(model, data)
+            mujoco.mj_fwdVelocity(model, data)
+            intrinsic = self.wiring.stiffness * (intended - angle[joints])
+            torque = data.qfrc_passive - data.qfrc_bias
+            torque[joints] += intrinsic + added(intrinsic)
+            return torque
+
+        angle = np.zeros(model.nq)
+        angle[joints] = angle[self.wiring.exo_joints] = intended
+        nudges = NUDGE * np.eye(model.nq)
+        for _ in range(SETTLING_STEPS):
+            torque = imbalance(angle)
+            slope = np.column_stack([imbalance(angle + nudge) - torque for nudge in nudges]) / NUDGE
+            angle = angle - np.linalg.solve(slope, torque)
+        data.qpos[:] = angle
+        intrinsic = self.wiring.stiffness * (intended - angle[joints])
+        self.begin(intrinsic)
+        self._intend(data, intended, np.zeros_like(intended), added(intrinsic))
+
+    def act(
+        self, data: mujoco.MjData, reference: Reference, step: int, rng: np.random.Generator
+    ) -> None:
+        """Acts on the intention of control period `step`; past the end, to stay there."""
+        wiring, i = self.wiring, reference.at(step)
+        intended, ahead = reference.angle[i], reference.rate[i] * (i == step)
+        angle, rate = data.qpos[wiring.joints], data.qvel[wiring.joints]
+        strength = self._rested * (1 - self.fatigued) if self.tires else self._rested
+        torque, self.control = voluntary_torque(
+            self.settings,
+            self.control,
+            intrinsic=wiring.stiffness * (intended - angle) + wiring.damping * (ahead - rate),
+            feedforward=reference.feedforward[i],
+            suit_resistance=reference.resistance[i],
+            limits=strength_limits(strength, angle, rate),
+            dt=self.dt,
+            rng=rng,
+        )
+        self._intend(data, intended, ahead, torque)
+
+    def tire(self, data: mujoco.MjData) -> None:
+        """Counts the torque of the control period that has passed."""
+        if not self.tires:
+            return
+        wiring = self.wiring
+        angle, rate = data.qpos[wiring.joints], data.qvel[wiring.joints]
+        limits = strength_limits(self._rested, angle, rate)
+        load = muscle_load(data.actuator_force[wiring.human], limits)
+        self.fatigued = fatigue_step(self.fatigued, load, self.dt)
+
+    def _intend(self, data: mujoco.MjData, angle: Array, rate: Array, torque: Array) -> None:
+        ctrl, (angles, rates, torques) = data.ctrl, self.wiring.intention.T
+        ctrl[angles], ctrl[rates], ctrl[torques] = angle, rate, torque

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from ..assets import JOINTS
 from ..hysteresis.engine import fault_slots
-from .composition import ASSISTED
+from .model import ASSISTED
+from .model.cuffs import CUFFS
 
+Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 
@@ -17,15 +19,23 @@ Indices = NDArray[np.int64]
 class Wiring:
     """Indices into mjData, in the order of `JOINTS` or `ASSISTED`.
 
+    Without an exoskeleton there are no motors, and without cuffs no forces of theirs: these arrays
+    are then empty.
+
     Attributes:
-        joints: joint angles in qpos and rates in qvel (all joints are hinges), shape (4,).
+        joints: the arm's angles in qpos and rates in qvel (all joints are hinges), shape (4,).
+        exo_joints: the same of the exoskeleton; with a rigid one they are the arm's, shape (4,).
         assisted: the assisted joints among `JOINTS`, shape (2,).
         human: the wearer's forces in actuator_force, shape (4,).
         intention: the wearer's controls: position, velocity, feed-forward, shape (4, 3).
         stiffness: the wearer's position gains [N·m/rad], shape (4,).
+        damping: the wearer's velocity gains [N·m·s/rad], shape (4,).
+        encoders: angles that the encoders tell in sensordata, shape (4,).
+        encoder_rates: their rates in sensordata, shape (4,).
         assist: the motors' forces in actuator_force, shape (2,).
-        motors: the motors' controls, shape (2,).
-        peak_torque: the motors' torque at control 1 [N·m], shape (2,).
+        motors: the motors' controls, torques [N·m], shape (2,).
+        peak_torque: the motors' greatest torque [N·m], shape (2,).
+        cuffs: forces on upper arm, forearm and hand in sensordata, shape (3, 3).
         suited: the joints among `JOINTS` that a suit resists, shape (n,).
         suit_torque: their torque in sensordata, shape (n,).
         dissipated: their dissipated energy in sensordata, shape (n,).
@@ -33,13 +43,18 @@ class Wiring:
     """
 
     joints: Indices
+    exo_joints: Indices
     assisted: Indices
     human: Indices
     intention: Indices
-    stiffness: NDArray[np.float64]
+    stiffness: Array
+    damping: Array
+    encoders: Indices
+    encoder_rates: Indices
     assist: Indices
     motors: Indices
-    peak_torque: NDArray[np.float64]
+    peak_torque: Array
+    cuffs: Indices
     suited: Indices
     suit_torque: Indices
     dissipated: Indices
@@ -48,30 +63,46 @@ class Wiring:
     @classmethod
     def of(cls, model: mujoco.MjModel) -> "Wiring":
         """Looks everything up by name."""
-        human = [model.actuator(f"human_{joint}").id for joint in JOINTS]
-        assist = [model.actuator(f"assist_{joint}").id for joint in ASSISTED]
+        actuators = {model.actuator(i).name: i for i in range(model.nactuator)}
         sensors = {model.sensor(i).name: model.sensor_adr[i] for i in range(model.nsensor)}
+        joints = {model.joint(i).name: model.jnt_qposadr[i] for i in range(model.njnt)}
+        human = [actuators[f"human_{joint}"] for joint in JOINTS]
+        motors = [f"assist_{joint}" for joint in ASSISTED]
+        assist = _indices(actuators[motor] for motor in motors if motor in actuators)
+        cuffs = [f"cuff_{segment}_force" for segment in CUFFS]
+        forces = _indices(sensors[cuff] for cuff in cuffs if cuff in sensors)
         suited = [i for i, joint in enumerate(JOINTS) if f"{joint}_suit_torque" in sensors]
         return cls(
-            joints=_indices(model.joint(joint).qposadr[0] for joint in JOINTS),
+            joints=_indices(joints[joint] for joint in JOINTS),
+            exo_joints=_indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS),
             assisted=_indices(JOINTS.index(joint) for joint in ASSISTED),
             human=_indices(human),
             intention=_indices(model.actuator_ctrladr[human])[:, None] + np.arange(3),
             stiffness=-model.actuator_biasprm[human, 1],
-            assist=_indices(assist),
+            damping=-model.actuator_biasprm[human, 2],
+            encoders=_indices(sensors[f"encoder_{joint}"] for joint in JOINTS),
+            encoder_rates=_indices(sensors[f"encoder_rate_{joint}"] for joint in JOINTS),
+            assist=assist,
             motors=_indices(model.actuator_ctrladr[assist]),
-            peak_torque=model.actuator_gainprm[assist, 0] * model.actuator_gear[assist, 0],
+            peak_torque=model.actuator_forcerange[assist, 1],
+            cuffs=forces[:, None] + np.arange(3),
             suited=_indices(suited),
             suit_torque=_indices(sensors[f"{JOINTS[i]}_suit_torque"] for i in suited),
             dissipated=_indices(sensors[f"{JOINTS[i]}_suit_dissipated_energy"] for i in suited),
             faults=fault_slots(model),
         )
 
-    def suit_torque_of(self, data: mujoco.MjData) -> NDArray[np.float64]:
+    def suit_torque_of(self, data: mujoco.MjData) -> Array:
         """Returns the suit's torque on each of `JOINTS` [N·m]; zero where it does not resist."""
         torque = np.zeros(len(JOINTS))
         torque[self.suited] = data.sensordata[self.suit_torque]
         return torque
+
+    def assist_torque_of(self, data: mujoco.MjData) -> Array:
+        """Returns the motors' torque on each of `ASSISTED` [N·m]; zero without motors."""
+        if not self.assist.size:
+            return np.zeros(len(ASSISTED))
+        return data.actuator_force[self.assist]
 
 
 def _indices(values) -> Indices:

@@ -12,7 +12,7 @@ from .output import table, to_json
 if TYPE_CHECKING:
     from .benchmarks.timing import Row
 
-Topic = Literal["all", "hysteresis", "engine", "env", "identify", "oracle"]
+Topic = Literal["all", "hysteresis", "engine", "model", "env", "identify", "oracle"]
 
 
 def bench(
@@ -24,8 +24,8 @@ def bench(
     """Measure speed, each row against something else in turn in this very run; or exactness.
 
     Args:
-        topic: hysteresis, engine, env, identify, or all of these; or oracle, which compares the
-            kernels with readable twins, with SciPy and with the engine.
+        topic: hysteresis, engine, model, env, identify, or all of these; or oracle, which compares
+            the kernels with readable twins, with SciPy and with the engine.
         repeats: pairs of measurements per row.
         json: print the result as JSON.
     """
@@ -33,7 +33,7 @@ def bench(
     # Not needed by other commands, and slow to import.
     import mujoco
 
-    from .benchmarks import engine, env, hysteresis, identify, oracle, starts
+    from .benchmarks import effort, engine, env, hysteresis, identify, model, oracle, starts
 
     if topic == "oracle":
         oracle.report(json)
@@ -41,16 +41,19 @@ def bench(
     topics: dict[str, Callable[[int], list[Row]]] = {
         "hysteresis": hysteresis.rows,
         "engine": engine.rows,
+        "model": model.rows,
         "env": env.rows,
         "identify": identify.rows,
     }
     rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
     found = starts.random_starts(repeats) if topic in ("identify", "all") else []
+    errors = model.step_errors() if topic in ("model", "all") else []
+    costs = effort.suit_costs() if topic in ("model", "all") else []
     machine = f"{platform.processor() or platform.machine()}, MuJoCo {mujoco.__version__}"
     if json:
-        content = [row.to_dict() for row in rows]
-        result = {"machine": machine, "repeats": repeats, "rows": content}
-        print(to_json(result | {"starts": [one.to_dict() for one in found]}))
+        parts = {"rows": rows, "starts": found, "step_errors": errors, "suit_costs": costs}
+        content = {name: [one.to_dict() for one in part] for name, part in parts.items()}
+        print(to_json({"machine": machine, "repeats": repeats, **content}))
         return
     table(
         f"medians of {repeats} pairs; {machine}",
@@ -58,6 +61,11 @@ def bench(
         map(_cells, rows),
         left=1,
     )
+    if errors:
+        table("RMS differences from physics steps of 0.125 ms", *model.step_table(errors))
+    if costs:
+        table("effort in a suit over effort without", *effort.cost_table(costs))
+        print(effort.PUBLISHED)
     if found:
         table("fits from random starts", *starts.starts_table(found))
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, Suit, curves_path, load_suit, save_suit
-from ..envs.composition import ASSISTED
 from ..envs.evaluation import Score, Trace, evaluate, make_env, share_of_oracle
 from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
+from ..envs.model import ASSISTED
 from ..envs.policies import POLICIES
 from ..envs.rendering import RenderingUnavailableError
 from ..errors import at_least

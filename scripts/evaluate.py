@@ -6,8 +6,9 @@ from ..envs.evaluation import Score, Trace, make_env
 from ..envs.evaluation import evaluate as evaluate_policies
 from ..envs.policies import POLICIES
 from ..envs.policies.trained import training_config
+from .arm_options import USUAL, ArmOptions
 from .output import RunFolder, conclude, progress
-from .tables import score_table
+from .tables import cuff_remarks, effort_table, score_table
 
 
 def evaluate(
@@ -18,7 +19,7 @@ def evaluate(
     suit: str = "mock-suit",
     gravity: str = "earth",
     out: Path | None = None,
-    allow_uncertified: bool = False,
+    arm: ArmOptions = USUAL,
     json: bool = False,
 ) -> None:
     """Compare assist policies by what the wearer has to do.
@@ -32,11 +33,11 @@ def evaluate(
         suit: name of a shipped suit, or a suit file.
         gravity: earth, mars, moon or microgravity.
         out: folder for result.json.
-        allow_uncertified: accept a suit whose torque could become infinite in some motion.
+        arm: wearer, coupling and load.
         json: print the result as JSON.
     """
     env = env or _trained_on(policies) or "ActiveSuit/ArmTracking-v0"
-    options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
+    options = arm.config(suit, gravity)
     make_env(env, **options)[0].close()  # reports a mistake before the folder is made
     folder = RunFolder(out) if out else None
     scores = run(env, policies, episodes, seed, **options)
@@ -47,8 +48,12 @@ def evaluate(
         **options,
         "policies": [score.to_dict() for score in scores],
     }
-    title = f"Human torque: {env}, {gravity}, {suit}, {episodes} episodes"
-    conclude(result, title, score_table(scores), folder=folder, json=json)
+    where = f"{env}, {gravity}, {suit}, {episodes} episodes"
+    tables = {
+        f"Human torque: {where}": score_table(scores),
+        "Effort per episode": effort_table(scores),
+    }
+    conclude(result, tables, cuff_remarks(scores), folder=folder, json=json)
 
 
 def _trained_on(policies: tuple[str, ...]) -> str | None:

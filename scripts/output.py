@@ -6,7 +6,7 @@ import json
 import math
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -161,20 +161,20 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
 
 def conclude(
     result: dict[str, Any],
-    title: str,
-    rows: tuple[Sequence[str], Iterable[Sequence[str]]],
+    tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[str]]]],
     remarks: Iterable[str] = (),
     *,
     folder: RunFolder | None,
     json: bool,
 ) -> None:
-    """Writes result.json if there is a folder; prints the result as JSON, or table and remarks."""
+    """Writes result.json if there is a folder; prints the result as JSON, or tables and remarks."""
     if folder:
         folder.json("result.json", result)
     if json:
         print(to_json(result))
         return
-    table(title, *rows)
+    for title, rows in tables.items():
+        table(title, *rows)
     for remark in remarks:
         print(remark)
     if folder:

@@ -3,13 +3,19 @@
 from pathlib import Path
 
 from ..assets import JOINTS
-from ..envs.composition import ASSISTED
 from ..envs.evaluation import Trace, make_env, run_episode, score
-from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
+from ..envs.figures import (
+    cuff_forces_figure,
+    motion_loops_figure,
+    torques_figure,
+    trajectory_figure,
+)
+from ..envs.model import ASSISTED
 from ..envs.policies import make_policy
 from ..errors import at_least
+from .arm_options import USUAL, ArmOptions
 from .output import RunFolder, table, to_json
-from .tables import score_table
+from .tables import cuff_remarks, effort_table, score_table
 
 
 def simulate(
@@ -19,7 +25,7 @@ def simulate(
     gravity: str = "earth",
     seed: int = 0,
     out: Path = Path("runs/simulate"),
-    allow_uncertified: bool = False,
+    arm: ArmOptions = USUAL,
     json: bool = False,
 ) -> None:
     """Simulate one assisted arm motion, headless.
@@ -31,30 +37,36 @@ def simulate(
         gravity: earth, mars, moon or microgravity.
         seed: fixes the motion.
         out: folder for trace.csv, result.json and figures.
-        allow_uncertified: accept a suit whose torque could become infinite in some motion.
+        arm: wearer, coupling and load.
         json: print the result as JSON.
     """
     at_least("seed", seed, 0)
-    made, arm = make_env(env, suit=suit, gravity=gravity, allow_uncertified=allow_uncertified)
-    actor = make_policy(policy, arm)
+    options = arm.config(suit, gravity)
+    made, simulated = make_env(env, **options)
+    actor = make_policy(policy, simulated)
     folder = RunFolder(out)
     trace = run_episode(made, actor, seed)
     made.close()
     result = score(policy, [trace])
     write_trace(folder, "trace.csv", trace)
-    folder.json(
-        "result.json",
-        {"env": env, "suit": suit, "gravity": gravity, "seed": seed, **result.to_dict()},
-    )
-    traces = {policy: trace}
-    folder.figure("trajectory", trajectory_figure(traces))
-    folder.figure("torques", torques_figure(traces))
-    folder.figure("motion-loops", motion_loops_figure(traces))
+    folder.json("result.json", {"env": env, "seed": seed, **options, **result.to_dict()})
+    figures = {
+        "trajectory": trajectory_figure,
+        "torques": torques_figure,
+        "motion-loops": motion_loops_figure,
+    }
+    if trace.cuff_force is not None:
+        figures["cuff-forces"] = cuff_forces_figure
+    for name, draw in figures.items():
+        folder.figure(name, draw({policy: trace}))
     if json:
         print(to_json(result.to_dict()))
         return
     table(f"Human torque: {env}, {gravity}, {suit}, seed {seed}", *score_table([result]))
-    print(f"wrote {folder.path}/trace.csv, result.json and three figures")
+    table("Effort", *effort_table([result]))
+    for remark in cuff_remarks([result]):
+        print(remark)
+    print(f"wrote {folder.path}/trace.csv, result.json and {len(figures)} figures")
 
 
 def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:

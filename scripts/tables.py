@@ -131,7 +131,7 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
 
 def score_table(scores: Sequence[Score]) -> Rows:
     """Two rows per policy, shoulder and elbow: the wearer's torque, tracking, cost."""
-    from ..envs.composition import ASSISTED
+    from ..envs.model import ASSISTED
 
     header = ["policy", "joint", "RMS\n[N·m]", "peak\n[N·m]", "RMS\nsaved"]
     header += ["error\n[rad]", "assist\n[J]", "return"]
@@ -152,3 +152,43 @@ def score_table(scores: Sequence[Score]) -> Rows:
                 ]
             )
     return header, rows
+
+
+def effort_table(scores: Sequence[Score]) -> Rows:
+    """Two rows per policy: what the motion costs the wearer, per episode."""
+    from ..envs.model import ASSISTED
+
+    header = ["policy", "joint", "impulse\n[N·m·s]", "work on\nthe arm [J]", "taken\n[J]"]
+    header += ["cost of\ntorque", "cost of\nwork [J]", "smoothness\nSPARC"]
+    rows = []
+    for score in scores:
+        for i, joint in enumerate(ASSISTED):
+            cost = score.effort[joint]
+            rows.append(
+                [
+                    score.policy if i == 0 else "",
+                    joint.removesuffix("_flexion"),
+                    f"{cost['impulse']:.1f}",
+                    f"{cost['positive_work']:.2f}",
+                    f"{cost['negative_work']:.2f}",
+                    f"{cost['torque_cost']:.0f}",
+                    f"{cost['work_cost']:.1f}",
+                    f"{cost['spectral_arc_length']:.2f}",
+                ]
+            )
+    return header, rows
+
+
+def cuff_remarks(scores: Sequence[Score]) -> list[str]:
+    """One sentence per policy with cuffs: their greatest forces, and what a person should bear."""
+    from ..envs.model.cuffs import FORCE_LIMITS
+
+    return [
+        f"{score.policy}: cuff forces up to "
+        + ", ".join(
+            f"{force:.0f} N ({segment.replace('_', ' ')}; at most {FORCE_LIMITS[segment]:.0f})"
+            for segment, force in score.cuff_peak.items()
+        )
+        for score in scores
+        if score.cuff_peak
+    ]

@@ -9,6 +9,7 @@ from ..envs.evaluation import make_env
 from ..envs.policies.trained import algorithm_class, load_network
 from ..errors import InputError, at_least
 from ..files import replacing
+from .arm_options import USUAL, ArmOptions
 from .output import Bar, RunFolder, progress, telling
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
@@ -33,7 +34,7 @@ def train(
     seed: int = 0,
     suit: str = "mock-suit",
     gravity: str = "earth",
-    allow_uncertified: bool = False,
+    arm: ArmOptions = USUAL,
     out: Path = Path("runs/train"),
     resume: bool = False,
 ) -> None:
@@ -50,14 +51,16 @@ def train(
         seed: fixes initial networks and motions.
         suit: name of a shipped suit, or a suit file.
         gravity: earth, mars, moon or microgravity.
-        allow_uncertified: accept a suit whose torque could become infinite in some motion.
+        arm: wearer, coupling and load.
         out: folder of the run.
         resume: go on with the run in that folder.
     """
     at_least("steps", steps, 1)
     at_least("seed", seed, 0)
     algorithm_class(algo)  # reports a missing extra before the folder is made
-    options = {"suit": suit, "gravity": gravity, "allow_uncertified": allow_uncertified}
+    if arm.coupling == "none":
+        raise InputError("coupling is 'none': there is no motor to train for; use rigid or cuffs")
+    options = arm.config(suit, gravity)
     make_env(env, **options)[0].close()
     config = {"env": env, "algo": algo, "seed": seed, **options}
     _check_folder(out, config, resume)

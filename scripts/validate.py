@@ -7,9 +7,10 @@ import tyro
 
 from ..assets import load_suit
 from ..envs.evaluation import make_env, share_of_oracle
+from .arm_options import USUAL, ArmOptions
 from .evaluate import run
 from .output import RunFolder, conclude
-from .tables import score_table
+from .tables import cuff_remarks, score_table
 
 
 def validate(
@@ -21,7 +22,7 @@ def validate(
     episodes: int = 5,
     seed: int = 0,
     out: Path | None = None,
-    allow_uncertified: bool = False,
+    arm: ArmOptions = USUAL,
     json: bool = False,
 ) -> None:
     """Validate an identified suit model in closed loop.
@@ -37,12 +38,13 @@ def validate(
         episodes: motions per policy.
         seed: fixes the motions.
         out: folder for result.json.
-        allow_uncertified: accept a plant whose torque could become infinite in some motion.
+        arm: wearer, coupling and load.
         json: print the result as JSON.
     """
     load_suit(suit)
     worn = load_suit(plant)
-    make_env(env, suit=plant, gravity=gravity, allow_uncertified=allow_uncertified)[0].close()
+    options = arm.config(plant, gravity)
+    make_env(env, **options)[0].close()
     folder = RunFolder(out) if out else None
     scores = run(
         env,
@@ -50,21 +52,20 @@ def validate(
         episodes,
         seed,
         believed_suit=suit,
-        suit=plant,
-        gravity=gravity,
-        allow_uncertified=allow_uncertified,
+        **options,
     )
     share = share_of_oracle(scores, worn)
     result = {
         "believed_suit": suit,
         "plant": plant,
         "env": env,
-        "gravity": gravity,
         "episodes": episodes,
         "seed": seed,
+        **options,
         "share_of_oracle": share,
         "policies": [score.to_dict() for score in scores],
     }
     title = f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}"
     reached = [f"{joint}: {value:.1%} of the oracle's reduction" for joint, value in share.items()]
-    conclude(result, title, score_table(scores), reached, folder=folder, json=json)
+    remarks = [*reached, *cuff_remarks(scores)]
+    conclude(result, {title: score_table(scores)}, remarks, folder=folder, json=json)

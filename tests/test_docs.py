@@ -76,7 +76,10 @@ def test_links_to_files_exist(name):
         assert (DOCS / target).exists(), target
 
 
-@pytest.mark.parametrize("module", ["hysteresis", "hysteresis.engine", "identification", "envs"])
+MODULES = ["hysteresis", "hysteresis.engine", "identification", "envs", "envs.model", "envs.person"]
+
+
+@pytest.mark.parametrize("module", MODULES)
 def test_the_api_page_names_what_is_public(module):
     text = page("api.md")
     for name in import_module(f"activesuit.{module}").__all__:

@@ -1,14 +1,29 @@
-"""The wearer as a person: size, strength, and how they act."""
+"""The wearer as a person: size, strength, fatigue, control, and what a motion costs."""
 
 from .anthropometry import Person, Segment, range_of_motion, segments
+from .control import ControlState, VoluntaryControl, start_control, voluntary_torque
+from .effort import EffortMetrics, effort_metrics
+from .fatigue import endurance_time, fatigue_step, muscle_load
+from .smoothness import log_dimensionless_jerk, spectral_arc_length
 from .strength import isometric_strength, passive_torque, strength_limits
 
 __all__ = [
+    "ControlState",
+    "EffortMetrics",
     "Person",
     "Segment",
+    "VoluntaryControl",
+    "effort_metrics",
+    "endurance_time",
+    "fatigue_step",
     "isometric_strength",
+    "log_dimensionless_jerk",
+    "muscle_load",
     "passive_torque",
     "range_of_motion",
     "segments",
+    "spectral_arc_length",
+    "start_control",
     "strength_limits",
+    "voluntary_torque",
 ]

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
+from ._control_kernels import pull
 
 Array = NDArray[np.float64]
 Generators = np.random.Generator | Sequence[np.random.Generator]
@@ -169,7 +170,7 @@ def voluntary_torque(
     window = np.concatenate([state.past, intrinsic[..., None, :]], axis=-2)
     foreseen = feedforward + settings.suit_learning * suit_resistance
     low, high = limits
-    total = np.clip(intrinsic + foreseen + settings.feedback * window[..., 0, :], low, high)
+    total = pull(intrinsic, foreseen, settings.feedback, window[..., 0, :], low, high)
     variation = state.variation
     if settings.noise > 0 or settings.tremor > 0:
         variation = _vary(variation, dt, rng)

@@ -22,12 +22,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...assets import JOINTS
 from ..provenance import Grade, Quantity
+from ._strength_kernels import limits
 from .anthropometry import Person
 
 Array = NDArray[np.float64]
 
 DIRECTIONS = ("negative", "positive")
-_SIGN = np.array([[-1.0], [1.0]])
 
 _Source = tuple[str, Grade]
 _COLUMNS = (
@@ -183,6 +183,8 @@ _GROUP = {name: _column(name) for name, _ in _COLUMNS}
 _HILL = _GROUP["half_speed"] / (1 - 2 * _GROUP["half_speed"])
 _GAIN = _GROUP["eccentric"] - 1
 _KNEE = _GAIN / (1 + 1 / _HILL - _GAIN)
+_SHAPE = np.stack([_GROUP[name] for name in ("fastest", "best_angle", "width")])
+_SHAPE = np.concatenate([_SHAPE, [_HILL, _GAIN, _KNEE]])
 _STIFFNESS, _REST, _DAMPING = _passive("stiffness"), _passive("rest"), _passive("viscosity")
 
 
@@ -220,10 +222,7 @@ def strength_limits(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> tupl
         low: at most zero, shape (..., 4).
         high: at least zero, shape (..., 4).
     """
-    shortening = _SIGN * np.asarray(rate)[..., None, :] / _GROUP["fastest"]
-    offset = (np.asarray(angle)[..., None, :] - _GROUP["best_angle"]) / _GROUP["width"]
-    torque = isometric * np.exp(-(offset**2) / 2) * _velocity_factor(shortening)
-    return -torque[..., 0, :], torque[..., 1, :]
+    return limits(isometric, angle, rate, _SHAPE)
 
 
 def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array:
@@ -246,15 +245,3 @@ def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array
     stretch = (angle[..., None, :] - begin) / (_GROUP["passive_peak"] - begin)
     pull = isometric * np.maximum(stretch, 0) ** 2
     return pull[..., 1, :] - pull[..., 0, :] - _STIFFNESS * (angle - _REST) - _DAMPING * rate
-
-
-def _velocity_factor(shortening: Array) -> Array:
-    """Torque over isometric torque at a shortening speed over the fastest, shape (..., 2, 4).
-
-    Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0), and for lengthening another one
-    that leaves (0, 1) with the same slope and meets (-1, eccentric); constant beyond both ends.
-    """
-    shorter = np.clip(shortening, 0, 1)
-    longer = np.clip(-shortening, 0, 1)
-    concentric = (1 - shorter) / (1 + shorter / _HILL)
-    return concentric + _GAIN * (1 + _KNEE) * longer / (longer + _KNEE)

@@ -7,6 +7,7 @@ import gymnasium
 from ...assets import load_suit
 from ...errors import InputError, unknown_name
 from ..arm_env import ArmEnv
+from ..model import resisting_joints
 from .base import Policy
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
@@ -24,19 +25,26 @@ def make_policy(name: str, env: gymnasium.Env, *, believed_suit: str | None = No
         name: "none", "gravity", "feedforward", "oracle", or the folder of a training run.
         env: the environment it will act in, wrapped or not.
         believed_suit: name or file of the suit that "feedforward" believes in; by default the
-            simulated one.
+            simulated one at its pressure.
 
     Raises:
-        InputError: there is no such policy or folder.
+        InputError: there is no such policy or folder, or no motor that it could drive.
     """
     arm = env.unwrapped
     if not isinstance(arm, ArmEnv):
         raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
+    if name != "none" and not arm.wiring.motors.size:
+        raise InputError(
+            f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
+            "policy 'none'"
+        )
     simple = {"none": NoAssist, "gravity": GravityCompensation, "oracle": Oracle}
     if name in simple:
         return simple[name](arm)
     if name == "feedforward":
-        return HysteresisFeedforward(arm, load_suit(believed_suit or arm.config.suit))
+        if believed_suit is None:
+            return HysteresisFeedforward(arm, resisting_joints(arm.config))
+        return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
     if not Path(name).is_dir():
         raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
     return TrainedPolicy(name, arm.observation_space.shape[0])  # type: ignore[index]

@@ -1,13 +1,14 @@
 """Hysteresis feed-forward: the motors cancel the suit torque that an identified model predicts."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assets import Suit
+from ...assets import SuitJoint
 from ..arm_env import ArmEnv
-from ..composition import ASSISTED
+from ..model import ASSISTED
 
 
 class HysteresisFeedforward:
@@ -19,12 +20,12 @@ class HysteresisFeedforward:
 
     Args:
         env: the environment to act in.
-        suit: what the controller believes the suit to be. It need not be the simulated one; a
-            joint that it does not list gets no assist.
+        joints: how the controller believes that the suit resists. It need not be the simulated one;
+            a joint that is not there gets no assist.
     """
 
-    def __init__(self, env: ArmEnv, suit: Suit) -> None:
-        entries = {i: suit.joints[name] for i, name in enumerate(ASSISTED) if name in suit.joints}
+    def __init__(self, env: ArmEnv, joints: Mapping[str, SuitJoint]) -> None:
+        entries = {i: joints[name] for i, name in enumerate(ASSISTED) if name in joints}
         self._models = {i: entry.model for i, entry in entries.items()}
         self._starts = {
             i: entry.model.start(entry.start_angle, entry.start_torque)

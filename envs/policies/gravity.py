@@ -1,4 +1,4 @@
-"""Gravity compensation: the motors carry the weight of arm, suit and exoskeleton."""
+"""Gravity compensation: the motors carry the weight of arm, suit, exoskeleton and load."""
 
 from typing import Any
 
@@ -10,12 +10,16 @@ from ..arm_env import ArmEnv
 
 
 class GravityCompensation:
-    """Cancels the static gravity torque at the measured joint angles, from the known masses."""
+    """Cancels the static gravity torque at the measured joint angles, from the known masses.
+
+    On cuffs it takes the arm's angles for the exoskeleton's, which differ by what the cuffs yield.
+    """
 
     def __init__(self, env: ArmEnv) -> None:
         self._model, self._data = env.model, mujoco.MjData(env.model)
         self._wiring, self._angle = env.wiring, env.layout["angle"]
-        self._assisted = env.wiring.joints[env.wiring.assisted]
+        chains = np.unique([env.wiring.joints, env.wiring.exo_joints], axis=0)
+        self._assisted = chains[:, env.wiring.assisted]
         self._bias = np.zeros(env.model.nv)
 
     def reset(self) -> None:
@@ -24,8 +28,10 @@ class GravityCompensation:
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
         """Returns the torque that holds the arm still, over the peak, clipped to [-1, 1]."""
         del info
-        self._data.qpos[self._wiring.joints] = observation[self._angle]
+        angle = observation[self._angle]
+        self._data.qpos[self._wiring.joints] = self._data.qpos[self._wiring.exo_joints] = angle
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
         mujoco.mj_rne(self._model, self._data, 0, self._bias)
-        return np.clip(self._bias[self._assisted] / self._wiring.peak_torque, -1, 1)
+        weight = self._bias[self._assisted].sum(axis=0)
+        return np.clip(weight / self._wiring.peak_torque, -1, 1)

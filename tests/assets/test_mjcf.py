@@ -4,7 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import FOLDER, JOINTS, SCENE
-from activesuit.envs.composition import bare_arm
+from activesuit.envs.model import ArmConfig, bare_arm
+from activesuit.envs.model.drawing import drawn_quantities
+from activesuit.envs.person.strength import PROVENANCE
 from scipy.stats import qmc
 
 
@@ -23,7 +25,14 @@ def test_everything_that_matters_is_named(scene):
     assert tuple(scene.joint(i).name for i in range(scene.njnt)) == JOINTS
     assert all(scene.actuator(i).name for i in range(scene.nactuator))
     assert all(scene.sensor(i).name for i in range(scene.nsensor))
-    assert {scene.camera(i).name for i in range(scene.ncam)} >= {"front", "side", "overview"}
+    assert {scene.camera(i).name for i in range(scene.ncam)} == {
+        "front",
+        "side",
+        "overview",
+        "elbow",
+        "cuffs",
+        "follow",
+    }
     assert scene.jnt_limited.all()
     assert (scene.dof_armature > 0).all()
 
@@ -52,15 +61,40 @@ def gravity_torque(model, **angles):
 )
 def test_gravity_torque_of_the_bare_arm(gravity, shoulder, elbow):
     # de Leva 1996, 1.78 m, 80 kg, arm horizontal: closed form.
-    torque = gravity_torque(bare_arm(gravity), shoulder_flexion=np.pi / 2)
+    torque = gravity_torque(bare_arm(ArmConfig(gravity=gravity)), shoulder_flexion=np.pi / 2)
     np.testing.assert_allclose(torque, [shoulder, elbow], atol=0.006)
+
+
+def test_gravity_torque_with_suit_and_exoskeleton(scene):
+    # README.md of the files.
+    torque = gravity_torque(scene, shoulder_flexion=np.pi / 2)
+    np.testing.assert_allclose(torque, [34.8, 9.0], atol=0.05)
+
+
+def test_the_relaxed_arm_is_the_persons(scene):
+    values = {quantity.name: quantity.value for quantity in PROVENANCE}
+    for i, joint in enumerate(JOINTS):
+        assert scene.dof_damping[i] == values[f"passive.{joint}.viscosity"]
+        assert scene.jnt_stiffness[i] == values.get(f"passive.{joint}.stiffness", 0)
+        assert scene.qpos_spring[i] == values.get(f"passive.{joint}.rest", 0)
+
+
+def test_every_drawn_number_is_the_models(scene):
+    values = {quantity.name: quantity.value for quantity in drawn_quantities()}
+    assert values["torso.shoulder_height"] == scene.body("torso").pos[2]
+    assert values["suit.hand.mass"] == scene.body("suit_hand").mass[0]
+    for joint in JOINTS:
+        ends = [values[f"suit.range.{joint}.{end}"] for end in ("low", "high")]
+        np.testing.assert_array_equal(ends, scene.joint(joint).range)
+        wearer = scene.actuator(f"human_{joint}")
+        assert values[f"wearer.{joint}.stiffness"] == -wearer.biasprm[1]
 
 
 def test_sensors_read_what_they_say(scene):
     data = mujoco.MjData(scene)
     mujoco.mj_resetDataKeyframe(scene, data, scene.key("reach").id)
-    data.ctrl[scene.actuator_ctrladr[scene.actuator("assist_elbow_flexion").id]] = 0.5
-    data.act[:] = 0.5
+    data.ctrl[scene.actuator_ctrladr[scene.actuator("assist_elbow_flexion").id]] = 12.5
+    data.act[:] = 12.5
     mujoco.mj_forward(scene, data)
     assert data.sensor("assist_torque_elbow_flexion").data[0] == pytest.approx(12.5)
     assert data.sensor("encoder_elbow_flexion").data[0] == pytest.approx(0.6)
@@ -88,8 +122,8 @@ def test_ten_seconds_without_a_warning(scene, key, noisy):
 
 
 def control_limits(model):
-    """Range of every control: joint range, 6 rad/s and full torque for the wearer; 1 for motors."""
-    low, high = -np.ones(model.nu), np.ones(model.nu)
+    """Range of every control: joint range, 6 rad/s and full torque for the wearer."""
+    low, high = model.actuator_ctrlrange.T.copy()
     for joint in JOINTS:
         actuator = model.actuator(f"human_{joint}").id
         start = model.actuator_ctrladr[actuator]

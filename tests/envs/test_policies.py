@@ -4,8 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit, save_suit
-from activesuit.envs.composition import ASSISTED
 from activesuit.envs.evaluation import evaluate, run_episode, score
+from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import POLICIES, NoAssist, make_policy
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
@@ -22,7 +22,7 @@ def identified(tmp_path_factory):
         curves = load_curves(curves_path(name))
         joints[joint] = fitted_joint(identify(curves, seed=1), curves, curves_path(name))
     path = tmp_path_factory.mktemp("suit") / "identified.json"
-    save_suit(Suit(schema_version=1, name="fit", description="", joints=joints), path)
+    save_suit(Suit(name="fit", description="", joints=joints), path)
     return path
 
 
@@ -50,7 +50,7 @@ def test_gravity_compensation_carries_the_weight():
         assert gravity.reduction[joint] > 0.6
     options = {"episodes": 1, "gravity": "microgravity"}
     (weightless,) = evaluate("ActiveSuit/ArmTracking-v0", ("gravity",), **options)
-    assert weightless.assist_energy == 0
+    assert weightless.assist_energy == pytest.approx(0, abs=1e-9)
 
 
 @pytest.mark.parametrize("name", POLICIES)
@@ -87,8 +87,7 @@ def test_a_wrong_belief_helps_less(tmp_path):
     suit = load_suit("mock-suit")
     content = suit.model_dump()
     for joint in ASSISTED:
-        content["joints"][joint]["parameters"]["Ms"] *= 0.3
-        content["joints"][joint]["parameters"]["alpha"] /= 0.3
+        content["joints"][joint]["model"] = suit.joints[joint].model.scaled(torque=0.3)
     save_suit(Suit.model_validate(content), tmp_path / "weak.json")
     options = {"episodes": 1, "gravity": "microgravity"}
     policies = ("none", "feedforward")
@@ -153,8 +152,9 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     )
     env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", max_episode_steps=100)
     trace = run_episode(env, half, seed=0)
-    assert not trace.assist_torque[:, 0].any()
-    assert trace.assist_torque[:, 1].any()
+    greatest = np.abs(trace.assist_torque).max(axis=0)
+    assert greatest[0] < 1e-9
+    assert greatest[1] > 0.1
 
 
 def test_folder_that_is_no_training_run(tmp_path):

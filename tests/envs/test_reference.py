@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from activesuit.envs.composition import bare_arm
+from activesuit.envs.model import ArmConfig, bare_arm
 from activesuit.envs.reference import follow, minimum_jerk, random_moves
 
 
@@ -31,5 +31,5 @@ def test_moves_stay_in_the_span_and_are_smooth(seed):
 def test_feedforward_of_a_still_arm_is_its_gravity_torque():
     angle = np.zeros((2, 4))
     angle[:, 1] = np.pi / 2
-    still = follow(bare_arm("earth"), np.arange(4), (angle, np.zeros((2, 4)), np.zeros((2, 4))))
+    still = follow(bare_arm(ArmConfig()), np.arange(4), (angle, np.zeros((2, 4)), np.zeros((2, 4))))
     np.testing.assert_allclose(still.feedforward[0, 1], 11.82, atol=0.006)

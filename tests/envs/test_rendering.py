@@ -46,7 +46,7 @@ def test_two_videos_and_a_pickle(env):
 def test_unknown_camera():
     made = gymnasium.make("ActiveSuit/ElbowFlexion-v0", render_mode="rgb_array", camera="top")
     made.reset(seed=0)
-    with pytest.raises(InputError, match="unknown camera 'top': use one of elbow, front"):
+    with pytest.raises(InputError, match="unknown camera 'top': use one of cuffs, elbow, follow"):
         made.render()
 
 

@@ -2,12 +2,12 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.reference import Reference
 from activesuit.errors import InputError
 
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (100, 2))
@@ -80,6 +80,8 @@ def test_state_of_another_environment_is_refused(saved):
         make(control_dt=0.02).set_state(saved)
     with pytest.raises(InputError, match=r"ArmTrackingEnv.*ElbowFlexionEnv"):
         make("ElbowFlexion").set_state(saved)
+    with pytest.raises(InputError, match=r"with fatigue=False, and this one has fatigue=True"):
+        make(fatigue=True).set_state(saved)
 
 
 def test_needs_a_reset_first():
@@ -102,7 +104,7 @@ def test_a_state_without_a_part_is_refused(saved):
         part = {name: value for name, value in saved.items() if name != key}
         with pytest.raises(InputError, match=f"the state lacks {key}: give"):
             env.set_state(part)
-    with pytest.raises(InputError, match=r"the state lacks config, physics, .*random: give"):
+    with pytest.raises(InputError, match=r"the state lacks config, physics, .*fatigued: give"):
         env.set_state({})
 
 
@@ -113,7 +115,8 @@ def spoiled(values, index=0, value=np.nan):
 
 
 JUNK = [
-    ("config", lambda old: None, "the state is of None and"),
+    ("config", lambda old: None, "the state's config is None: give that of get_state"),
+    ("config", lambda old: {"task": 1}, r"the state's config is {'task': 1}: give that"),
     ("physics", lambda old: old.tolist(), r"physics is \[.*float64 numbers of shape"),
     ("physics", lambda old: old[:-1], r"physics is array.*must be float64 numbers of shape"),
     ("physics", lambda old: old.astype(np.float32), "must be float64 numbers"),
@@ -126,14 +129,18 @@ JUNK = [
     ("reference", lambda old: {}, r"reference is {}: it must be a Reference"),
     (
         "reference",
-        lambda old: Reference(old.angle[:5], old.rate, old.feedforward),
+        lambda old: replace(old, angle=old.angle[:5]),
         r"reference\.angle is .* of shape \(1001, 4\)",
     ),
     (
         "reference",
-        lambda old: Reference(old.angle, old.rate, spoiled(old.feedforward)),
+        lambda old: replace(old, feedforward=spoiled(old.feedforward)),
         r"reference\.feedforward is ",
     ),
+    ("past_torque", lambda old: old[1:], r"past_torque is .* of shape \(5, 4\)"),
+    ("variation", spoiled, r"variation is .* of shape \(3, 4\)"),
+    ("fatigued", lambda old: 0.0, r"fatigued is 0\.0.* of shape \(2, 4\)"),
+    ("motor_heat", lambda old: None, r"motor_heat is None.* of shape \(2,\)"),
     ("step", lambda old: -1, "step is -1: it must be a count"),
     ("step", lambda old: 2.5, r"step is 2\.5: it must be a count"),
     ("clipped_actions", lambda old: "none", "clipped_actions is 'none': it must be a count"),

@@ -1,0 +1,68 @@
+"""What an experimenter knows of the arm: angles, torques and energies, beyond any sensor."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from .wiring import Wiring
+
+Array = NDArray[np.float64]
+ENERGIES = ("assist_energy", "human_energy")
+
+
+class Meter:
+    """Reads the physics, and adds up energies.
+
+    Args:
+        wiring: where the model keeps things.
+        dt: control period [s].
+
+    Attributes:
+        values: what was read last, by its name in `info`.
+        energy: of motors and wearer since the reset, sums of |power| [J].
+        dissipated_at_reset: what the suit had dissipated by its own count [J].
+    """
+
+    def __init__(self, wiring: Wiring, dt: float) -> None:
+        self._wiring, self._dt = wiring, dt
+
+    def begin(self, data: mujoco.MjData) -> None:
+        """Starts to count."""
+        self.energy = dict.fromkeys(ENERGIES, 0.0)
+        self.dissipated_at_reset = self.dissipated_in(data)
+
+    def dissipated_in(self, data: mujoco.MjData) -> float:
+        """Returns the energy that the suit has dissipated by its own count [J]."""
+        return sum(data.sensordata[self._wiring.dissipated].tolist(), 0.0)
+
+    def read(self, data: mujoco.MjData, target_angle: Array, others: dict[str, Array]) -> None:
+        """Reads the present, to which `others` belong as well."""
+        wiring = self._wiring
+        self.values = {
+            "angle": data.qpos[wiring.joints],
+            "rate": data.qvel[wiring.joints],
+            "target_angle": target_angle,
+            "human_torque": data.actuator_force[wiring.human],
+            "suit_torque": wiring.suit_torque_of(data),
+            "assist_torque": wiring.assist_torque_of(data),
+            **others,
+        }
+        if wiring.cuffs.size:
+            self.values["cuff_force"] = data.sensordata[wiring.cuffs]
+        self._dissipated = self.dissipated_in(data)
+
+    def count(self) -> None:
+        """Adds the control period that ended with the last reading."""
+        rate = self.values["rate"]
+        human = self.values["human_torque"] * rate
+        assist = self.values["assist_torque"] * rate[self._wiring.assisted]
+        self.energy["human_energy"] += sum(map(abs, human.tolist())) * self._dt
+        self.energy["assist_energy"] += sum(map(abs, assist.tolist())) * self._dt
+
+    def report(self) -> dict[str, Array | float]:
+        """Returns readings and energies; they are the caller's."""
+        return {
+            **{name: values.copy() for name, values in self.values.items()},
+            **self.energy,
+            "dissipated_energy": self._dissipated - self.dissipated_at_reset,
+        }

@@ -1,0 +1,32 @@
+"""The simulated arm as a MuJoCo model: a person, a suit and an exoskeleton made to measure."""
+
+from .compose import arm_spec, bare_arm, compose, resisting_joints
+from .config import GRAVITY, ArmConfig, Payload
+from .exoskeleton import (
+    ASSISTED,
+    Exo,
+    Motor,
+    quantize,
+    start_encoders,
+    thermal_clip,
+    thermal_step,
+)
+from .mirroring import mirror
+
+__all__ = [
+    "ASSISTED",
+    "GRAVITY",
+    "ArmConfig",
+    "Exo",
+    "Motor",
+    "Payload",
+    "arm_spec",
+    "bare_arm",
+    "compose",
+    "mirror",
+    "quantize",
+    "resisting_joints",
+    "start_encoders",
+    "thermal_clip",
+    "thermal_step",
+]

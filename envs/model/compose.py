@@ -1,0 +1,150 @@
+"""From a configuration to a MuJoCo model with the suit inside the physics."""
+
+import copy
+import math
+from functools import lru_cache
+
+import mujoco
+import numpy as np
+
+from ...assets import SCENE, Suit, SuitJoint, load_suit
+from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
+from .cuffs import couple
+from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
+from .fitting import fit_person
+from .mirroring import mirror
+from .suit import attach_suit, remove_suit
+
+
+def compose(config: ArmConfig) -> mujoco.MjModel:
+    """Builds the arm, suit and exoskeleton of `config`; every call returns a model of its own.
+
+    Raises:
+        InputError: an unknown suit, or a pressure for a suit file that does not tell its own.
+        UncertifiedModelError: the suit is not certified and `allow_uncertified` is not set.
+    """
+    suit = _suit_of(config)
+    return copy.copy(_compiled(config, None if suit is None else suit.model_dump_json()))
+
+
+def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
+    """Returns what `compose` compiles, to add things to it: tools, sensors, a scene.
+
+    Raises:
+        InputError, UncertifiedModelError: see `compose`.
+    """
+    return _built(config, _suit_of(config))
+
+
+def bare_arm(config: ArmConfig) -> mujoco.MjModel:
+    """Returns the wearer's arm alone, for inverse dynamics: no suit, exoskeleton or load."""
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    fit_person(spec, config.wearer)
+    for part in [*spec.keys, *spec.sensors]:
+        spec.delete(part)
+    remove_suit(spec)
+    remove_exoskeleton(spec)
+    # Inertias are explicit, so shapes can go too: inverse dynamics is then three times faster.
+    for part in [*spec.actuators, *spec.geoms, *spec.sites]:
+        spec.delete(part)
+    for joint in spec.joints:
+        joint.armature = 0.0
+    _place(spec, config)
+    return spec.compile()
+
+
+def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
+    """Returns how the suit resists which joints, at the pressure it is worn at.
+
+    Raises:
+        InputError: see `compose`.
+    """
+    suit = _suit_of(config)
+    return {} if suit is None else dict(suit.joints)
+
+
+@lru_cache(maxsize=32)
+def _compiled(config: ArmConfig, suit: str | None) -> mujoco.MjModel:
+    # The content of the suit file is part of the key: a path may get a new content.
+    return _built(config, None if suit is None else Suit.model_validate_json(suit)).compile()
+
+
+def _suit_of(config: ArmConfig) -> Suit | None:
+    """Returns the suit at the pressure it is worn at."""
+    if config.suit == NO_SUIT:
+        return None
+    suit = load_suit(config.suit)
+    return suit if config.pressure is None else suit.at_pressure(config.pressure)
+
+
+def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    spec.option.timestep = config.timestep
+    fit_person(spec, config.wearer)
+    _strip(spec, config)
+    if config.coupling != "none":
+        fit_exoskeleton(spec, config.exo)
+    if config.payload.mass > 0:
+        _add_payload(spec, config.payload)
+    delay_encoders(spec, config.exo.encoder_delay)
+    _place(spec, config)
+    if config.coupling == "cuffs":
+        couple(spec, config.misalignment)
+    if suit is not None:
+        attach_suit(spec, suit, allow_uncertified=config.allow_uncertified)
+    return spec
+
+
+def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
+    """Removes what `config` is without."""
+    postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
+    for key in spec.keys:  # before anything that their sizes depend on
+        spec.delete(key)
+    if config.suit == NO_SUIT:
+        remove_suit(spec)
+    if config.coupling == "none":
+        remove_exoskeleton(spec)
+        postures = [(name, qpos, [], ctrl[: -len(ASSISTED)]) for name, qpos, _, ctrl in postures]
+    if config.gravity == "microgravity":
+        spec.delete(spec.geom("floor"))
+        for geom in spec.body("foot_restraint").geoms:
+            geom.group = 2
+    else:
+        spec.delete(spec.body("foot_restraint"))
+    for name, qpos, act, ctrl in postures:
+        spec.add_key(name=name, qpos=qpos, act=act, ctrl=ctrl)
+
+
+def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
+    holder = spec.body("exo_hand") or spec.body("hand")
+    grip = spec.site("attachment_ring") or spec.site("hand_grip")
+    center = grip.pos - np.array([0, 0, payload.radius])
+    body = holder.add_body(name="payload", pos=center)
+    body.mass, body.inertia, body.explicitinertial = payload.mass, payload.moments, True
+    body.add_geom(
+        name="payload",
+        type=mujoco.mjtGeom.mjGEOM_SPHERE,
+        size=[payload.radius, 0, 0],
+        group=2,
+        contype=2,
+        mass=0,
+        material="exo_steel",
+    )
+
+
+def _place(spec: mujoco.MjSpec, config: ArmConfig) -> None:
+    """Chooses the side, leans the torso on the hips, and lets gravity act."""
+    if config.side == "left":
+        mirror(spec)
+    spec.option.gravity = [0, 0, -GRAVITY[config.gravity]]
+    pitch, roll = config.tilt
+    lean = np.zeros(4)
+    mujoco.mju_mulQuat(
+        lean,
+        np.array([math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]),
+        np.array([math.cos(roll / 2), math.sin(roll / 2), 0, 0]),
+    )
+    hips, torso = spec.body("legs"), spec.body("torso")
+    raised = np.zeros(3)
+    mujoco.mju_rotVecQuat(raised, torso.pos - hips.pos, lean)
+    torso.pos, torso.quat = hips.pos + raised, lean

@@ -1,0 +1,217 @@
+"""What to compose, as plain values: wearer, suit, exoskeleton, load and place."""
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from typing import Any, Literal, TypeVar
+
+from ...assets.suits import HIGHEST_PRESSURE
+from ...errors import InputError, unknown_name
+from ..person import Person
+from ..provenance import Quantity
+from .exoskeleton import Exo, require
+
+NO_SUIT = "none"
+COUPLINGS = ("rigid", "cuffs", "none")
+SIDES = ("right", "left")
+SIM_DT_RANGE = (1e-5, 0.01)  # s
+HEAVIEST_PAYLOAD = 60.0  # kg
+LARGEST_MISALIGNMENT = 0.05  # m
+STEEPEST = math.pi / 2  # rad
+
+_FACTS = "NASA planetary fact sheets"
+_GRAVITY = (
+    Quantity("gravity.earth", 9.81, "m/s²", _FACTS, "published"),
+    Quantity("gravity.mars", 3.71, "m/s²", _FACTS, "published"),
+    Quantity("gravity.moon", 1.62, "m/s²", _FACTS, "published"),
+    Quantity("gravity.microgravity", 0.0, "m/s²", "free fall", "derived"),
+)
+_DENSITY = Quantity(
+    "payload.density", 2700.0, "kg/m³", "aluminum, the usual metal of space hardware", "assumed"
+)
+PROVENANCE: tuple[Quantity, ...] = (*_GRAVITY, _DENSITY)
+GRAVITY = {quantity.name.removeprefix("gravity."): quantity.value for quantity in _GRAVITY}
+
+Config = TypeVar("Config")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Payload:
+    """A rigid load in the ring of the exoskeleton, or in the hand where there is none.
+
+    Attributes:
+        mass: its mass [kg], 0 to 60; 0 for nothing.
+        inertia: moments about its center, in the axes of the hanging hand (x forward, y left,
+            z up) [kg·m²]; by default those of a solid sphere of aluminum.
+
+    Raises:
+        InputError: a value is outside its range, or no body has such moments.
+    """
+
+    mass: float = 0.0
+    inertia: tuple[float, float, float] | None = None
+
+    def __post_init__(self) -> None:
+        require("payload.mass", self.mass, 0, HEAVIEST_PAYLOAD, " kg")
+        if self.inertia is None:
+            return
+        object.__setattr__(self, "inertia", _numbers("payload.inertia", self.inertia, 3))
+        if self.mass == 0:
+            raise InputError(f"payload.inertia is {self.inertia}, but its mass is 0: give a mass")
+        if min(self.inertia) <= 0 or 2 * max(self.inertia) > sum(self.inertia):
+            raise InputError(
+                f"payload.inertia is {self.inertia}: use moments above 0, none of them greater "
+                "than the other two together"
+            )
+
+    @property
+    def radius(self) -> float:
+        """Radius of the sphere that it is drawn as [m]."""
+        return (3 * self.mass / (4 * math.pi * _DENSITY.value)) ** (1 / 3)
+
+    @property
+    def moments(self) -> tuple[float, float, float]:
+        """Its moments of inertia, given or those of the sphere [kg·m²]."""
+        ball = 0.4 * self.mass * self.radius**2
+        return self.inertia or (ball, ball, ball)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmConfig:
+    """What to compose. All fields are plain values: `to_dict` and `from_dict` convert to JSON.
+
+    Nested fields also take a dict of what differs from their defaults, as in
+    `ArmConfig(wearer={"stature": 1.6}, exo={"elbow": {"peak_torque": 30}})`.
+
+    Attributes:
+        suit: name of a shipped suit, path of a suit file, or "none".
+        pressure: operating pressure of the suit [kPa], to which its torque is proportional; by
+            default that of the suit file.
+        gravity: "earth", "mars", "moon" or "microgravity".
+        wearer: the person.
+        exo: the exoskeleton.
+        coupling: "rigid": the exoskeleton shares the arm's joints; "cuffs": it is a chain of its
+            own on elastic cuffs; "none": there is no exoskeleton.
+        payload: a load at the hand.
+        side: "right" or "left" arm.
+        tilt: of the torso on the hips, pitch (forward positive) and roll (to the wearer's right
+            positive), each within a right angle [rad].
+        misalignment: where the exoskeleton's axes are, seen from the arm's, with the arm hanging:
+            forward, outward, up [m]; up to 0.05 m each way, and with cuffs only.
+        sim_dt: physics step [s]; by default 0.002, with cuffs 0.001.
+        allow_uncertified: accept suits whose torque could become infinite in some motion.
+
+    Raises:
+        InputError: a value is outside its range, unknown, or at odds with another one.
+    """
+
+    suit: str = "mock-suit"
+    pressure: float | None = None
+    gravity: str = "earth"
+    wearer: Person = field(default_factory=Person)
+    exo: Exo = field(default_factory=Exo)
+    coupling: Literal["rigid", "cuffs", "none"] = "rigid"
+    payload: Payload = field(default_factory=Payload)
+    side: Literal["right", "left"] = "right"
+    tilt: tuple[float, float] = (0.0, 0.0)
+    misalignment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    sim_dt: float | None = None
+    allow_uncertified: bool = False
+
+    def __post_init__(self) -> None:
+        for name, default in _NESTED.items():
+            object.__setattr__(self, name, nested(name, getattr(self, name), default))
+        if not isinstance(self.suit, str | os.PathLike):
+            raise InputError(f"suit is {self.suit!r}: give a name, a path, or {NO_SUIT!r}")
+        object.__setattr__(self, "suit", os.fspath(self.suit))
+        for name, size in (("tilt", 2), ("misalignment", 3)):
+            object.__setattr__(self, name, _numbers(name, getattr(self, name), size))
+        for name, known in (("gravity", tuple(GRAVITY)), ("coupling", COUPLINGS), ("side", SIDES)):
+            if getattr(self, name) not in known:
+                raise unknown_name(name, getattr(self, name), known)
+        if self.sim_dt is not None:
+            require("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
+        for angle in self.tilt:
+            require("tilt", angle, -STEEPEST, STEEPEST, " rad")
+        self._check_pressure()
+        self._check_coupling()
+
+    @property
+    def timestep(self) -> float:
+        """The physics step [s]."""
+        return self.sim_dt or (0.001 if self.coupling == "cuffs" else 0.002)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns all fields, nested ones as dicts, ready for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> "ArmConfig":
+        """Returns the config with the fields in `values`, the others at their defaults.
+
+        Raises:
+            InputError: a field is unknown, or its value cannot be used.
+        """
+        return nested("config", values, cls())
+
+    def _check_pressure(self) -> None:
+        if self.pressure is None:
+            return
+        require("pressure", self.pressure, 0, HIGHEST_PRESSURE, " kPa")
+        if self.suit == NO_SUIT:
+            raise InputError(
+                f"pressure is {self.pressure} kPa, but suit is 'none': leave one of them out"
+            )
+
+    def _check_coupling(self) -> None:
+        if self.coupling == "none" and self.exo != Exo():
+            raise InputError("exo is given, but coupling is 'none': use 'rigid' or 'cuffs'")
+        if self.coupling != "cuffs" and any(self.misalignment):
+            raise InputError(
+                f"misalignment is {self.misalignment}, but coupling is {self.coupling!r}: only "
+                "coupling='cuffs' lets exoskeleton and arm have different axes"
+            )
+        for distance in self.misalignment:
+            limit = LARGEST_MISALIGNMENT
+            require("misalignment", distance, -limit, limit, " m")
+
+
+_NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}
+
+
+def nested(name: str, value: Any, default: Config) -> Config:
+    """Returns `value`, or where it is a dict, `default` with the fields in it replaced.
+
+    Raises:
+        InputError: it is neither, or a field is unknown or cannot be used.
+    """
+    if isinstance(value, type(default)):
+        return value
+    if isinstance(value, Mapping):
+        return _updated(default, value, name)
+    kind = type(default).__name__
+    raise InputError(f"{name} is {value!r}: give {kind}(...) or a dict of its fields")
+
+
+def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
+    """Returns `default` with some fields replaced, dicts in nested fields likewise."""
+    assert is_dataclass(default) and not isinstance(default, type)
+    known = [known_field.name for known_field in fields(default)]
+    new = {}
+    for name, value in values.items():
+        if name not in known:
+            raise unknown_name(f"field of {where}", name, known)
+        old = getattr(default, name)
+        new[name] = nested(f"{where}.{name}", value, old) if is_dataclass(old) else value
+    return replace(default, **new)
+
+
+def _numbers(name: str, values: Any, size: int) -> Any:
+    try:
+        numbers = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        numbers = ()
+    if len(numbers) != size or not all(map(math.isfinite, numbers)):
+        raise InputError(f"{name} is {values!r}: give {size} finite numbers")
+    return numbers

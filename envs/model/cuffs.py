@@ -1,0 +1,174 @@
+"""The exoskeleton on its own joints, held to the arm by compliant cuffs.
+
+arm.xml mounts the exoskeleton rigidly: its parts move with the segments of the arm, and its motors
+act on the wearer's joints. Here they become a chain of their own, beside the arm's on the torso,
+and three bushings carry all force between the two: at the guards of upper arm and forearm, and at
+the ring that holds the glove.
+"""
+
+import math
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ...assets import JOINTS
+from ...errors import InputError
+from ..provenance import Quantity
+from .bushing import Bushing, Triple, attach_bushing
+
+_SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
+_ACROSS = Quantity(
+    "cuff.stiffness.across", 4500.0, "N/m", f"{_SCHIEBL}, greatest median", "published"
+)
+_ALONG = Quantity("cuff.stiffness.along", 2100.0, "N/m", f"{_SCHIEBL}, least median", "published")
+_ABOUT_ACROSS = Quantity(
+    "cuff.stiffness.about_across",
+    0.20,
+    "N·m/deg",
+    f"{_SCHIEBL}, mean of four linear group regressions, 0.18 to 0.22",
+    "published",
+)
+_ABOUT_ALONG = Quantity(
+    "cuff.stiffness.about_along", 0.03, "N·m/deg", f"{_SCHIEBL}, abstract", "published"
+)
+_DAMPING_RATIO = Quantity(
+    "cuff.damping_ratio", 0.5, "1", "soft tissue, between 0.3 and 1", "assumed"
+)
+_ISO = "ISO/TS 15066 effective mass, second hand"
+_MASSES = {
+    "upper_arm": Quantity("cuff.upper_arm.mass", 3.0, "kg", _ISO, "assumed"),
+    "forearm": Quantity("cuff.forearm.mass", 2.0, "kg", _ISO, "assumed"),
+    "hand": Quantity("cuff.hand.mass", 0.6, "kg", _ISO, "assumed"),
+}
+
+_SAFETY = "ISO/TS 15066: quasi-static contact force"
+_FORCE_LIMITS = {
+    "upper_arm": Quantity("cuff.upper_arm.force_limit", 150.0, "N", _SAFETY, "published"),
+    "forearm": Quantity("cuff.forearm.force_limit", 160.0, "N", _SAFETY, "published"),
+    "hand": Quantity("cuff.hand.force_limit", 140.0, "N", _SAFETY, "published"),
+}
+FORCE_LIMITS = {segment: limit.value for segment, limit in _FORCE_LIMITS.items()}
+"""What a person should bear from a machine [N]."""
+
+PROVENANCE: tuple[Quantity, ...] = (
+    _ACROSS,
+    _ALONG,
+    _ABOUT_ACROSS,
+    _ABOUT_ALONG,
+    _DAMPING_RATIO,
+    *_MASSES.values(),
+    *_FORCE_LIMITS.values(),
+)
+
+# Bodies of the exoskeleton, and the body of the arm in whose frame each is drawn.
+CHAIN = {
+    "exo_shoulder_support": "shoulder",
+    "exo_upper_arm": "upper_arm",
+    "exo_forearm": "forearm",
+    "exo_hand": "hand",
+}
+CUFF_SITES = {"upper_arm": "cuff_upper_arm", "forearm": "cuff_forearm", "hand": "attachment_ring"}
+MOVED = "moved_"  # prefix of copies until they replace the original
+
+
+def _cuff(mass: float) -> Bushing:
+    """Returns a cuff with dampers in proportion to its springs (Kelvin-Voigt).
+
+    They have the damping ratio for the effective mass of the segment on the stiffest spring.
+    """
+    turning = [math.degrees(quantity.value) for quantity in (_ABOUT_ACROSS, _ABOUT_ALONG)]
+    stiffness = np.array([_ACROSS.value, _ACROSS.value, _ALONG.value])
+    rotational = np.array([turning[0], *turning])  # N·m/rad
+    loss_time = 2 * _DAMPING_RATIO.value * math.sqrt(mass / _ACROSS.value)
+    return Bushing(
+        stiffness=tuple(stiffness),
+        rotational_stiffness=tuple(rotational),
+        damping=tuple(loss_time * stiffness),
+        rotational_damping=tuple(loss_time * rotational),
+    )
+
+
+CUFFS = {segment: _cuff(mass.value) for segment, mass in _MASSES.items()}
+"""The cuff on each segment, z along the limb. Its stiffness was measured on the bare upper arm and
+is assumed for the others, and through the sleeve of a suit."""
+
+
+def couple(spec: mujoco.MjSpec, misalignment: Triple = (0.0, 0.0, 0.0)) -> None:
+    """Turns the arm with its rigid exoskeleton into two chains joined by cuffs.
+
+    The exoskeleton gets the joints `exo_<joint>`, in the order of the arm's and behind them in
+    `qpos`, with the same axes and ranges. Motors, encoders and Coulomb friction move to them. Each
+    cuff is a bushing `cuff_upper_arm`, `cuff_forearm` or `cuff_hand` with its three sensors (see
+    `attach_bushing`), between a new site `limb_<segment>` and the exoskeleton's, z up the limb.
+    Keyframes put both chains into one pose. The default arm bears steps of 2 ms, but not 4 ms.
+
+    A misalignment moves the whole exoskeleton. The cuffs are strapped on with the arm hanging, so
+    there they bear no force from it. Another fit is a matter of `replace_bushing`.
+
+    Args:
+        spec: the arm of arm.xml after it was fitted, loaded and mirrored, before the suit is
+            attached; it is changed in place.
+        misalignment: from the wearer's shoulder center to the exoskeleton's: forward, outward, up
+            [m].
+
+    Raises:
+        InputError: the model has no exoskeleton of its own to couple.
+    """
+    if spec.body("exo_hand") is None or spec.joint("exo_wrist_flexion") is not None:
+        raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")
+    outward = np.sign(spec.body("shoulder").pos[1])
+    shift = np.array(misalignment) * (1, outward, 1)
+    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
+    for key in list(spec.keys):
+        spec.delete(key)  # no body can move under them
+    base = spec.body("exo_base")
+    base.pos = base.pos + shift
+    _move(spec, shift)
+    for joint in JOINTS:
+        _hand_over(spec, joint)
+    for segment, name in CUFF_SITES.items():
+        site = spec.site(name)
+        limb = spec.body(segment).add_site(name=f"limb_{segment}", pos=site.pos, quat=site.quat)
+        limb.group, limb.size = site.group, site.size
+        bushing = replace(CUFFS[segment], offset=tuple((-shift).tolist()))
+        attach_bushing(spec, f"cuff_{segment}", limb.name, name, bushing)
+    for name, qpos, act, ctrl in keys:
+        arm, others = qpos[: len(JOINTS)], qpos[len(JOINTS) :]
+        spec.add_key(name=name, qpos=arm + arm + others, act=act, ctrl=ctrl)
+
+
+def _move(spec: mujoco.MjSpec, shift: NDArray[np.float64]) -> None:
+    """Hangs the exoskeleton's bodies one below the other, the first on the torso."""
+    spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
+    parent, start = spec.body("torso"), shift
+    for (part, segment), joint in zip(CHAIN.items(), JOINTS, strict=True):
+        limb, worn = spec.body(segment), spec.body(part)
+        frame = parent.add_frame(pos=limb.pos + start, quat=limb.quat)
+        parent, start = frame.attach_body(worn, MOVED, ""), np.zeros(3)
+        spec.delete(worn)
+        for kind in ("body", "geom", "site", "camera", "light"):
+            for element in [parent, *parent.find_all(kind)]:
+                element.name = element.name.removeprefix(MOVED)
+        for sensor in spec.sensors:  # of something on the moved body: these are copies, too
+            for field in ("name", "objname", "refname"):
+                setattr(sensor, field, getattr(sensor, field).removeprefix(MOVED))
+        given = spec.joint(joint)
+        moved = parent.add_joint(name=f"exo_{joint}", axis=given.axis, range=given.range)
+        moved.type, moved.limited = given.type, given.limited
+    spec.copy_during_attach = False
+
+
+def _hand_over(spec: mujoco.MjSpec, joint: str) -> None:
+    """Gives the exoskeleton's joint what its motor and encoder had on the arm's."""
+    arm, exo = spec.joint(joint), spec.joint(f"exo_{joint}")
+    for sensor in spec.sensors:
+        if sensor.name.startswith("encoder_") and sensor.objname == joint:
+            sensor.objname = exo.name
+    wearer = spec.actuator(f"human_{joint}").forcerange
+    motor = spec.actuator(f"assist_{joint}")
+    if motor is not None:
+        motor.target = exo.name
+        arm.frictionloss, exo.frictionloss = 0.0, arm.frictionloss
+        arm.actfrcrange, exo.actfrcrange = wearer, arm.actfrcrange - wearer

@@ -1,0 +1,308 @@
+"""The exoskeleton's motors, encoders and masses, and what a controller computes with them.
+
+A motor is MuJoCo's `dcmotor` with a torque as control [N·m]. Its torque follows the command with
+the first-order lag of its torque loop, up to what its voltage leaves: from the peak torque at
+stall, the net torque falls linearly to zero at the no-load speed. Reflected inertia and viscous
+friction belong to the actuator, Coulomb friction to the joint that carries it.
+"""
+
+import math
+from dataclasses import dataclass, fields
+from numbers import Real
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError
+from ..provenance import Grade, Quantity
+from ._motor_kernels import clip, heat
+
+ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor:
+    """A geared motor with its torque loop, all seen at the joint.
+
+    Attributes:
+        peak_torque: greatest torque, at stall and when braking [N·m].
+        continuous_torque: greatest root mean square of the torque that it bears for ever [N·m].
+        no_load_speed: where full voltage leaves no torque for the joint [rad/s].
+        armature: reflected inertia of rotor and gear [kg·m²].
+        coulomb: friction torque at any speed [N·m].
+        viscous: friction torque per speed [N·m·s/rad].
+        bandwidth: of the torque loop, first order [Hz].
+        thermal_time_constant: of the winding [s].
+        mass: of motor and gear [kg].
+
+    Raises:
+        InputError: a value is outside its range, or the continuous torque exceeds the peak.
+    """
+
+    peak_torque: float
+    continuous_torque: float
+    no_load_speed: float
+    armature: float
+    coulomb: float
+    viscous: float
+    bandwidth: float
+    thermal_time_constant: float
+    mass: float
+
+    def __post_init__(self) -> None:
+        ranges = {"peak_torque": (1, 500), "continuous_torque": (0.1, 500)}
+        ranges |= {"no_load_speed": (0.5, 100), "armature": (1e-4, 1), "coulomb": (0, 20)}
+        ranges |= {"viscous": (0, 20), "bandwidth": (0.1, 80), "mass": (0.05, 10)}
+        ranges |= {"thermal_time_constant": (0.1, 1e4)}
+        for field in fields(self):
+            require(f"a motor's {field.name}", getattr(self, field.name), *ranges[field.name])
+        if self.continuous_torque > self.peak_torque:
+            raise InputError(
+                f"a motor's continuous_torque is {self.continuous_torque}: use at most its "
+                f"peak_torque, {self.peak_torque}"
+            )
+        if self.viscous * self.no_load_speed >= self.peak_torque:
+            raise InputError(
+                f"a motor's viscous friction is {self.viscous}: at its no_load_speed that takes "
+                f"all of the peak_torque; use less than {self.peak_torque / self.no_load_speed:g}"
+            )
+
+
+def require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """Refuses what is no number from `low` to `high`.
+
+    Raises:
+        InputError: it is not.
+    """
+    if not (isinstance(value, Real) and low <= value <= high):
+        raise InputError(f"{name} is {value}: use a number from {low:g} to {high:g}{unit}")
+
+
+SHOULDER_MOTOR = Motor(
+    peak_torque=40.0,
+    continuous_torque=16.0,
+    no_load_speed=5.0,
+    armature=0.03,
+    coulomb=0.5,
+    viscous=0.2,
+    bandwidth=10.0,
+    thermal_time_constant=60.0,
+    mass=0.9,
+)
+ELBOW_MOTOR = Motor(
+    peak_torque=25.0,
+    continuous_torque=10.0,
+    no_load_speed=5.0,
+    armature=0.02,
+    coulomb=0.3,
+    viscous=0.1,
+    bandwidth=10.0,
+    thermal_time_constant=60.0,
+    mass=0.6,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exo:
+    """An exoskeleton arm: two motors, links as long as the wearer's arm, cuffs, ring, encoders.
+
+    Attributes:
+        shoulder: motor of shoulder flexion.
+        elbow: motor of elbow flexion.
+        upper_arm_link: mass of the link beside the upper arm [kg].
+        forearm_link: mass of the link beside the forearm [kg].
+        cuff: mass of each of both arched guards [kg].
+        ring: mass of the U-shaped ring at the hand [kg].
+        encoder_bits: counts of an encoder per turn, as a power of two; see `quantize`.
+        encoder_delay: age of what the encoders tell [s].
+
+    Raises:
+        InputError: a value is outside its range.
+    """
+
+    shoulder: Motor = SHOULDER_MOTOR
+    elbow: Motor = ELBOW_MOTOR
+    upper_arm_link: float = 1.5
+    forearm_link: float = 1.0
+    cuff: float = 0.15
+    ring: float = 0.25
+    encoder_bits: int = 14
+    encoder_delay: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("upper_arm_link", "forearm_link", "cuff", "ring"):
+            require(f"exo.{name}", getattr(self, name), 0.01, 20, " kg")
+        if self.encoder_bits not in range(4, 33):
+            raise InputError(
+                f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
+            )
+        require("exo.encoder_delay", self.encoder_delay, 0, 0.1, " s")
+
+    @property
+    def motors(self) -> dict[str, Motor]:
+        """The motors by the name of their joint, in the order of `ASSISTED`."""
+        return dict(zip(ASSISTED, (self.shoulder, self.elbow), strict=True))
+
+
+_ROUND = "a round number of the size of robot joints (CubeMars AK80, 0.5 to 0.85 kg, 18 to 120 N·m)"
+_MOTOR_SOURCES: dict[str, tuple[str, str]] = {
+    "peak_torque": ("N·m", _ROUND),
+    "continuous_torque": ("N·m", "40 % of the peak"),
+    "no_load_speed": ("rad/s", "that of a CubeMars AK80-64 at 48 V, 48 turns per minute"),
+    "armature": ("kg·m²", "50:1 gear and a rotor of 1e-5 kg·m²: 0.025 kg·m²; rounded by size"),
+    "coulomb": ("N·m", "a little more than 1 % of the peak"),
+    "viscous": ("N·m·s/rad", "a round number below the arm's own"),
+    "bandwidth": ("Hz", "3.7 Hz in an elbow exoskeleton (PMC6953725), more without its cables"),
+    "thermal_time_constant": ("s", "a round number of the size of small windings"),
+    "mass": ("kg", _ROUND),
+}
+_EXO_SOURCES: dict[str, tuple[str, str]] = {
+    "upper_arm_link": ("kg", "a round number"),
+    "forearm_link": ("kg", "a round number"),
+    "cuff": ("kg", "a round number"),
+    "ring": ("kg", "three rods of steel, of the size drawn"),
+    "encoder_bits": ("1", "usual for magnetic encoders"),
+    "encoder_delay": ("s", "none: read in the same control period"),
+}
+_GRADE: Grade = "assumed"
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(
+        Quantity(f"exo.{joint}.{name}", getattr(motor, name), *source, _GRADE)
+        for joint, motor in Exo().motors.items()
+        for name, source in _MOTOR_SOURCES.items()
+    ),
+    *(
+        Quantity(f"exo.{name}", getattr(Exo(), name), *source, _GRADE)
+        for name, source in _EXO_SOURCES.items()
+    ),
+)
+
+
+def fit_exoskeleton(spec: mujoco.MjSpec, exo: Exo) -> None:
+    """Gives the drawn exoskeleton its motors and masses, in place.
+
+    The wearer's strength must be set before: a joint bears wearer and motor together.
+    """
+    for joint, motor in exo.motors.items():
+        _set_motor(spec.actuator(f"assist_{joint}"), motor)
+        carrier = spec.joint(joint)
+        carrier.frictionloss = motor.coulomb
+        carrier.actfrcrange = carrier.actfrcrange + motor.peak_torque * np.array([-1, 1])
+    masses = {"shoulder_motor": exo.shoulder.mass, "elbow_motor": exo.elbow.mass}
+    masses |= {"upper_arm_link": exo.upper_arm_link, "forearm_link": exo.forearm_link}
+    masses |= {"upper_arm_cuff": exo.cuff, "forearm_cuff": exo.cuff}
+    for part, mass in masses.items():
+        spec.geom(f"exo_{part}").mass = mass
+    hand = spec.body("exo_hand")
+    hand.inertia = hand.inertia * (exo.ring / hand.mass)
+    hand.mass = exo.ring
+
+
+def remove_exoskeleton(spec: mujoco.MjSpec) -> None:
+    """Takes the drawn exoskeleton off, in place; keyframes must be gone before its motors."""
+    names = [f"assist_{joint}" for joint in ASSISTED]
+    meters = [sensor for sensor in spec.sensors if sensor.objname in names]
+    motors = [spec.actuator(name) for name in names]
+    parts = [body for body in spec.bodies if body.name.startswith("exo_")]
+    for part in [*meters, *motors, *parts]:
+        spec.delete(part)
+    for joint in ASSISTED:
+        spec.joint(joint).frictionloss = 0.0
+
+
+def delay_encoders(spec: mujoco.MjSpec, delay: float) -> None:
+    """Lets the encoders of `spec` tell angles and rates that are `delay` old [s].
+
+    A reset leaves zeros in the encoders' memory: `start_encoders` fills it.
+    """
+    if delay > 0:
+        for sensor in spec.sensors:
+            if sensor.name.startswith("encoder_"):
+                sensor.delay = delay
+                sensor.nsample = math.ceil(delay / spec.option.timestep - 1e-9)
+
+
+def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """After a reset, makes delayed encoders tell the state of `data`, as if it had always been."""
+    for i in np.flatnonzero(model.sensor_delay):
+        if not model.sensor(i).name.startswith("encoder_"):
+            continue
+        joint = model.sensor_objid[i]
+        if model.sensor_type[i] == mujoco.mjtSensor.mjSENS_JOINTPOS:
+            now = data.qpos[model.jnt_qposadr[joint]]
+        else:
+            now = data.qvel[model.jnt_dofadr[joint]]
+        values = np.full((model.sensor_history[i, 0], 1), now)
+        mujoco.mj_initSensorHistory(model, data, i, None, values, 0.0)
+
+
+def quantize(angle: ArrayLike, bits: ArrayLike) -> Array:
+    """Returns angles [rad] as encoders of 2**bits counts per turn tell them, any shapes."""
+    count = 2 * np.pi / np.exp2(bits)
+    return np.rint(np.divide(angle, count)) * count
+
+
+def thermal_step(
+    mean_square: ArrayLike, torque: ArrayLike, *, time_constant: ArrayLike, dt: float
+) -> Array:
+    """Advances the running mean square of motors' torques, which heats their windings.
+
+    A motor is overloaded while the root of the result exceeds its continuous torque. Exact for a
+    torque that is constant during `dt`.
+
+    Args:
+        mean_square: at the beginning [N²·m²], any shape.
+        torque: during `dt` [N·m], same shape.
+        time_constant: of the windings [s].
+        dt: duration [s].
+
+    Returns:
+        The mean square at the end [N²·m²].
+    """
+    return heat(mean_square, torque, time_constant, dt)
+
+
+def thermal_clip(
+    torque: ArrayLike,
+    mean_square: ArrayLike,
+    *,
+    continuous: ArrayLike,
+    time_constant: ArrayLike,
+    dt: float,
+) -> Array:
+    """Returns torques as far as they overload no motor within the next `dt` [N·m].
+
+    A motor that is driven hard ends at its continuous torque; one that is overloaded cools down.
+
+    Args:
+        torque: that is wanted [N·m], any shape.
+        mean_square: of `thermal_step` [N²·m²], same shape.
+        continuous: the motors' continuous torques [N·m].
+        time_constant: of the windings [s].
+        dt: duration [s].
+    """
+    return clip(torque, mean_square, continuous, time_constant, dt)
+
+
+def _set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
+    # In units in which a current of 1 gives 1 N·m, so that the activation is the torque. The
+    # voltage is the one that turns the unloaded motor, with its viscous friction, at no-load speed.
+    drag = motor.viscous * motor.no_load_speed
+    resistance = motor.no_load_speed / (motor.peak_torque - drag)
+    actuator.actlimited = actuator.forcelimited = mujoco.mjtLimited.mjLIMITED_AUTO
+    actuator.actrange = np.zeros(2)
+    actuator.armature = motor.armature
+    actuator.damping = np.array([motor.viscous, 0, 0])
+    actuator.ctrlrange = motor.peak_torque * np.array([-1, 1])
+    actuator.set_to_dcmotor(
+        motorconst=[1, 1],
+        resistance=resistance,
+        saturation=[motor.peak_torque, 0, 0],
+        inductance=[0, 1 / (2 * np.pi * motor.bandwidth)],
+        controller=[0, 0, 0, 0, 0, resistance * motor.peak_torque],
+        ctrlspec=mujoco.mjtCtrlInput.mjINPUT_FF.value,
+    )

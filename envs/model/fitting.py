@@ -1,0 +1,98 @@
+"""The drawn arm, made to the measure of a person."""
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ...assets import JOINTS
+from ..person import Person, Segment, isometric_strength, segments
+
+DRAWN = Person()  # whom arm.xml is drawn for
+ROOTS = ("legs", "torso")
+FARTHEST = 1.0  # rad from the intention, where an episode of the environment ends
+_LIMBS = {  # bodies that are as long as a segment
+    "upper_arm": "upper_arm",
+    "forearm": "forearm",
+    "hand": "hand",
+    "other_arm": "upper_arm",
+    "other_forearm": "forearm",
+}
+_BEGINS_AFTER = {"forearm": "upper_arm", "hand": "forearm", "other_forearm": "upper_arm"}
+
+Array = NDArray[np.float64]
+
+
+def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
+    """Gives the drawn person the size, the segments and the strength of `person`, in place.
+
+    The whole figure grows with stature; the arm's parts are stretched along it to the lengths of
+    the person's segments. Suit and exoskeleton follow: the exoskeleton keeps its masses, the
+    suit's grow with the area of the fabric.
+
+    Of the relaxed arm's torque (`passive_torque`) the joints have the linear part. Where muscles
+    tighten at the ends of the range, the joint limits stand for them: in a suit that is the elbow
+    beyond 2.1 rad, up to 18 N·m, and the last 0.1 rad of wrist extension.
+    """
+    drawn, own = segments(DRAWN), segments(person)
+    size = person.stature / DRAWN.stature
+    lengths = {body: own[name].length / drawn[name].length for body, name in _LIMBS.items()}
+    for mesh in spec.meshes:
+        mesh.scale = mesh.scale * size
+    for name in ROOTS:
+        root = spec.body(name)
+        root.pos = root.pos * size
+        _stretch(root, np.full(3, size), lengths)
+    for name, segment in own.items():
+        _set_segment(spec.body(name), segment)
+    for body, name in _BEGINS_AFTER.items():
+        spec.body(body).pos = np.array([0, 0, -own[name].length])
+    _set_strength(spec, person)
+
+
+def _stretch(body: mujoco.MjsBody, factors: Array, lengths: dict[str, float]) -> None:
+    """Multiplies the coordinates in `body` and below; `lengths` are the z factors of limbs."""
+    size = factors[0]
+    if body.name in lengths:
+        factors = np.array([size, size, lengths[body.name]])
+    for geom in body.geoms:
+        geom.pos = geom.pos * factors
+        geom.fromto = geom.fromto * np.tile(factors, 2)
+        is_box = geom.type == mujoco.mjtGeom.mjGEOM_BOX
+        geom.size = geom.size * (factors if is_box else size)
+    for site in body.sites:
+        site.pos = site.pos * factors
+    for camera in body.cameras:
+        camera.pos = camera.pos * size
+    if body.explicitinertial:
+        _stretch_inertia(body, factors)
+    for child in body.bodies:
+        child.pos = child.pos * factors
+        _stretch(child, factors, lengths)
+
+
+def _stretch_inertia(body: mujoco.MjsBody, factors: Array) -> None:
+    is_fabric = body.name.startswith("suit_")
+    growth = factors[0] * factors[2] if is_fabric else 1.0  # area of the sleeve
+    second_moment = body.inertia.sum() / 2 - body.inertia
+    second_moment *= growth * factors**2
+    body.inertia = second_moment.sum() - second_moment
+    body.mass *= growth
+    body.ipos = body.ipos * factors
+
+
+def _set_segment(body: mujoco.MjsBody, segment: Segment) -> None:
+    body.mass = segment.mass
+    body.ipos = np.array([0, 0, -segment.center])
+    body.inertia = np.array(segment.inertia)
+
+
+def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
+    strength = isometric_strength(person)
+    for joint, limits in zip(JOINTS, (strength * [[-1], [1]]).T, strict=True):
+        actuator = spec.actuator(f"human_{joint}")
+        actuator.forcerange = limits
+        # The feed-forward takes back what the impedance asks beyond strength, up to a lost arm.
+        _, stiffness, damping = -actuator.biasprm[:3]
+        most = stiffness * FARTHEST + damping * actuator.velrange[1]
+        actuator.ffrange = limits + most * np.array([-1, 1])
+        spec.joint(joint).actfrcrange = limits

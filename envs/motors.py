@@ -1,0 +1,76 @@
+"""The exoskeleton's motors under command: their torque, and how hot it makes them."""
+
+import math
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from .model import Exo, thermal_clip, thermal_step
+from .wiring import Wiring
+
+Array = NDArray[np.float64]
+
+
+def checked(action: ArrayLike, shape: tuple[int, ...]) -> tuple[Array, bool]:
+    """Returns the action clipped to [-1, 1], and whether it had to be.
+
+    Raises:
+        InputError: it has another shape, or is not finite.
+    """
+    command = np.array(action, dtype=np.float64)  # a copy: the caller may reuse the array
+    if command.shape != shape:
+        raise InputError(
+            f"action has shape {command.shape}: give {shape}, one number for every motor"
+        )
+    values = command.tolist()
+    if not all(map(math.isfinite, values)):
+        raise InputError(f"action is {values}: give finite numbers from -1 to 1")
+    if max(map(abs, values), default=0.0) > 1.0:
+        return np.clip(command, -1.0, 1.0), True
+    return command, False
+
+
+class Motors:
+    """Turns commands into torques that the windings bear.
+
+    Args:
+        exo: the exoskeleton.
+        wiring: where the model keeps things; it may have no motors.
+        dt: control period [s].
+
+    Attributes:
+        mean_square: running mean square of the torques [N²·m²], shape (motors,).
+    """
+
+    def __init__(self, exo: Exo, wiring: Wiring, dt: float) -> None:
+        self._wiring, self._dt = wiring, dt
+        motors = list(exo.motors.values())[: wiring.motors.size]
+        self._continuous = np.array([motor.continuous_torque for motor in motors])
+        self._time_constant = np.array([motor.thermal_time_constant for motor in motors])
+        self.mean_square = np.zeros(len(motors))
+
+    @property
+    def load(self) -> Array:
+        """Root mean square of the torques over the continuous ones, shape (motors,)."""
+        return np.sqrt(self.mean_square) / self._continuous
+
+    def drive(self, data: mujoco.MjData, command: Array) -> None:
+        """Commands torques over their peaks, as far as none overloads its motor for ever."""
+        data.ctrl[self._wiring.motors] = thermal_clip(
+            command * self._wiring.peak_torque,
+            self.mean_square,
+            continuous=self._continuous,
+            time_constant=self._time_constant,
+            dt=self._dt,
+        )
+
+    def heat(self, data: mujoco.MjData) -> None:
+        """Counts the torque of the control period that has passed."""
+        self.mean_square = thermal_step(
+            self.mean_square,
+            data.actuator_force[self._wiring.assist],
+            time_constant=self._time_constant,
+            dt=self._dt,
+        )

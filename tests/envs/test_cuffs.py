@@ -1,0 +1,222 @@
+"""The exoskeleton on its own joints: the same mechanism as the rigid one, joined by cuffs."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, SCENE
+from activesuit.envs.model.bushing import Bushing, replace_bushing
+from activesuit.envs.model.cuffs import CUFFS, PROVENANCE, couple
+from activesuit.errors import InputError
+
+SEGMENTS = ("upper_arm", "forearm", "hand")
+
+
+def rigid_spec():
+    return mujoco.MjSpec.from_file(str(SCENE))
+
+
+def cuffed(misalignment=(0, 0, 0)):
+    spec = rigid_spec()
+    couple(spec, misalignment)
+    spec.option.timestep = 0.001
+    spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    return model, data
+
+
+def cuff_forces(data):
+    return np.array([data.sensor(f"cuff_{segment}_force").data for segment in SEGMENTS])
+
+
+def total_energy(data):
+    mujoco.mj_forward(data.model, data)
+    stored = sum(data.sensor(f"cuff_{segment}_energy").data[0] for segment in SEGMENTS)
+    return data.energy.sum() + stored
+
+
+def test_the_names_that_others_look_up():
+    model, _ = cuffed()
+    names = [model.joint(i).name for i in range(model.njnt)]
+    assert names == [*JOINTS, *(f"exo_{joint}" for joint in JOINTS)]
+    rigid = rigid_spec().compile()
+    for kind in ("body", "actuator", "site"):
+        counts = {"body": rigid.nbody, "actuator": rigid.nu, "site": rigid.nsite}
+        for i in range(counts[kind]):
+            getattr(model, kind)(mujoco.mj_id2name(rigid, _object(kind), i) or 0)
+    for joint in JOINTS:
+        encoder = model.sensor(f"encoder_{joint}").id
+        assert model.joint(model.sensor_objid[encoder]).name == f"exo_{joint}"
+    for joint in ("shoulder_flexion", "elbow_flexion"):
+        driven = model.actuator(f"assist_{joint}").trnid[0]
+        assert model.joint(driven).name == f"exo_{joint}"
+
+
+def _object(kind):
+    return getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_moving_as_one_it_is_the_rigid_mechanism(seed):
+    rigid = rigid_spec().compile()
+    model, data = cuffed()
+    one = mujoco.MjData(rigid)
+    rng = np.random.default_rng(seed)
+    low, high = rigid.jnt_range.T
+    one.qpos[:] = rng.uniform(low, high)
+    one.qvel[:] = rng.standard_normal(4)
+    data.qpos[:], data.qvel[:] = np.tile(one.qpos, 2), np.tile(one.qvel, 2)
+    mujoco.mj_forward(rigid, one)
+    mujoco.mj_forward(model, data)
+    both = np.vstack([np.eye(4), np.eye(4)])
+    inertia = [np.zeros((m.nv, m.nv)) for m in (rigid, model)]
+    mujoco.mj_fullM(rigid, one, inertia[0])
+    mujoco.mj_fullM(model, data, inertia[1])
+    np.testing.assert_allclose(both.T @ inertia[1] @ both, inertia[0], atol=5e-6)
+    np.testing.assert_allclose(both.T @ data.qfrc_bias, one.qfrc_bias, atol=5e-5)
+    np.testing.assert_allclose(both.T @ data.qfrc_passive, one.qfrc_passive, atol=1e-9)
+    np.testing.assert_allclose(both.T @ model.dof_frictionloss, rigid.dof_frictionloss)
+    np.testing.assert_allclose(
+        both.T @ model.jnt_actfrcrange * [1, 1], rigid.jnt_actfrcrange, atol=1e-9
+    )
+    np.testing.assert_allclose(cuff_forces(data), 0, atol=1e-9)
+
+
+def test_keyframes_put_both_chains_into_one_pose():
+    rigid, (model, data) = rigid_spec().compile(), cuffed()
+    assert model.nkey == rigid.nkey
+    np.testing.assert_array_equal(model.key_qpos, np.tile(rigid.key_qpos, 2))
+    np.testing.assert_array_equal(model.key_ctrl, rigid.key_ctrl)
+    mujoco.mj_forward(model, data)
+    for segment, site in zip(
+        SEGMENTS, ("cuff_upper_arm", "cuff_forearm", "attachment_ring"), strict=True
+    ):
+        np.testing.assert_allclose(
+            data.site(f"limb_{segment}").xpos, data.site(site).xpos, atol=1e-12
+        )
+
+
+def test_the_torque_of_a_motor_reaches_the_wearer_through_the_cuffs():
+    model, data = cuffed()
+    model.opt.gravity[:] = 0
+    model.dof_frictionloss[:] = 0
+    motor = model.actuator("assist_shoulder_flexion").id
+    control = model.actuator_ctrladr[motor]
+    data.ctrl[control] = 0.2 * model.actuator_ctrlrange[control, 1]
+    mujoco.mj_step(model, data, nstep=20_000)
+    assist = data.actuator_force[motor]
+    wearer = data.sensor("human_torque_shoulder_flexion").data[0]
+    held = model.jnt_stiffness[:4] * (data.qpos[:4] - model.qpos_spring[:4])
+    assert abs(assist) > 1
+    assert wearer == pytest.approx(held[1] - assist, rel=1e-4)
+    assert np.linalg.norm(cuff_forces(data), axis=1).min() > 1
+    slack = data.qpos[5] - data.qpos[1]
+    assert 0 < slack < math.radians(5)
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_misalignment_loads_the_cuffs_only_away_from_where_they_were_strapped_on(axis):
+    shift = np.zeros(3)
+    shift[axis] = 0.02
+    model, data = cuffed(shift)
+    data.qpos[:] = 0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(cuff_forces(data), 0, atol=1e-9)
+    apart = data.xpos[model.body("exo_shoulder_support").id] - data.xpos[model.body("shoulder").id]
+    np.testing.assert_allclose(apart, shift * [1, -1, 1], atol=1e-12)
+    data.qpos[[1, 5]] = 1.2
+    mujoco.mj_forward(model, data)
+    loaded = np.linalg.norm(cuff_forces(data), axis=1).min() > 5
+    assert loaded == (axis != 1)  # a shift along the axis of flexion does not matter to it
+
+
+@pytest.mark.parametrize("misalignment", [(0, 0, 0), (0.02, 0.01, 0.02)])
+@pytest.mark.slow
+def test_left_alone_for_a_minute_it_only_loses_energy(misalignment):
+    model, data = cuffed(misalignment)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    energies = [total_energy(data)]
+    for _ in range(600):
+        mujoco.mj_step(model, data, nstep=100)
+        energies.append(total_energy(data))
+    assert np.diff(energies).max() <= 1e-7
+    assert energies[0] - energies[-1] > 1
+    assert np.abs(data.qvel).max() < 1e-4
+    assert not any(warning.number for warning in data.warning)
+
+
+@pytest.mark.parametrize("timestep", [0.001, 0.002])
+def test_it_bears_any_control(timestep):
+    model, data = cuffed((0.02, 0.02, 0.02))
+    model.opt.timestep = timestep
+    rng = np.random.default_rng(0)
+    low, high = model.actuator_ctrlrange[-2:].T
+    for _ in range(200):
+        data.ctrl[-2:] = rng.uniform(low, high)
+        data.ctrl[:12:3] = rng.uniform(*model.jnt_range[:4].T)
+        mujoco.mj_step(model, data, nstep=int(0.05 / timestep))
+    assert not any(warning.number for warning in data.warning)
+    assert np.abs(data.qpos[:4] - data.qpos[4:]).max() < 0.5
+
+
+def test_hard_cuffs_approach_the_rigid_exoskeleton():
+    rigid = rigid_spec().compile()
+    rigid.opt.timestep = 1e-4
+    one = mujoco.MjData(rigid)
+    mujoco.mj_resetDataKeyframe(rigid, one, 0)
+    one.ctrl[3] = 0.8
+    mujoco.mj_step(rigid, one, nstep=5000)
+    apart = []
+    for hardness in (1, 100):
+        model, data = cuffed()
+        model.opt.timestep = 1e-4
+        for segment, cuff in CUFFS.items():
+            names = ("stiffness", "rotational_stiffness", "damping", "rotational_damping")
+            scales = (hardness, hardness, math.sqrt(hardness), math.sqrt(hardness))
+            hard = {n: np.multiply(getattr(cuff, n), s) for n, s in zip(names, scales, strict=True)}
+            replace_bushing(model, data.plugin_state, f"cuff_{segment}", Bushing(**hard))
+        data.ctrl[3] = 0.8
+        mujoco.mj_step(model, data, nstep=5000)
+        apart.append(np.abs(data.qpos[:4] - one.qpos).max())
+    assert apart[1] < 0.1 * apart[0]
+
+
+def test_published_stiffness():
+    values = {quantity.name: quantity.value for quantity in PROVENANCE}
+    cuff = CUFFS["upper_arm"]
+    assert cuff.stiffness == (4500, 4500, 2100)
+    assert cuff.rotational_stiffness == pytest.approx((11.459, 11.459, 1.7189), abs=1e-3)
+    heavy = values["cuff.upper_arm.mass"]
+    ratio = cuff.damping[0] / (2 * math.sqrt(cuff.stiffness[0] * heavy))
+    assert ratio == pytest.approx(values["cuff.damping_ratio"], rel=1e-12)
+
+
+def test_sensors_on_the_exoskeleton_go_with_it():
+    spec = rigid_spec()
+    site = mujoco.mjtObj.mjOBJ_SITE
+    for name, at, seen_from in (
+        ("ring", "attachment_ring", ""),
+        ("cuff", "wrist_center", "cuff_forearm"),
+    ):
+        sensor = spec.add_sensor(name=name, type=mujoco.mjtSensor.mjSENS_FRAMEPOS)
+        sensor.objtype, sensor.objname = site, at
+        if seen_from:
+            sensor.reftype, sensor.refname = site, seen_from
+    rigid = mujoco.MjData(spec.compile())
+    couple(spec)
+    data = mujoco.MjData(spec.compile())
+    mujoco.mj_forward(rigid.model, rigid)
+    mujoco.mj_forward(data.model, data)
+    for name in ("ring", "cuff"):
+        np.testing.assert_allclose(data.sensor(name).data, rigid.sensor(name).data, atol=1e-12)
+
+
+def test_only_a_rigid_exoskeleton_can_be_coupled():
+    spec = rigid_spec()
+    couple(spec)
+    for model in (spec, mujoco.MjSpec()):
+        with pytest.raises(InputError, match=r"not the arm of arm.xml with its rigid exoskeleton"):
+            couple(model)

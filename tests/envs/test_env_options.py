@@ -1,0 +1,281 @@
+"""The environment with other people, couplings, loads and motors."""
+
+import json
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate, run_episode
+from activesuit.envs.model import ASSISTED
+from activesuit.envs.model.cuffs import FORCE_LIMITS
+from activesuit.envs.person import (
+    Person,
+    effort_metrics,
+    isometric_strength,
+    strength_limits,
+)
+from activesuit.envs.policies import make_policy
+from activesuit.errors import InputError
+
+ENV = "ActiveSuit/ArmTracking-v0"
+ACTIONS = np.random.default_rng(5).uniform(-1, 1, (200, 2))
+VARIED = {"control": {"noise": 1.0, "tremor": 0.05, "suit_learning": 0.5}, "fatigue": True}
+LATE = {"exo": {"encoder_delay": 0.02}}
+
+
+def make(**options) -> ArmEnv:
+    env = gymnasium.make(ENV, **options).unwrapped
+    assert isinstance(env, ArmEnv)
+    return env
+
+
+def play(env, actions):
+    return np.array([np.append(*env.step(action)[:2]) for action in actions])
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("options", [{"coupling": "cuffs"}, {"coupling": "none"}, VARIED, LATE])
+def test_gymnasium_checker(options):
+    from gymnasium.utils.env_checker import check_env
+
+    check_env(make(**options), skip_render_check=True)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"coupling": "cuffs"},
+        {"coupling": "cuffs", "misalignment": (0.02, 0.0, -0.01)},
+        {"coupling": "none", "suit": "none"},
+        {"side": "left", "tilt": (0.5, -0.3)},
+        {"payload": {"mass": 2.0}},
+        {"control": {"suit_learning": 1.0}},
+        {"wearer": {"sex": "female", "stature": 1.5, "mass": 50.0}, "gravity": "moon"},
+    ],
+)
+def test_begins_at_rest(options):
+    env = make(**options)
+    for seed in range(3):
+        before = env.reset(seed=seed)[1]["angle"]
+        np.testing.assert_allclose(env.data.qfrc_smooth, 0, atol=1e-9)
+        for _ in range(5):
+            info = env.step(np.zeros(env.action_space.shape))[-1]
+        assert np.abs(info["angle"] - before).max() < 0.01
+
+
+@pytest.mark.parametrize("options", [{"coupling": "cuffs"}, {"coupling": "none"}, VARIED, LATE])
+def test_branching_from_a_saved_state(options):
+    env = make(**options)
+    actions = ACTIONS[:, : env.action_space.shape[0]]
+    env.reset(seed=1)
+    play(env, actions[:60])
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    first = play(env, actions[60:140])
+    env.reset(seed=9)
+    play(env, actions[:7])
+    env.set_state(state)
+    np.testing.assert_array_equal(first, play(env, actions[60:140]))
+    other = make(**options)
+    other.set_state(state)
+    np.testing.assert_array_equal(first, play(other, actions[60:140]))
+
+
+def test_options_are_plain_data():
+    options = {"wearer": {"stature": 1.6}, "payload": {"mass": 1.0}, "coupling": "cuffs"}
+    text = gymnasium.make(ENV, **options).spec.to_json()
+    assert json.loads(text)["kwargs"] == options
+    again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(text)).unwrapped
+    assert again.config == make(**{**options, "wearer": Person(stature=1.6)}).config
+
+
+# --- Exoskeleton --------------------------------------------------------------------------------
+
+
+def test_on_cuffs_the_exoskeleton_measures_itself():
+    env = make(coupling="cuffs", observe="oracle")
+    env.reset(seed=0)
+    for action in 0.3 * ACTIONS:
+        observation, *_, info = env.step(action)
+    layout, data = env.layout, env.data
+    np.testing.assert_allclose(observation[layout["angle"]], data.qpos[4:], atol=2e-4)
+    np.testing.assert_allclose(observation[layout["rate"]], data.qvel[4:], rtol=1e-6)
+    np.testing.assert_array_equal(info["angle"], data.qpos[:4])
+    assert np.abs(data.qpos[4:] - data.qpos[:4]).max() > 1e-3
+    force = [data.sensor(f"cuff_{segment}_force").data for segment in FORCE_LIMITS]
+    np.testing.assert_array_equal(info["cuff_force"], force)
+    np.testing.assert_allclose(observation[layout["cuff_force"]], np.ravel(force), rtol=1e-6)
+
+
+def test_without_an_exoskeleton_there_is_nothing_to_act_with():
+    env = make(coupling="none")
+    observation, info = env.reset(seed=0)
+    assert env.action_space.shape == (0,)
+    assert {"motor_torque", "previous_action", "cuff_force"}.isdisjoint(env.layout)
+    assert observation.shape == (14,)
+    with pytest.raises(InputError, match=r"action has shape \(2,\): give \(0,\)"):
+        env.step(np.zeros(2))
+    info = env.step(np.zeros(0))[-1]
+    assert info["assist_torque"].tolist() == [0, 0]
+    assert "motor_load" not in info
+    for policy in ("gravity", "feedforward", "oracle"):
+        with pytest.raises(InputError, match=f"policy '{policy}' needs motors, and coupling is"):
+            make_policy(policy, env)
+
+
+def test_what_is_worn_costs_effort():
+    worn = [{"coupling": "none", "suit": "none"}, {"coupling": "none"}, {}]
+    rms = [evaluate(ENV, ["none"], episodes=1, **options)[0].human_rms for options in worn]
+    for joint in ASSISTED:
+        assert rms[0][joint] < 0.8 * rms[1][joint] < 0.8 * rms[2][joint]
+
+
+def test_encoders_are_as_fine_and_as_late_as_they_are_said_to_be():
+    env, late = make(exo={"encoder_bits": 6}), make(**LATE)
+    env.reset(seed=0)
+    first = late.reset(seed=0)[0][late.layout["angle"]]
+    angle = [late.data.qpos.copy()]
+    np.testing.assert_allclose(first, angle[0], atol=2e-4)
+    for action in ACTIONS[:30]:
+        coarse = env.step(action)[0][env.layout["angle"]] / (2 * np.pi / 64)
+        np.testing.assert_allclose(coarse, np.round(coarse), atol=1e-5)
+        told = late.step(action)[0]
+        angle.append(late.data.qpos.copy())
+    np.testing.assert_allclose(told[late.layout["angle"]], angle[-3], atol=2e-4)
+    assert np.abs(angle[-3] - angle[-1]).max() > 0.005
+
+
+def test_a_motor_that_is_driven_hard_ends_at_its_continuous_torque():
+    exo = {"elbow": {"thermal_time_constant": 0.2, "continuous_torque": 5.0}}
+    env = make(exo=exo, gravity="microgravity")
+    env.reset(seed=0)
+    torque, load = [], []
+    for _ in range(150):
+        info = env.step(np.array([0.0, -0.5]))[-1]
+        torque.append(info["assist_torque"][1])
+        load.append(info["motor_load"])
+    assert -12.5 <= min(torque) < -11  # a moving motor has less
+    assert torque[-1] == pytest.approx(-5, abs=0.05)
+    assert np.max(load) < 1.05  # the motors lag behind the limit
+    assert load[-1][1] == pytest.approx(1, abs=0.01)
+    assert load[-1][0] < 0.01
+
+
+# --- Wearer -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("wearer", [{}, {"sex": "female", "mass": 50.0, "strength": 5.0}])
+def test_nobody_asks_for_more_than_their_strength(wearer):
+    env = make(wearer=wearer, payload={"mass": 2.0})
+    info = env.reset(seed=0)[1]
+    strength, wiring = isometric_strength(Person(**wearer)), env.wiring
+    least = []
+    for _ in range(100):
+        low, high = strength_limits(strength, info["angle"], info["rate"])
+        angle, rate = info["angle"], info["rate"]
+        info = env.step(np.zeros(2))[-1]
+        intended, ahead, torque = env.data.ctrl[wiring.intention].T
+        torque = torque + wiring.stiffness * (intended - angle) + wiring.damping * (ahead - rate)
+        least.append(np.minimum(torque - low, high - torque).min())
+    error = np.abs(info["angle"] - info["target_angle"])[1]
+    if wearer:  # she is too weak for this
+        assert min(least) == pytest.approx(0, abs=1e-9)
+        assert error > 0.2
+    else:
+        assert min(least) > 1
+        assert error < 0.1
+
+
+def test_an_effort_tires_only_who_can_tire():
+    tiring, tireless = make(fatigue=True, payload={"mass": 4.0}), make(payload={"mass": 4.0})
+    assert "fatigue" not in tireless.reset(seed=0)[1]
+    fatigue = [tiring.reset(seed=0)[1]["fatigue"]]
+    for _ in range(300):
+        info = tiring.step(np.zeros(2))[-1]
+        fatigue.append(info["fatigue"])
+    assert not fatigue[0].any()
+    flexor = np.array(fatigue)[:, 1, JOINTS.index("shoulder_flexion")]
+    assert (np.diff(flexor) > 0).all()
+    assert 0.01 < flexor[-1] < 0.1
+    assert fatigue[-1][0].max() < 1e-3  # extensors hardly work
+    assert not tiring.reset(seed=0)[1]["fatigue"].any()
+
+
+def test_a_wearer_who_knows_the_suit_follows_more_closely():
+    rmse = []
+    for learning in (0.0, 1.0):
+        options = {"gravity": "microgravity", "control": {"suit_learning": learning}}
+        (score,) = evaluate(ENV, ["none"], episodes=1, **options)
+        rmse.append(score.tracking_rmse)
+    for joint in ASSISTED:
+        assert rmse[1][joint] < 0.35 * rmse[0][joint]
+
+
+def test_noise_only_where_it_is_asked_for():
+    still, noisy = make(), make(control={"noise": 1.0})
+    random = []
+    for env in (still, noisy):
+        env.reset(seed=0)
+        before = env.np_random.bit_generator.state
+        play(env, ACTIONS[:20])
+        random.append(env.np_random.bit_generator.state == before)
+    assert random == [True, False]
+    noisy.reset(seed=0)
+    first = play(noisy, ACTIONS[:20])
+    noisy.reset(seed=0)
+    np.testing.assert_array_equal(first, play(noisy, ACTIONS[:20]))
+    still.reset(seed=0)
+    assert np.abs(first - play(still, ACTIONS[:20])).max() > 1e-3
+
+
+def test_the_left_arm_moves_as_the_right_one():
+    left, right = make(side="left"), make()
+    np.testing.assert_allclose(left.reset(seed=0)[0], right.reset(seed=0)[0], atol=1e-6)
+    np.testing.assert_allclose(play(left, ACTIONS), play(right, ACTIONS), atol=1e-4)
+
+
+def test_a_suit_without_pressure_is_only_weight():
+    env = make(suit="emu-like", pressure=0.0)
+    env.reset(seed=0)
+    for action in ACTIONS[:50]:
+        info = env.step(action)[-1]
+    assert not info["suit_torque"].any()
+    assert info["dissipated_energy"] == 0
+
+
+@pytest.mark.parametrize("control_dt", [0.02, 0.004])
+def test_the_usual_delay_fits_every_control_period(control_dt):
+    env = make(control_dt=control_dt)
+    env.reset(seed=0)
+    env.step(np.zeros(2))
+    delay = env.wearer.settings.delay
+    assert abs(delay - 0.05) <= control_dt / 2 + 1e-12
+    assert len(env.wearer.control.past) == round(delay / control_dt)
+
+
+# --- Evaluation ---------------------------------------------------------------------------------
+
+
+def test_scores_tell_effort_and_cuff_forces():
+    env = gymnasium.make(ENV, coupling="cuffs", max_episode_steps=200)
+    traces = []
+    (score,) = evaluate(
+        ENV,
+        {"none": lambda arm: make_policy("none", arm)},
+        episodes=1,
+        coupling="cuffs",
+        on_episode=lambda policy, episode, trace: traces.append(trace),
+    )
+    (trace,) = traces
+    late = trace.time > 0.5
+    wanted = effort_metrics(trace.human_torque[late], trace.rate[late], 0.01)
+    for joint in ASSISTED:
+        column = JOINTS.index(joint)
+        assert score.effort[joint]["impulse"] == pytest.approx(wanted.impulse[column])
+        assert score.effort[joint]["work_cost"] == pytest.approx(wanted.work_cost[column])
+        assert score.human_rms[joint] == pytest.approx(wanted.rms[column])
+    force = np.linalg.norm(trace.cuff_force, axis=2).max(axis=0)
+    assert score.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
+    assert run_episode(env, make_policy("none", env), seed=0).cuff_force.shape == (200, 3, 3)

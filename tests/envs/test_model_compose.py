@@ -1,0 +1,224 @@
+"""Every configuration compiles, hangs as heavy as it must, and survives noise."""
+
+from itertools import combinations, product
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, load_suit, save_suit, suit_names
+from activesuit.envs.model import GRAVITY, ArmConfig, arm_spec, bare_arm, compose
+from activesuit.envs.model.config import COUPLINGS, SIDES
+from activesuit.envs.person import Person, segments
+from activesuit.errors import InputError
+from scipy.stats import qmc
+
+PEOPLE = [
+    Person(),
+    Person.percentile("female", 5),
+    Person.percentile("male", 95),
+    Person(stature=1.4, mass=40.0, sex="female", strength=1.0),
+    Person(stature=2.1, mass=140.0, strength=99.0),
+]
+FEW = [
+    {},
+    {"coupling": "cuffs", "side": "left", "gravity": "mars", "wearer": PEOPLE[1]},
+    {"coupling": "none", "suit": "none", "wearer": PEOPLE[3]},
+    {"gravity": "microgravity", "payload": {"mass": 20.0}, "wearer": PEOPLE[2]},
+    {"coupling": "cuffs", "misalignment": (0.02, -0.02, 0.02), "tilt": (0.7, -0.2)},
+    {"suit": "none", "gravity": "moon", "payload": {"mass": 5.0}, "side": "left"},
+    {"suit": "published-2022", "exo": {"encoder_delay": 0.006}},
+]
+ALL = [
+    {"suit": suit, "coupling": coupling, "gravity": gravity, "side": side, "wearer": person}
+    for suit, coupling, gravity, side, person in product(
+        [*suit_names(), "none"], COUPLINGS, GRAVITY, SIDES, PEOPLE
+    )
+]
+
+SOME = ALL[::7]  # any two fields still meet in all their values
+
+
+def config_of(fields):
+    return ArmConfig(allow_uncertified=True, **fields)
+
+
+def cases(more):
+    slow = [pytest.param(fields, marks=pytest.mark.slow) for fields in more]
+    return pytest.mark.parametrize("fields", [*FEW, *slow], ids=range(len(FEW) + len(more)))
+
+
+def test_any_two_fields_meet_in_all_their_values():
+    for one, other in combinations(ALL[0], 2):
+        everywhere, somewhere = (
+            {(str(fields[one]), str(fields[other])) for fields in some} for some in (ALL, SOME)
+        )
+        assert everywhere == somewhere
+
+
+@cases(ALL)
+def test_it_compiles_and_its_keyframes_lie_in_the_ranges(fields):
+    model = compose(config_of(fields))
+    assert model.nkey == 2
+    for i in range(model.nkey):
+        assert (model.jnt_range[:, 0] <= model.key_qpos[i]).all()
+        assert (model.key_qpos[i] <= model.jnt_range[:, 1]).all()
+    home = model.key("home")
+    for joint in JOINTS:
+        start = model.actuator_ctrladr[model.actuator(f"human_{joint}").id]
+        assert home.ctrl[start] == home.qpos[model.joint(joint).qposadr[0]]
+
+
+@cases(SOME)
+def test_ten_seconds_of_noise_give_no_warning(fields):
+    model = compose(config_of(fields))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    low, high = control_limits(model)
+    halton = qmc.Halton(model.nu, rng=np.random.default_rng(0)).random(100)
+    for noise in low + halton * (high - low):
+        data.ctrl[:] = noise
+        mujoco.mj_step(model, data, round(0.1 / model.opt.timestep))
+    assert data.time == pytest.approx(10.0)
+    assert not data.warning.number.any()
+    assert np.isfinite(data.qpos).all()
+    over = np.maximum(model.jnt_range[:, 0] - data.qpos, data.qpos - model.jnt_range[:, 1])
+    assert over.max() < 0.3
+
+
+def control_limits(model):
+    """Joint range, 6 rad/s and full torque for the wearer; full torque for the motors."""
+    low, high = [], []
+    for i in range(model.nactuator):
+        force = model.actuator_forcerange[i]
+        if model.actuator(i).name.startswith("human_"):
+            span = model.joint(model.actuator(i).name.removeprefix("human_")).range
+            low += [span[0], -6, force[0]]
+            high += [span[1], 6, force[1]]
+        else:
+            low.append(force[0])
+            high.append(force[1])
+    return np.array(low), np.array(high)
+
+
+def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
+    """With the arm horizontal [N·m]."""
+    data = mujoco.MjData(model)
+    data.joint("shoulder_flexion").qpos[0] = np.pi / 2
+    mujoco.mj_forward(model, data)
+    return [data.joint(joint).qfrc_bias[0] for joint in joints]
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize(
+    ("gravity", "shoulder", "elbow"),
+    [("earth", 11.82, 3.25), ("mars", 4.47, 1.23), ("moon", 1.95, 0.54), ("microgravity", 0, 0)],
+)
+def test_gravity_torque_of_the_bare_arm(gravity, shoulder, elbow, side):
+    # de Leva 1996, 1.78 m, 80 kg: closed form, worked by hand.
+    torque = gravity_torque(bare_arm(ArmConfig(gravity=gravity, side=side)))
+    np.testing.assert_allclose(torque, [shoulder, elbow], atol=0.005)
+
+
+@pytest.mark.parametrize("person", PEOPLE)
+def test_an_arm_without_suit_and_exoskeleton_weighs_what_the_bare_arm_does(person):
+    config = ArmConfig(suit="none", coupling="none", wearer=person)
+    arm = segments(person)
+    elbow = 9.81 * (
+        arm["forearm"].mass * arm["forearm"].center
+        + arm["hand"].mass * (arm["forearm"].length + arm["hand"].center)
+    )
+    shoulder = elbow + 9.81 * (
+        arm["upper_arm"].mass * arm["upper_arm"].center
+        + (arm["forearm"].mass + arm["hand"].mass) * arm["upper_arm"].length
+    )
+    for model in (compose(config), bare_arm(config)):
+        np.testing.assert_allclose(gravity_torque(model), [shoulder, elbow], rtol=1e-12)
+
+
+def test_a_payload_weighs_what_it_weighs():
+    empty, loaded = (compose(ArmConfig(suit="none", payload={"mass": mass})) for mass in (0.0, 4.0))
+    data = mujoco.MjData(loaded)
+    data.joint("shoulder_flexion").qpos[0] = np.pi / 2
+    mujoco.mj_forward(loaded, data)
+    lever = data.body("payload").xipos[0] - data.site("elbow_center").xpos[0]
+    difference = gravity_torque(loaded)[1] - gravity_torque(empty)[1]
+    assert difference == pytest.approx(4.0 * 9.81 * lever, rel=1e-9)
+    assert loaded.body("exo_hand").id == loaded.body("payload").parentid[0]
+
+
+@pytest.mark.parametrize("pitch", [-0.3, 0.5, np.pi / 2])
+def test_a_leaning_torso_turns_the_arm_in_the_gravity_field(pitch):
+    # A horizontal arm of the upright wearer is at flexion 90 degrees plus the pitch.
+    torque = []
+    for tilt, flexion in (((0.0, 0.0), np.pi / 2), ((pitch, 0.0), np.pi / 2 + pitch)):
+        model = bare_arm(ArmConfig(tilt=tilt))
+        data = mujoco.MjData(model)
+        data.joint("shoulder_flexion").qpos[0] = flexion
+        mujoco.mj_forward(model, data)
+        torque.append(data.qfrc_bias.copy())
+        hips, torso = data.body("legs").xpos, data.body("torso").xpos
+        assert np.linalg.norm(torso - hips) == pytest.approx(0.54)
+        assert np.sign(torso[0] - hips[0]) == np.sign(tilt[0])
+    np.testing.assert_allclose(torque[1], torque[0], atol=1e-9)
+
+
+def test_in_microgravity_feet_are_held_and_elsewhere_there_is_a_floor():
+    def bodies_and_geoms(gravity):
+        model = compose(ArmConfig(gravity=gravity))
+        return (
+            {model.body(i).name for i in range(model.nbody)},
+            {model.geom(i).name for i in range(model.ngeom)},
+        )
+
+    bodies, geoms = bodies_and_geoms("microgravity")
+    assert "foot_restraint" in bodies
+    assert "floor" not in geoms
+    bodies, geoms = bodies_and_geoms("moon")
+    assert "foot_restraint" not in bodies
+    assert "floor" in geoms
+
+
+def test_every_call_returns_a_model_of_its_own():
+    first = compose(ArmConfig())
+    first.opt.gravity[:] = 0
+    second = compose(ArmConfig())
+    np.testing.assert_array_equal(second.opt.gravity, [0, 0, -9.81])
+
+
+def test_a_suit_file_with_a_new_content_is_read_again(tmp_path):
+    suit, path = load_suit("mock-suit"), tmp_path / "suit.json"
+    save_suit(suit, path)
+    assert compose(ArmConfig(suit=path)).nplugin == len(suit.joints)
+    elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
+    save_suit(suit.model_copy(update={"joints": elbow}), path)
+    assert compose(ArmConfig(suit=path)).nplugin == 1
+
+
+def test_the_specification_can_be_added_to():
+    spec = arm_spec(ArmConfig())
+    spec.body("hand").add_site(name="tool")
+    assert spec.compile().site("tool").bodyid == spec.compile().body("hand").id
+
+
+def test_an_unknown_suit_is_refused_with_a_hint():
+    with pytest.raises(InputError, match="did you mean 'mock-suit'"):
+        compose(ArmConfig(suit="mock-suite"))
+
+
+def test_without_an_exoskeleton_there_are_no_motors():
+    model = compose(ArmConfig(coupling="none"))
+    assert model.nu == 3 * len(JOINTS)
+    assert (model.dof_frictionloss == 0).all()
+    names = {model.sensor(i).name for i in range(model.nsensor)}
+    assert "encoder_elbow_flexion" in names
+    assert "assist_torque_elbow_flexion" not in names
+
+
+def test_motors_of_cuffs_drive_the_exoskeletons_joints():
+    config = ArmConfig(coupling="cuffs")
+    model = compose(config)
+    motor = model.actuator("assist_elbow_flexion")
+    assert model.joint(motor.trnid[0]).name == "exo_elbow_flexion"
+    friction = {model.joint(i).name: model.dof_frictionloss[i] for i in range(model.njnt)}
+    assert friction["elbow_flexion"] == 0
+    assert friction["exo_elbow_flexion"] == config.exo.elbow.coulomb

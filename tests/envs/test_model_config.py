@@ -1,0 +1,118 @@
+"""The configuration of the model: plain values, and one sentence for what cannot be."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from activesuit.envs.model import ArmConfig, Exo, Payload
+from activesuit.envs.model.config import PROVENANCE
+from activesuit.envs.person import Person
+from activesuit.errors import InputError
+
+RICH = ArmConfig(
+    suit="published-2022",
+    pressure=40.0,
+    gravity="moon",
+    wearer=Person(stature=1.6, mass=55.0, sex="female", strength=80.0),
+    exo=Exo(elbow=replace(Exo().elbow, peak_torque=30.0), encoder_delay=0.004),
+    coupling="cuffs",
+    payload=Payload(mass=2.0, inertia=(0.01, 0.02, 0.02)),
+    side="left",
+    tilt=(0.3, -0.1),
+    misalignment=(0.01, 0.0, -0.02),
+    sim_dt=0.0005,
+    allow_uncertified=True,
+)
+
+
+@pytest.mark.parametrize("config", [ArmConfig(), RICH], ids=["default", "rich"])
+def test_json_gives_the_config_back(config):
+    assert ArmConfig.from_dict(json.loads(json.dumps(config.to_dict()))) == config
+    assert hash(ArmConfig.from_dict(config.to_dict())) == hash(config)
+
+
+def test_nested_dicts_replace_single_fields():
+    config = ArmConfig(wearer={"stature": 1.6}, exo={"elbow": {"peak_torque": 30.0}})
+    assert config.wearer == Person(stature=1.6)
+    assert config.exo == Exo(elbow=replace(Exo().elbow, peak_torque=30.0))
+    assert ArmConfig.from_dict({"tilt": [0.1, 0]}).tilt == (0.1, 0.0)
+
+
+def test_a_path_is_a_suit():
+    assert ArmConfig(suit=Path("folder") / "mine.json").suit == str(Path("folder") / "mine.json")
+
+
+@pytest.mark.parametrize(
+    ("fields", "timestep"),
+    [({}, 0.002), ({"coupling": "cuffs"}, 0.001), ({"coupling": "cuffs", "sim_dt": 5e-4}, 5e-4)],
+)
+def test_the_step_follows_the_coupling(fields, timestep):
+    assert ArmConfig(**fields).timestep == timestep
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"gravity": "moonn"}, "unknown gravity 'moonn': .* did you mean 'moon'?"),
+        ({"coupling": "cuff"}, "unknown coupling 'cuff': .* did you mean 'cuffs'?"),
+        ({"side": "lef"}, "unknown side 'lef': .* did you mean 'left'?"),
+        ({"payload": {"mass": -1}}, "payload.mass is -1: use a number from 0 to 60 kg"),
+        ({"payload": {"mass": 61}}, "payload.mass is 61: "),
+        (
+            {"payload": {"inertia": (1, 1, 1)}},
+            r"payload.inertia is \(1.0, 1.0, 1.0\), but its mass",
+        ),
+        (
+            {"payload": {"mass": 1, "inertia": (1, 1, 3)}},
+            "payload.inertia is .*none of them greater",
+        ),
+        (
+            {"payload": {"mass": 1, "inertia": (1, 1)}},
+            r"payload.inertia is \(1, 1\): give 3 finite",
+        ),
+        ({"misalignment": (0.01, 0, 0)}, "misalignment is .*, but coupling is 'rigid'"),
+        (
+            {"misalignment": (0, 0.06, 0), "coupling": "cuffs"},
+            "misalignment is 0.06: use a number from -0.05 to 0.05 m",
+        ),
+        ({"pressure": -1}, "pressure is -1: use a number from 0 to 110 kPa"),
+        ({"pressure": 30, "suit": "none"}, "pressure is 30 kPa, but suit is 'none'"),
+        ({"coupling": "none", "exo": {"cuff": 0.2}}, "exo is given, but coupling is 'none'"),
+        ({"tilt": (2, 0)}, "tilt is 2.0: use a number from -1.57"),
+        ({"tilt": 0.1}, "tilt is 0.1: give 2 finite numbers"),
+        ({"sim_dt": 0.1}, "sim_dt is 0.1: use a number from 1e-05 to 0.01 s"),
+        ({"sim_dt": 0}, "sim_dt is 0: "),
+        ({"wearer": {"statur": 1.7}}, "unknown field of wearer 'statur': .* mean 'stature'?"),
+        ({"wearer": 1.7}, r"wearer is 1.7: give Person\(...\) or a dict of its fields"),
+        ({"exo": {"elbow": {"peak": 3}}}, "unknown field of exo.elbow 'peak': "),
+        (
+            {"exo": {"elbow": {"peak_torque": 5}}},
+            "a motor's continuous_torque is 10.0: use at most",
+        ),
+        ({"exo": {"elbow": {"viscous": 6}}}, "a motor's viscous friction is 6: .* less than 5"),
+        ({"exo": {"encoder_bits": 64}}, "exo.encoder_bits is 64: use 4 to 32"),
+        ({"exo": {"encoder_bits": 12.5}}, "exo.encoder_bits is 12.5: use 4 to 32"),
+        ({"suit": None}, "suit is None: give a name, a path, or 'none'"),
+        ({"gravity": ["moon"]}, "unknown gravity "),
+        ({"exo": {"ring": "heavy"}}, "exo.ring is heavy: use a number"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_sentence(fields, message):
+    with pytest.raises(InputError) as error:
+        ArmConfig(**fields)
+    assert re.match(message, str(error.value)), error.value
+    assert "\n" not in str(error.value)
+
+
+def test_an_unknown_field_gets_a_hint():
+    with pytest.raises(InputError, match=r"unknown field of config 'sides': .*mean 'side'"):
+        ArmConfig.from_dict({"sides": "left"})
+
+
+def test_a_payload_without_moments_is_a_ball_of_aluminum():
+    ball = Payload(mass=2.0)
+    density = next(q.value for q in PROVENANCE if q.name == "payload.density")
+    assert ball.mass == pytest.approx(density * 4 / 3 * 3.141592653589793 * ball.radius**3)
+    assert ball.moments == pytest.approx((0.4 * 2.0 * ball.radius**2,) * 3)

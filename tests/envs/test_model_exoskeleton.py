@@ -1,0 +1,166 @@
+"""Motors, encoders and masses of the exoskeleton."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.envs.model import (
+    ASSISTED,
+    ArmConfig,
+    Exo,
+    arm_spec,
+    compose,
+    quantize,
+    start_encoders,
+    thermal_step,
+)
+from activesuit.envs.model.exoskeleton import PROVENANCE
+
+MOTORS = Exo().motors
+
+
+def driven(joint, speed=0.0):
+    """The default model with `joint` held at a speed by an enormous inertia."""
+    spec = arm_spec(ArmConfig(suit="none", gravity="microgravity"))
+    spec.joint(joint).armature = 1e9
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.joint(joint).qvel[0] = speed
+    return model, data
+
+
+@pytest.mark.parametrize("joint", ASSISTED)
+@pytest.mark.parametrize("turn", [-1, 1])
+@pytest.mark.parametrize("share", [-1.2, -0.5, 0.0, 0.3, 0.7, 1.0])
+def test_net_torque_falls_linearly_from_the_peak_to_zero_at_no_load_speed(joint, turn, share):
+    motor = MOTORS[joint]
+    speed = share * turn * motor.no_load_speed
+    model, data = driven(joint, speed)
+    actuator = model.actuator(f"assist_{joint}").id
+    data.ctrl[model.actuator_ctrladr[actuator]] = 2 * turn * motor.peak_torque
+    for _ in range(100):  # 0.2 s, 12 time constants of the torque loop
+        data.qpos[:] = 0.5
+        mujoco.mj_step(model, data)
+    net = data.actuator_force[actuator] - motor.viscous * speed
+    # Beyond the peak the torque loop limits the torque, and what turns backward is braked at it.
+    available = motor.peak_torque * (1 - share)
+    limit = motor.peak_torque - motor.viscous * abs(speed) * np.sign(share)
+    assert turn * net == pytest.approx(min(available, limit), abs=1e-3)
+
+
+@pytest.mark.parametrize("joint", ASSISTED)
+def test_torque_follows_a_step_with_the_bandwidth(joint):
+    motor = MOTORS[joint]
+    model, data = driven(joint)
+    actuator = model.actuator(f"assist_{joint}").id
+    data.ctrl[model.actuator_ctrladr[actuator]] = command = 0.4 * motor.peak_torque
+    torque = []
+    for _ in range(50):
+        mujoco.mj_step(model, data)
+        torque.append(data.actuator_force[actuator])
+    time = model.opt.timestep * np.arange(1, 51)
+    expected = command * (1 - np.exp(-2 * np.pi * motor.bandwidth * time))
+    np.testing.assert_allclose(torque, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("joint", ASSISTED)
+def test_command_and_activation_are_torques(joint):
+    model, data = driven(joint)
+    actuator = model.actuator(f"assist_{joint}")
+    peak = MOTORS[joint].peak_torque
+    np.testing.assert_array_equal(actuator.forcerange, [-peak, peak])
+    data.ctrl[model.actuator_ctrladr[actuator.id]] = 0.5 * peak
+    mujoco.mj_step(model, data, 500)
+    assert data.actuator_force[actuator.id] == pytest.approx(0.5 * peak, rel=1e-6)
+    assert data.act[model.actuator_actadr[actuator.id]] == pytest.approx(0.5 * peak, rel=1e-6)
+
+
+def test_inertia_and_friction_are_the_motors():
+    strong = replace(Exo().elbow, armature=0.05, coulomb=1.5, viscous=0.4)
+    exo = Exo(elbow=strong)
+    inertia, rest = [], []
+    for config in (ArmConfig(suit="none"), ArmConfig(suit="none", exo=exo)):
+        model = compose(config)
+        data = mujoco.MjData(model)
+        data.qvel[:] = 1.0
+        mujoco.mj_forward(model, data)
+        full = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, full)
+        inertia.append(full)
+        rest.append((model.dof_frictionloss.copy(), data.qfrc_passive.copy()))
+    elbow = np.array([0, 0, 1, 0])
+    np.testing.assert_allclose(inertia[1] - inertia[0], 0.03 * np.diag(elbow), atol=1e-12)
+    np.testing.assert_allclose(rest[1][0] - rest[0][0], 1.2 * elbow, atol=1e-12)
+    np.testing.assert_allclose(rest[1][1] - rest[0][1], -0.3 * elbow, atol=1e-12)
+
+
+def test_masses_are_the_configured_ones():
+    exo = Exo(
+        shoulder=replace(Exo().shoulder, mass=1.1),
+        elbow=replace(Exo().elbow, mass=0.7),
+        upper_arm_link=1.3,
+        forearm_link=0.8,
+        cuff=0.2,
+        ring=0.5,
+    )
+    model = compose(ArmConfig(exo=exo))
+    masses = {name: model.body(f"exo_{name}").mass[0] for name in ("upper_arm", "forearm", "hand")}
+    assert masses == pytest.approx({"upper_arm": 1.5, "forearm": 1.7, "hand": 0.5})
+    assert model.body("exo_shoulder_support").mass[0] == pytest.approx(1.1)
+
+
+@pytest.mark.parametrize("delay", [0.002, 0.01])
+def test_encoders_tell_what_was(delay):
+    model = compose(ArmConfig(exo=Exo(encoder_delay=delay)))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    start_encoders(model, data)
+    mujoco.mj_forward(model, data)
+    angle = data.joint("elbow_flexion").qpos[0]
+    assert data.sensor("encoder_elbow_flexion").data[0] == angle
+    angles, rates, told = [], [], []
+    for _ in range(30):
+        angles.append(data.joint("elbow_flexion").qpos[0])
+        rates.append(data.joint("elbow_flexion").qvel[0])
+        mujoco.mj_step(model, data)
+        told.append([data.sensor(f"encoder_{of}elbow_flexion").data[0] for of in ("", "rate_")])
+    steps = round(delay / model.opt.timestep)
+    # A step ends with the sensors of its beginning.
+    np.testing.assert_array_equal(np.array(told)[steps:, 0], angles[:-steps])
+    np.testing.assert_array_equal(np.array(told)[steps:, 1], rates[:-steps])
+
+
+def test_encoders_without_delay_need_no_start():
+    model = compose(ArmConfig())
+    data = mujoco.MjData(model)
+    before = data.history.copy()
+    start_encoders(model, data)
+    np.testing.assert_array_equal(data.history, before)
+
+
+def test_quantized_angles_are_whole_counts_within_half_a_count():
+    angle = np.random.default_rng(0).uniform(-3, 3, (50, 4))
+    for bits in (10, 14):
+        count = 2 * np.pi / 2**bits
+        told = quantize(angle, bits)
+        np.testing.assert_allclose(told / count, np.round(told / count), atol=1e-9)
+        assert np.abs(told - angle).max() <= count / 2 * (1 + 1e-9)
+
+
+def test_heat_is_the_running_mean_square():
+    torque = np.array([[10.0, 5.0], [3.0, -4.0]])
+    many = np.zeros((2, 2))
+    for _ in range(1000):
+        many = thermal_step(many, torque, time_constant=[60.0, 30.0], dt=0.01)
+    at_once = thermal_step(np.zeros((2, 2)), torque, time_constant=[60.0, 30.0], dt=10.0)
+    np.testing.assert_allclose(many, at_once, rtol=1e-10)
+    forever = thermal_step(many, torque, time_constant=60.0, dt=1e5)
+    np.testing.assert_allclose(np.sqrt(forever), np.abs(torque), rtol=1e-12)
+
+
+def test_every_number_of_the_default_exoskeleton_has_a_source():
+    values = {quantity.name: quantity.value for quantity in PROVENANCE}
+    assert all(quantity.source and quantity.grade == "assumed" for quantity in PROVENANCE)
+    assert values["exo.elbow_flexion.peak_torque"] == Exo().elbow.peak_torque
+    assert len(values) == len(PROVENANCE) == 2 * 9 + 6

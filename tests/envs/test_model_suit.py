@@ -1,0 +1,55 @@
+"""The suit's torque on the composed arm, at its own and at another pressure."""
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, load_suit
+from activesuit.envs.model import ArmConfig, arm_spec, compose
+from activesuit.envs.model.compose import resisting_joints
+from activesuit.envs.model.suit import attach_suit
+from activesuit.errors import InputError
+
+
+def suit_torque(pressure):
+    """Along a motion that only the test makes: the joints are too heavy for any force [N·m]."""
+    spec = arm_spec(ArmConfig(suit="none"))
+    for joint in spec.joints:
+        joint.armature = 1e12
+    attach_suit(spec, load_suit("emu-like").at_pressure(pressure))
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    torque = []
+    for phase in np.linspace(0, 4 * np.pi, 200):
+        data.qpos[:] = 0.6 - 0.5 * np.cos(phase) * np.linspace(1, 0.8, 4)
+        mujoco.mj_forward(model, data)
+        torque.append([data.sensor(f"{joint}_suit_torque").data[0] for joint in JOINTS])
+        mujoco.mj_step(model, data)
+    return np.array(torque)
+
+
+def test_torque_is_proportional_to_pressure():
+    at_reference = suit_torque(29.6)
+    assert np.ptp(at_reference, axis=0).min() > 1
+    np.testing.assert_allclose(suit_torque(40.0), 40 / 29.6 * at_reference, atol=1e-9)
+
+
+def test_without_pressure_nothing_resists():
+    spec = arm_spec(ArmConfig(suit="none"))
+    attach_suit(spec, load_suit("emu-like").at_pressure(0.0))
+    assert spec.compile().nplugin == 0
+
+
+@pytest.mark.parametrize("pressure", [40.0, 0.0])
+def test_a_config_scales_the_suit_to_its_pressure(pressure):
+    own = resisting_joints(ArmConfig(suit="emu-like"))
+    scaled = resisting_joints(ArmConfig(suit="emu-like", pressure=pressure))
+    assert own == load_suit("emu-like").joints
+    assert scaled == load_suit("emu-like").at_pressure(pressure).joints
+    assert compose(ArmConfig(suit="emu-like", pressure=pressure)).nplugin == len(scaled)
+
+
+@pytest.mark.parametrize("suit", ["mock-suit", "published-2022"])
+def test_the_pressure_of_the_papers_suit_is_not_known(suit):
+    config = ArmConfig(suit=suit, pressure=40.0, allow_uncertified=True)
+    with pytest.raises(InputError, match="does not tell at which its torque"):
+        compose(config)

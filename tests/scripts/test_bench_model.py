@@ -1,0 +1,56 @@
+"""The model's benchmark: steps converge, and a suit costs what a suit may cost."""
+
+import json
+
+import pytest
+from activesuit.scripts.main import main
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def result():
+    from contextlib import redirect_stdout
+    from io import StringIO
+
+    with redirect_stdout(StringIO()) as text:
+        main(["bench", "model", "--repeats", "1", "--json"])
+    return json.loads(text.getvalue())
+
+
+def test_each_coupling_is_timed(result):
+    assert len(result["rows"]) == 3
+    assert all(row["ratio"] > 0 for row in result["rows"])
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+@pytest.mark.parametrize("quantity", ["human", "suit", "angle"])
+def test_physics_steps_converge_to_first_order(result, coupling, quantity):
+    errors = {
+        error["time_step"]: error[quantity]
+        for error in result["step_errors"]
+        if error["coupling"] == coupling
+    }
+    assert errors[0.002] / errors[0.001] == pytest.approx(2, rel=0.2)
+    # The differences are from 0.125 ms: of 0.5 ms three units of it, of 0.25 ms one.
+    assert errors[0.0005] / errors[0.00025] == pytest.approx(3, rel=0.2)
+
+
+def test_default_steps_cost_less_than_half_a_percent_of_the_wearers_torque(result):
+    defaults = {("rigid", 0.002), ("cuffs", 0.001)}
+    found = [e for e in result["step_errors"] if (e["coupling"], e["time_step"]) in defaults]
+    assert len(found) == 2
+    assert all(error["human"] < 0.005 * 26 for error in found)  # N·m, docs/model.md
+
+
+def test_a_good_posture_in_an_emu_costs_about_two_to_three_times_the_unsuited_work(result):
+    # SAE 2000-01-2257: 23 % of an order of magnitude.
+    work = {
+        (cost["suit"], cost["gravity"], cost["payload"]): cost["work"]
+        for cost in result["suit_costs"]
+        if cost["joint"] == "shoulder_flexion"
+    }
+    assert 2 < work["emu-like", "earth", 0.0] < 4
+    assert 2 < work["emu-like", "microgravity", 5.0] < 4
+    for gravity, payload in (("earth", 0.0), ("microgravity", 0.0), ("microgravity", 5.0)):
+        assert 1 < work["mock-suit", gravity, payload] < work["emu-like", gravity, payload]
