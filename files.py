@@ -14,7 +14,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yields a scratch path beside `path` that takes its place only if the block succeeds.
 
     Raises:
-        InputError: the folder does not exist or cannot be written.
+        InputError: the folder does not exist or cannot be written, or the disk is full.
     """
     path = Path(path)
     try:
@@ -34,6 +34,10 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         os.umask(umask)
         scratch.chmod(0o666 & ~umask)
         scratch.replace(path)
+    except OSError as error:
+        raise InputError(
+            f"cannot write {str(path)!r} ({error.strerror}): make room, or choose another folder"
+        ) from error
     finally:
         scratch.unlink(missing_ok=True)
 

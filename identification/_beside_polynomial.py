@@ -9,7 +9,6 @@ from scipy.optimize import least_squares
 
 from ..errors import InputError, at_least
 from .certified import (
-    AGREED,
     DIFFERENCE,
     MARGIN,
     NOISE_MARGIN,
@@ -17,13 +16,13 @@ from .certified import (
     REJECTED,
     STALLED,
     angle_range,
-    noise_floor,
 )
-from .curves import Curve
-from .direct import SAME_START, _usable
+from .curves import Curve, noise_floor
+from .direct import SAME_START, usable
 
 Array = NDArray[np.float64]
 
+AGREED = 1e-3  # two searches that end within this relative score found the same optimum
 LEAST_SCALE = 1e-9  # of the hysteretic part, in place of one that would drive the joint
 FEWEST_BEYOND = 7  # angles that take part, so that the fits leave nothing open
 
@@ -39,7 +38,7 @@ class BesidePolynomial:
     """
 
     def __init__(self, curves: Sequence[Curve], degree: int) -> None:
-        self.curves = _usable(curves)
+        self.curves = usable(curves)
         self.start = common_start(self.curves)
         self.low, self.high = angle_range(self.curves)
         self.angle = np.concatenate([curve.angle for curve in self.curves])

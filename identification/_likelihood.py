@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import brentq, least_squares
 
-from .certified import REJECTED, TINY, derivatives
+from .certified import REJECTED, TINY
 from .objective import CurveObjective
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ class Likelihood:
 
     def jacobian(self, point: Array) -> Array:
         """Returns the derivatives of `residual`, shape (samples, n)."""
-        by_row = derivatives(self.objective, self.row(point)) * self._weight[:, None]
+        by_row = self.objective.derivatives(self.row(point)) * self._weight[:, None]
         return np.where(np.isfinite(by_row), by_row, 0.0) * self.by_point(point)
 
     def covariance(self, point: Array, prior: float = 0.0) -> Array:

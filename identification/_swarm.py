@@ -16,6 +16,8 @@ Objective = Callable[[Array], ArrayLike]
 Callback = Callable[[OptimizeResult], None]
 Bounds = Sequence[tuple[float, float]]
 
+FARTHEST = 1e300  # of a bound, so that no difference of positions overflows
+
 
 class SwarmOptions(TypedDict, total=False):
     """What every swarm takes; `pso` says what each means."""
@@ -75,7 +77,7 @@ class Swarm(ABC):
         rng: int | np.random.Generator | None = None,
     ) -> None:
         self._low, self._high = low, high = checked_bounds(bounds)
-        if swarm_size < 2 or max_iterations < 1 or not 0 < velocity_limit <= 1:
+        if not (swarm_size >= 2 and max_iterations >= 1 and 0 < velocity_limit <= 1):
             raise InputError(
                 f"swarm_size is {swarm_size}, max_iterations {max_iterations}, velocity_limit "
                 f"{velocity_limit}: use at least 2, at least 1, and a fraction in (0, 1]"
@@ -211,10 +213,15 @@ class Swarm(ABC):
             InputError: the state is of another class, or not whole.
         """
         options, changing, generator = _checkpoint.parts(state, cls.__name__, cls._CHANGING)
-        swarm = cls(**options, rng=generator)  # draws numbers; the state is restored after
+        try:
+            swarm = cls(**options, rng=generator)  # draws numbers; the state is restored after
+            generator.bit_generator.state = state["rng"]
+        except (TypeError, KeyError) as error:
+            raise InputError(
+                f"the state does not fit ({error}): use a state as it was saved"
+            ) from error
         for name in cls._CHANGING:
             setattr(swarm, name, _checkpoint.unpack(name, changing[name], getattr(swarm, name)))
-        generator.bit_generator.state = state["rng"]
         return swarm
 
     @abstractmethod
@@ -249,7 +256,7 @@ def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
     """Returns the lower and upper bounds, shape (d,) each.
 
     Raises:
-        InputError: they are not d finite pairs (low, high) with low < high.
+        InputError: they are not d pairs (low, high) with low < high, or too large.
     """
     pairs = np.array(bounds, dtype=np.float64)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.size == 0:
@@ -257,9 +264,10 @@ def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
             f"bounds have shape {pairs.shape}: give one pair (low, high) per parameter"
         )
     for index, (low, high) in enumerate(pairs):
-        if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        if not (low < high and abs(low) < FARTHEST and abs(high) < FARTHEST):
             raise InputError(
-                f"bounds[{index}] are ({low:g}, {high:g}): give finite numbers with low < high"
+                f"bounds[{index}] are ({low:g}, {high:g}): give finite numbers with low < high, "
+                f"less than {FARTHEST:g} from 0"
             )
     return pairs[:, 0].copy(), pairs[:, 1].copy()
 

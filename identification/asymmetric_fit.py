@@ -14,7 +14,7 @@ from ..hysteresis.asymmetric import LARGEST_DEGREE, Asymmetric
 from ..hysteresis.held import Held
 from ..hysteresis.jiles_atherton import JilesAtherton
 from ._beside_polynomial import BesidePolynomial, Search
-from .certified import MARGIN, _box, _unit_parameters
+from .certified import MARGIN, search_box, unit_parameters
 from .curves import Curve
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ def fit_asymmetric(
     def evaluate(point: Array) -> tuple[Array, float]:
         return problem.residual(unit.response(point)), unit.missing_margin(point)
 
-    low, high = _box(problem.curves)
+    low, high = search_box(problem.curves)
     search = Search(evaluate, np.append(low, -1.0), np.append(high, 1.0), BUDGET)
     search.run(rng, SCREENED, problem.floor)
     if search.best is None:
@@ -78,7 +78,7 @@ def fit_asymmetric(
 
 def _unit(point: Array) -> tuple[tuple[float, ...], float]:
     """Returns 1, a, alpha, c, k in degrees, and the torque at the beginning, all for Ms = 1."""
-    (row,) = _unit_parameters(point[None, :4])
+    (row,) = unit_parameters(point[None, :4])
     bound = float(np.exp(point[3])) / (3 * row[1])  # k (c - 1) / (3a), the certificate's
     return tuple(row.tolist()), float(point[4]) * bound
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from ..errors import InputError
 from ..hysteresis.asymmetric import Asymmetric
@@ -14,6 +14,7 @@ from ..hysteresis.held import Held
 from ..hysteresis.model import HysteresisModel
 from ..hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
 from ..hysteresis.preisach import Preisach
+from ._threads import run_threads
 from .curves import Curve
 from .objective import InitialTorque
 from .own_fits import FITS, Fitted, fit_model, nrmse, torque_errors
@@ -45,11 +46,15 @@ class Candidate:
 
 
 class Choice(NamedTuple):
-    """The chosen candidate, all that were tried, the best prediction first, and the reason."""
+    """The chosen candidate, all that were tried, the best prediction first, and the reason.
+
+    `interrupted` tells whether Ctrl-C ended it before all were tried.
+    """
 
     chosen: Candidate
     candidates: tuple[Candidate, ...]
     why: str
+    interrupted: bool
 
 
 def choose(
@@ -79,17 +84,22 @@ def choose(
             f"the number of curves with role 'fit' is {len(curves)}: a choice among models needs "
             "at least 2, better 3, so that one can be left out and predicted"
         )
-    parallel = Parallel(n_jobs=min(workers, len(FITS)), prefer="threads")
-    jobs = (delayed(_candidate)(name, curves, seed, options.get(name, {})) for name in FITS)
-    found = cast(list[Candidate], parallel(jobs))
-    tried = sorted(found, key=lambda candidate: candidate.prediction_nrmse)
+    calls = [partial(_candidate, name, curves, seed, options.get(name, {})) for name in FITS]
+    found, interrupted = run_threads(calls, workers)
+    order = list(FITS)
+    tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
     best = tried[0]
     if best.model is None:
+        if interrupted:
+            raise KeyboardInterrupt
         reasons = "; ".join(f"{candidate.name}: {candidate.reason}" for candidate in tried)
         raise InputError(f"no model could be fitted to these curves ({reasons})")
     good = [one for one in tried if one.prediction_nrmse <= AS_GOOD * best.prediction_nrmse]
     chosen = min(good, key=lambda candidate: candidate.parameters)
-    return Choice(chosen, tuple(tried), _why(chosen, tried))
+    why = _why(chosen, tried)
+    if interrupted:
+        why += f"; interrupted after {len(tried)} of {len(FITS)} models"
+    return Choice(chosen, tuple(tried), why, interrupted)
 
 
 def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str, Any]) -> Candidate:
@@ -148,8 +158,8 @@ def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:
             f"({chosen.parameters} instead of {best.parameters})"
         )
     text = f"{chosen.name} predicts curves left out of its fit best, {score}"
-    if tried[1].model is None:
-        return f"{text}; no other model could be fitted"
+    if len(tried) == 1 or tried[1].model is None:
+        return f"{text}; no other model was fitted"
     return (
         f"{text} (next is {tried[1].name}, {tried[1].prediction_nrmse:.2%}), and no model within "
         f"10 % of that has fewer parameters than its {chosen.parameters}"

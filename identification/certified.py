@@ -11,7 +11,6 @@ from scipy.optimize import least_squares
 from ..errors import InputError
 from ..hysteresis._jiles_atherton_bulk import certificate
 from ..hysteresis._jiles_atherton_envelope import margin_in_range
-from ..hysteresis._jiles_atherton_sensitivity import response_and_derivatives
 from ..hysteresis._langevin import langevin
 from ..hysteresis.held import Held
 from ..hysteresis.jiles_atherton import JilesAtherton
@@ -32,10 +31,10 @@ DIFFERENCE = 1e-5  # where nothing better is at hand
 TINY = 1e-30
 NOISE_MARGIN = 1.03
 STALLED = 1e-5
-AGREED = 1e-3  # two searches that end within this relative score found the same optimum
 MARGIN = 0.01  # of the certificate, that a fit keeps
 PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
-REJECTED = 10.0  # residual where the torque is infinite
+REJECTED = 10.0  # residual where the torque is infinite, or Ms below its limit
+LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +83,7 @@ def certified_fit(
     Ms follows from a projection, because the torque of a motion that begins without torque is
     linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact derivatives starts
     from the best ones in turn, until the residual is the measurement's own noise (estimated from
-    second differences of the torque), two searches agree, or the budget is spent.
+    second differences of the torque), or the budget is spent.
 
     Args:
         curves: the measured curves.
@@ -104,12 +103,11 @@ def certified_fit(
     search = _Search(curves, initial_torque, budget)
     floor = noise_floor(curves) / search.objective.peak
     for start in search.screened(rng):
-        before = search.score
         try:
-            ended = search.minimize(start)
+            search.minimize(start)
         except _BudgetSpent:
             break
-        if search.score <= NOISE_MARGIN * floor or abs(ended / before - 1) < AGREED:
+        if search.score <= NOISE_MARGIN * floor:
             break
     return search.result()
 
@@ -139,8 +137,8 @@ class _BudgetSpent(Exception):
 class _Search:
     """Residuals over the search coordinates, with the best certified point kept.
 
-    Coordinates are those of `_box`, log Ms and, if it is identified, the initial torque over the
-    peak. A row is Ms, a, alpha, c, k in degrees and, if it is identified, the initial torque.
+    Coordinates are those of `search_box`, log Ms and, if it is identified, the initial torque over
+    the peak. A row is Ms, a, alpha, c, k in degrees and, if it is identified, the initial torque.
     """
 
     def __init__(self, curves: Sequence[Curve], initial_torque: InitialTorque, budget: int) -> None:
@@ -149,7 +147,7 @@ class _Search:
         self.scale = np.sqrt(self.objective.weight) / self.objective.peak
         self.low_angle, self.high_angle = np.degrees(angle_range(curves)).tolist()
         self.first_angles = np.degrees([curve.angle[0] for curve in curves])
-        low, high = _box(curves)
+        low, high = search_box(curves)
         others = [np.inf, 1.0][: 1 + (initial_torque == "identified")]
         self.low, self.high = np.append(low, np.negative(others)), np.append(high, others)
         self.best, self.score, self.evaluations = np.empty(0), np.inf, 0
@@ -167,11 +165,11 @@ class _Search:
 
         sobol = qmc.Sobol(4, rng=np.random.default_rng(rng)).random(SCREENED)
         points = self.low[:4] + sobol * (self.high - self.low)[:4]
-        rows = _unit_parameters(points)
+        rows = unit_parameters(points)
         shape = CurveObjective(self.objective.curves).responses(rows) * self.scale
         torque = self.objective.torque * self.scale
         power = np.einsum("ij,ij->i", shape, shape)
-        Ms = np.maximum(shape @ torque, 1e-9 * power) / power
+        Ms = np.maximum(shape @ torque / power, LEAST_START * self.objective.peak)
         scores = np.sqrt(np.mean((Ms[:, None] * shape - torque) ** 2, axis=1))
         Ms = np.where(np.isfinite(Ms), Ms, self.objective.peak)
         rows[:, 0], rows[:, 2] = Ms, rows[:, 2] / Ms
@@ -186,9 +184,9 @@ class _Search:
         costs = torque.size * scores**2 + (PENALTY * missing) ** 2
         return starts[np.argsort(costs), : self.low.size]  # NaN, past the pole, comes last
 
-    def minimize(self, start: Array) -> float:
-        """Runs bounded least squares from `start`; returns the score where it ends."""
-        result = least_squares(
+    def minimize(self, start: Array) -> None:
+        """Runs bounded least squares from `start`."""
+        least_squares(
             self.residual,
             start,
             jac=self.jacobian,  # type: ignore[arg-type]
@@ -197,15 +195,16 @@ class _Search:
             ftol=STALLED,
             xtol=STALLED,
         )
-        return float(np.sqrt(2 * result.cost / self.objective.torque.size))
 
     def residual(self, point: Array) -> Array:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| and the penalty, shape (samples + 1,)."""
         self.spend(1)
+        if point[4] < np.log(LEAST * self.objective.peak):  # as on curves that drive the joint
+            return np.full(self.objective.torque.size + 1, REJECTED)
         (row,) = self.rows(point[None])
         error = (self.objective.responses(row)[0] - self.objective.torque) * self.scale
         error = np.where(np.isfinite(error), error, REJECTED)
-        missing = self.missing_margin(row, self.first_torques(row))
+        missing = self.missing_margin(row, self.objective.first_torques(row))
         self.keep(row, float(np.sqrt(np.mean(error**2))), missing)
         return np.append(error, PENALTY * missing)
 
@@ -219,17 +218,18 @@ class _Search:
         """Returns the derivatives of `residual`, exact but for those of the penalty."""
         self.spend(DERIVATIVES_COST)
         (row,) = self.rows(point[None])
-        by_row = derivatives(self.objective, row) * self.scale[:, None]
+        by_row = self.objective.derivatives(row) * self.scale[:, None]
         # An infinitesimal imaginary step differentiates the coordinates exactly.
         by_coordinate = np.imag(self.rows(point + TINY * 1j * np.eye(point.size))).T / TINY
         by_point = np.where(np.isfinite(by_row), by_row, 0.0) @ by_coordinate
         moved = self.rows(point + DIFFERENCE * np.eye(point.size))
-        missing = [self.missing_margin(one, self.first_torques(one)) for one in (row, *moved)]
+        first_torques = self.objective.first_torques
+        missing = [self.missing_margin(one, first_torques(one)) for one in (row, *moved)]
         penalty = PENALTY * (np.array(missing[1:]) - missing[0]) / DIFFERENCE
         return np.vstack([by_point, penalty])
 
     def rows(self, points: NDArray[Any]) -> NDArray[Any]:
-        unit, Ms = _unit_parameters(points[:, :4]), np.exp(points[:, 4])
+        unit, Ms = unit_parameters(points[:, :4]), np.exp(points[:, 4])
         return np.column_stack(
             [Ms, unit[:, 1], unit[:, 2] / Ms, unit[:, 3:], points[:, 5:] * self.objective.peak]
         )
@@ -240,10 +240,6 @@ class _Search:
         steepness = alpha * (2 * c - 1) * Ms / (3 * a)
         point = [np.log(a), steepness, np.log(c - 1), np.log(k * (c - 1)), np.log(Ms)]
         return np.clip([*point, *row[5:] / self.objective.peak], self.low, self.high)
-
-    def first_torques(self, row: Array) -> Array:
-        initial = self.objective._initial
-        return row[5:] if initial is None else initial
 
     def missing_margin(self, row: Array, first: Array) -> float:
         """Returns what is missing to a certificate with MARGIN, at best in the range."""
@@ -275,9 +271,9 @@ class _Search:
         if not np.isfinite(self.score):
             raise InputError(
                 f"none of {self.evaluations} models tried on these curves is certified: raise the "
-                "budget, or check the columns and the sign of the torque"
+                "budget, or check the columns, the sign of the torque and the initial torque"
             )
-        first = self.first_torques(self.best)
+        first = self.objective.first_torques(self.best)
         safe = self.shortfall(self.best, first, everywhere=True) <= MARGIN / 2
         measured = self.objective.initial_torque == "measured"
         return CertifiedFit(
@@ -290,27 +286,15 @@ class _Search:
         )
 
 
-def derivatives(objective: CurveObjective, row: Array) -> Array:
-    """Returns those of the torque by a row's numbers, as `responses` takes it, (samples, n)."""
-    initial = objective._initial
-    if initial is None:
-        initial = np.full(len(objective.curves), row[5])
-    torque = np.empty(objective.torque.size)
-    by_row = np.empty((torque.size, 6))
-    response_and_derivatives(
-        objective._angle, objective._starts, initial, row[:5].copy(), torque, by_row
-    )
-    return by_row[:, : row.size]
-
-
-def _box(curves: Sequence[Curve]) -> tuple[Array, Array]:
+def search_box(curves: Sequence[Curve]) -> tuple[Array, Array]:
+    """Returns the lower and upper bounds of log a, steepness, log(c-1) and log(k(c-1)), (4,)."""
     start = max(abs(float(np.degrees(curve.angle[0]))) for curve in curves)
     low = [np.log(SHAPE[0]), STEEPNESS[0], np.log(EXCESS[0]), np.log(max(start, 1.0))]
     high = [np.log(SHAPE[1]), STEEPNESS[1], np.log(EXCESS[1]), np.log(REACH_LIMIT)]
     return np.array(low), np.array(high)
 
 
-def _unit_parameters(coordinates: NDArray[Any]) -> NDArray[Any]:
+def unit_parameters(coordinates: NDArray[Any]) -> NDArray[Any]:
     """Maps search coordinates (n, 4) to parameters (n, 5) with Ms = 1."""
     log_a, steepness, log_excess, log_reach = coordinates.T
     a, excess = np.exp(log_a), np.exp(log_excess)

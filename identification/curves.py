@@ -40,8 +40,11 @@ class Curve:
     weight: float = 1.0
 
     def __post_init__(self) -> None:
-        if not self.name or self.name.startswith("#") or "\n" in self.name:
-            raise InputError(f"curve name {self.name!r}: use one line that does not begin with '#'")
+        if [self.name.strip()] != self.name.splitlines() or self.name.startswith("#"):
+            raise InputError(
+                f"curve name {self.name!r}: use one line that neither begins with '#' nor begins "
+                "or ends with a space"
+            )
         for series in ("angle", "torque"):
             values = np.ascontiguousarray(getattr(self, series), dtype=np.float64)
             object.__setattr__(self, series, values)
@@ -57,6 +60,11 @@ class Curve:
         if not (np.isfinite(self.angle).all() and np.isfinite(self.torque).all()):
             raise InputError(
                 f"curve {self.name!r} has a value that is not finite: remove that sample"
+            )
+        if np.abs(self.angle).max() > RADIANS_AT_MOST:
+            raise InputError(
+                f"curve {self.name!r} reaches {np.abs(self.angle).max():.3g} rad, more than a full "
+                "turn: give the angles in radians"
             )
         if np.abs(self.torque).max() > TORQUE_AT_MOST:
             raise InputError(
@@ -102,15 +110,7 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
     path = Path(path)
     (_, header), *rows = _rows(path)
     header = [name.strip() for name in header]
-    angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
-    if {"angle_deg", "angle_rad"} <= set(header):
-        raise InputError(f"{path} has both angle_rad and angle_deg: keep one of them")
-    for column in ("curve", angle_column, "torque_nm"):
-        if column not in header:
-            raise InputError(
-                f"{path} has no column {column!r}: the header must be 'curve,angle_rad,torque_nm' "
-                f"(or angle_deg), and it is {','.join(header)!r}"
-            )
+    angle_column = _angle_column(path, header)
     samples: dict[str, list[tuple[float, float]]] = {}
     labels: dict[str, dict[str, Any]] = {}
     for line, row in rows:
@@ -147,9 +147,18 @@ def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
 def save_curves(
     path: str | os.PathLike[str], curves: Sequence[Curve], comments: Sequence[str] = ()
 ) -> None:
-    """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m)."""
+    """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m).
+
+    Raises:
+        InputError: two curves share a name, or the file cannot be written.
+    """
+    names = [curve.name for curve in curves]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two curves are named {name!r}: rename one of them")
     text = io.StringIO()
-    text.writelines(f"# {comment}\n" for comment in comments)
+    lines = [line for comment in comments for line in comment.splitlines()]
+    text.writelines(f"# {line}\n" for line in lines)
     writer = csv.writer(text, lineterminator="\n")
     weighted = any(curve.weight != 1 for curve in curves)
     writer.writerow(["curve", "role", *["weight"] * weighted, "angle_rad", "torque_nm"])
@@ -177,6 +186,23 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
     if not rows:
         raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
     return rows
+
+
+def _angle_column(path: Path, header: list[str]) -> str:
+    """Checks the names of the columns; returns that of the angle."""
+    for column in header:
+        if header.count(column) > 1:
+            raise InputError(f"{path} has the column {column!r} twice: keep one of them")
+    if {"angle_deg", "angle_rad"} <= set(header):
+        raise InputError(f"{path} has both angle_rad and angle_deg: keep one of them")
+    angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
+    for column in ("curve", angle_column, "torque_nm"):
+        if column not in header:
+            raise InputError(
+                f"{path} has no column {column!r}: the header must be 'curve,angle_rad,torque_nm' "
+                f"(or angle_deg), and it is {','.join(header)!r}"
+            )
+    return angle_column
 
 
 def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:

@@ -45,7 +45,7 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
     Raises:
         InputError: there is no usable curve, or the levels do not increase or miss the curves.
     """
-    curves = _usable(curves)
+    curves = usable(curves)
     angles = np.concatenate([curve.angle for curve in curves])
     low, high = float(angles.min()), float(angles.max())
     grid = _levels(low, high, levels)
@@ -92,7 +92,7 @@ def fit_prandtl_ishlinskii(
     Raises:
         InputError: there is no usable curve, they begin apart, or the thresholds are bad.
     """
-    curves = _usable(curves)
+    curves = usable(curves)
     starts = [float(curve.angle[0]) for curve in curves]
     reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
     if np.ptp(starts) > SAME_START * reach:
@@ -134,7 +134,12 @@ def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Numbers:
     return PrandtlIshlinskii(stiffness=0, thresholds=thresholds, weights=weights).thresholds
 
 
-def _usable(curves: Sequence[Curve]) -> list[Curve]:
+def usable(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves with role "fit".
+
+    Raises:
+        InputError: there is none, no torque changes, or none turns back.
+    """
     chosen = [curve for curve in curves if curve.role == "fit"]
     if not chosen:
         raise InputError("there is no curve to fit: give at least one with role 'fit'")

@@ -1,16 +1,16 @@
 """`identify`: from measured curves to a model, by a named method and several seeded trials."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, cast
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from ..errors import InputError, at_least
 from ..hysteresis.model import HysteresisModel
+from ._threads import run_threads
 from .auto import Candidate, Choice, choose
 from .baselines import BASELINES
 from .curves import Curve
@@ -65,7 +65,7 @@ class Fit:
         remarks: what speaks against trusting the model, as sentences; empty if nothing does.
         why: the reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: all models that method "auto" tried, the best prediction first; else empty.
-        interrupted: whether Ctrl-C ended it before all trials were done.
+        interrupted: whether Ctrl-C ended it before all trials, or models, were done.
     """
 
     model: HysteresisModel
@@ -109,7 +109,8 @@ def identify(
     """Identifies a hysteresis model from first-order transition curves.
 
     Trials are independent, run in parallel on all cores, and depend only on `seed` and their
-    index: the result is the same for any number of workers. Ctrl-C keeps the finished trials.
+    index: the result is the same for any number of workers. Ctrl-C keeps the finished trials, or
+    with method "auto" the finished models.
     An option that the method would ignore is refused.
 
     Args:
@@ -158,14 +159,16 @@ def identify(
         trial = _chosen_trial(choice.chosen)
         if on_trial is not None:
             on_trial(trial)
-        return _fit(curves, choice.chosen.name, method, [trial], choice)
+        return _fit(curves, choice.chosen.name, method, [trial], choice, choice.interrupted)
     if method == "certified":
         run = partial(_own_trial, measured, name, options | start)
     else:
         goal = {"loss": objective or "nrmse", "normalize": normalize or "family", **start}
         run = partial(_search_trial, measured, method, goal, options)
     trials = trials or (1 if method == "certified" else 30)
-    finished, interrupted = _run(run, trials, seed, workers, on_trial)
+    seeds = np.random.SeedSequence(seed).spawn(trials)
+    calls = [partial(run, index, child) for index, child in enumerate(seeds)]
+    finished, interrupted = run_threads(calls, workers, on_trial)
     return _fit(curves, name, method, finished, interrupted=interrupted)
 
 
@@ -187,33 +190,6 @@ def _refuse_weights(curves: Sequence[Curve]) -> None:
             f"the curves have weights from {min(weights):g} to {max(weights):g}: only fits of the "
             "model 'jiles-atherton' weigh curves; remove the weights"
         )
-
-
-def _run(
-    run: Callable[[int, np.random.SeedSequence], Trial],
-    trials: int,
-    seed: int,
-    workers: int,
-    on_trial: Callable[[Trial], None] | None,
-) -> tuple[list[Trial], bool]:
-    """Runs trials in threads; returns the finished ones, and whether Ctrl-C ended them."""
-    seeds = np.random.SeedSequence(seed).spawn(trials)
-    finished: list[Trial] = []
-    try:
-        jobs = (delayed(run)(index, child) for index, child in enumerate(seeds))
-        # Threads: nearly all the time is spent in kernels that release the GIL.
-        parallel = Parallel(
-            n_jobs=min(workers, trials), prefer="threads", return_as="generator_unordered"
-        )
-        for trial in cast(Iterable[Trial], parallel(jobs)):
-            finished.append(trial)
-            if on_trial is not None:
-                on_trial(trial)
-    except KeyboardInterrupt:
-        if not finished:
-            raise
-        return finished, True
-    return finished, False
 
 
 def _own_trial(

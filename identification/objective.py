@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, unknown_name
 from ..hysteresis import _jiles_atherton_kernels as kernels
 from ..hysteresis._checks import number
+from ..hysteresis._jiles_atherton_sensitivity import response_and_derivatives
 from .curves import Curve, noise_floor
 
 Loss = Literal["nrmse", "paper", "sse", "robust"]
@@ -86,7 +87,7 @@ class CurveObjective:
         self._outlying = OUTLYING * max(noise_floor(self.curves), LEAST_NOISE * self.peak)
         self._angle = np.degrees(np.concatenate([curve.angle for curve in self.curves]))
         self._starts = np.cumsum([0, *sizes])
-        self._initial = self._first_torques()
+        self._initial = self._given_torques()
 
     def responses(self, parameters: ArrayLike) -> NDArray[np.float64]:
         """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m].
@@ -111,6 +112,23 @@ class CurveObjective:
         models = np.ascontiguousarray(rows[:, :5])
         kernels.population_response(self._angle, self._starts, initial, models, torque)
         return torque
+
+    def derivatives(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns those of the torque by the numbers of one row, shape (samples, numbers).
+
+        They are not finite from the pole on.
+        """
+        torque = np.empty(self._angle.size)
+        by_row = np.empty((torque.size, 6))
+        initial = self.first_torques(row)
+        response_and_derivatives(self._angle, self._starts, initial, row[:5].copy(), torque, by_row)
+        return by_row[:, : row.size]
+
+    def first_torques(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the torque [N·m] with which each curve begins, shape (curves,)."""
+        if self._initial is None:
+            return np.full(len(self.curves), row[5])
+        return self._initial
 
     def nrmse(self, parameters: ArrayLike) -> NDArray[np.float64]:
         """Returns sqrt(mean((Tc - Tm)^2)) / peak of each parameter row, unweighted, shape (n,)."""
@@ -148,7 +166,7 @@ class CurveObjective:
             )
         return peaks
 
-    def _first_torques(self) -> NDArray[np.float64] | None:
+    def _given_torques(self) -> NDArray[np.float64] | None:
         """Returns the torque at the beginning of each curve; None where the rows hold it."""
         if self.initial_torque == "identified":
             return None

@@ -15,7 +15,7 @@ from ..hysteresis.jiles_atherton import JilesAtherton
 from ..hysteresis.model import HysteresisModel
 from .asymmetric_fit import fit_asymmetric
 from .bouc_wen_fit import fit_bouc_wen
-from .certified import CertifiedFit, certified_fit
+from .certified import REJECTED, CertifiedFit, certified_fit
 from .curves import Curve
 from .direct import fit_prandtl_ishlinskii, fit_preisach
 from .objective import InitialTorque
@@ -82,18 +82,23 @@ def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
     """
 
     def residual(torque: Array) -> Array:
-        return torque_errors(model, float(torque[0]), curves)
+        try:
+            errors = torque_errors(model, float(torque[0]), curves)
+        except InputError:  # the model cannot begin so
+            errors = np.full(samples, np.inf)
+        return np.where(np.isfinite(errors), errors, REJECTED * size)
 
-    guess = np.mean([curve.torque[0] for curve in curves])
+    guess = np.median([curve.torque[0] for curve in curves])
     size = max(float(np.abs(curve.torque).max()) for curve in curves)
+    samples = sum(curve.torque.size for curve in curves)
     best = float(least_squares(residual, [guess], x_scale=size).x[0])
     for distance in np.linspace(0, size, BEGINNINGS).tolist():
         for torque in (best - distance, best + distance):
             if _begins_safely(model, torque, curves):
                 return torque
     raise InputError(
-        f"the fitted {model.name} model would have to begin far outside its certificate, at "
-        f"{best:.3g} N·m: measure curves that begin nearer to the torque at rest"
+        f"the fitted {model.name} model cannot begin as the curves do, at {best:.3g} N·m: check "
+        "the sign of the torque, or measure curves that begin nearer to the torque at rest"
     )
 
 

@@ -38,7 +38,8 @@ def remarks(
         found.append(
             f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
             "the sign of the torque, the order of the samples, whether the torque begins at zero; "
-            "or try another model (method 'auto')"
+            "or try another model (method 'auto'), or against outliers a swarm with the objective "
+            "'robust'"
         )
     elif nrmse > DISORDER:
         found.append(

@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .certified import noise_floor
-from .curves import Curve
+from .curves import Curve, noise_floor
 from .objective import CurveObjective
 from .study import StudyConfig, StudyTrial, fitted, held_out, is_multi_order
 

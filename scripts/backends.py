@@ -3,8 +3,10 @@
 import importlib
 import logging
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from multiprocessing import resource_tracker
 from typing import Any, Literal, TypeVar, cast
 
 import joblib
@@ -89,15 +91,27 @@ def _dask(workers: int) -> Iterator[None]:
         with distributed.Client(os.environ["DASK_SCHEDULER_ADDRESS"]):
             yield
         return
-    with (
-        distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address="127.0.0.1:0",  # without it, port 8787 and a warning if it is taken
-        ) as cluster,
-        distributed.Client(cluster),
-    ):
+    with ExitStack() as started:
+        with _ctrl_c_waiting():
+            cluster = distributed.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address="127.0.0.1:0",  # else port 8787, and a warning if it is taken
+            )
+            started.enter_context(cluster)
+            started.enter_context(distributed.Client(cluster))
         yield
+
+
+@contextmanager
+def _ctrl_c_waiting() -> Iterator[None]:
+    """Ctrl-C waits for the end of the block; processes that begin in it never get it."""
+    resource_tracker.ensure_running()  # would let Ctrl-C through again if it began in the block
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from ..assets import Suit, load_suit, save_suit
-from ..errors import InputError
+from ..errors import InputError, at_least
 from ..identification import Candidate, Curve, Fit, Trial, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure
@@ -85,6 +85,7 @@ def identify(
     family = load_curves(curves)
     if base and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    at_least("samples", samples, 0)
     if samples and (method not in ("certified", "auto") or model not in (None, "jiles-atherton")):
         raise InputError(
             f"--samples is {samples}: samples are drawn of certified fits of jiles-atherton only; "
@@ -124,7 +125,7 @@ def identify(
         drawn = found.samples if found else ()
         suit = Suit(
             name=curves.stem,
-            description=_description(fit, curves, seed, total),
+            description=_description(fit, curves, seed),
             joints={**others, joint_name: fitted_joint(fit, family, curves, samples=drawn)},
         )
         save_suit(suit, folder / "suit.json")
@@ -133,7 +134,7 @@ def identify(
         if not json:
             print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
-        raise KeyboardInterrupt(f"the best of the {len(fit.trials)} finished trials is kept")
+        raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
 
 
 def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
@@ -151,11 +152,17 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
         print(f"note: {remark}")
 
 
-def _description(fit: Fit, curves: Path, seed: int, trials: int) -> str:
+def _description(fit: Fit, curves: Path, seed: int) -> str:
     text = f"Identified from {curves.name} by {fit.method}, seed {seed}"
     if fit.interrupted:
-        text += f", interrupted after {len(fit.trials)} of {trials} trials"
+        text += f", interrupted: the best of the {_finished(fit)}"
     return f"{text}."
+
+
+def _finished(fit: Fit) -> str:
+    if fit.candidates:
+        return f"{len(fit.candidates)} models tried so far"
+    return f"{len(fit.trials)} finished trials"
 
 
 def _write(folder: RunFolder, joint: str, family: Sequence[Curve], fit: Fit) -> None:

@@ -199,3 +199,36 @@ def test_bad_input(truths):
         identify(curves[:1], method="auto")
     with pytest.raises(InputError, match="seed is -1"):
         identify(curves, method="auto", seed=-1)
+
+
+def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
+    def interrupt(curves, rng=None):
+        raise KeyboardInterrupt
+
+    curves = family(truths["jiles-atherton"], THREE, 0.01)
+    whole = identify(curves, method="auto")
+    assert not whole.interrupted
+    monkeypatch.setitem(FITS, "bouc-wen", interrupt)
+    fit = identify(curves, method="auto", workers=1)
+    assert fit.interrupted
+    assert {one.name for one in fit.candidates} < set(NAMES)
+    assert fit.model == whole.model  # the first that is tried
+    assert "interrupted after" in fit.why
+    monkeypatch.setitem(FITS, "jiles-atherton", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        identify(curves, method="auto", workers=1)
+
+
+def test_outliers_stop_no_fit(truths):
+    """Where a pole or a model that cannot begin as measured is met on the way."""
+    curves = family(truths["jiles-atherton"], THREE, 0.01)
+    rng = np.random.default_rng(0)
+    spoiled = []
+    for curve in curves:
+        torque = curve.torque.copy()
+        torque[rng.integers(0, torque.size, 5)] += 50 * rng.choice([-1, 1], 5)
+        torque[0] = -25
+        spoiled.append(Curve(curve.angle, torque, curve.name))
+    fit = identify(spoiled, method="auto")
+    assert all(one.model or "cannot begin" in one.reason for one in fit.candidates)
+    assert np.isfinite(fit.nrmse)

@@ -1,9 +1,11 @@
 """Our own fit: exact derivatives, what the curves begin with, and what it counts."""
 
+import warnings
+
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held
+from activesuit.hysteresis import Held, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit
 from activesuit.identification.certified import _Search
 from helpers import sweep
@@ -101,3 +103,22 @@ def test_history_and_model(elbow, shoulder):
     held = certified_fit(family(shoulder, 0.0), rng=0)
     assert isinstance(held.model, Held)
     assert held.model.angle_range == held.held == (0.52, 1.57)
+
+
+def test_two_searches_that_end_in_one_wrong_optimum_are_not_the_end():
+    truth = JilesAtherton(Ms=2.12, a=21.2, alpha=1.17, c=8.37, k=334, angle_unit="deg")
+    curves = family(truth, 0.0)
+    for seed in (1, 2):  # the first two searches end at 6.6 times the noise
+        fit = certified_fit(curves, rng=seed)
+        assert fit.evaluations <= 200
+        assert fit.nrmse * CurveObjective(curves).peak < 1.1 * NOISE
+
+
+def test_curves_that_drive_the_joint_end_in_a_model_of_no_torque(elbow):
+    driven = [Curve(c.angle, -c.torque, c.name) for c in family(elbow, 0.0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for seed in range(5):
+            fit = certified_fit(driven, rng=seed)
+            assert fit.model.certificate().certified
+            assert np.abs(response(fit, driven[0])).max() < 1e-3

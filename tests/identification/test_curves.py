@@ -91,9 +91,29 @@ def test_names_survive_and_lists_are_welcome(tmp_path):
     curves = [Curve([0, 1], [0.0, 2], "run 1, left"), Curve([0, 1], [0, 1], 'a "b"')]
     save_curves(tmp_path / "odd.csv", curves)
     assert [curve.name for curve in load_curves(tmp_path / "odd.csv")] == ["run 1, left", 'a "b"']
-    for name in ("#3", "", "two\nlines"):
+    for name in ("#3", "", "two\nlines", "one\x0bmore", " padded", "padded "):
         with pytest.raises(InputError, match="curve name"):
             Curve([0, 1], [0, 1], name)
+
+
+def test_what_load_curves_would_read_otherwise_is_not_saved(tmp_path):
+    same = [Curve([0, 1], [0, 1], "A"), Curve([0, 2], [0, 1], "A")]
+    with pytest.raises(InputError, match="two curves are named 'A'"):
+        save_curves(tmp_path / "same.csv", same)
+    assert not list(tmp_path.iterdir())
+    save_curves(tmp_path / "one.csv", same[:1], comments=["two\nlines"])
+    assert load_curves(tmp_path / "one.csv")[0].name == "A"
+
+
+def test_a_column_given_twice_is_refused(tmp_path):
+    (tmp_path / "twice.csv").write_text("curve,torque_nm,angle_rad,torque_nm\nA,0,0,0\nA,1,1,1\n")
+    with pytest.raises(InputError, match="the column 'torque_nm' twice"):
+        load_curves(tmp_path / "twice.csv")
+
+
+def test_degrees_are_not_radians():
+    with pytest.raises(InputError, match="reaches 90 rad, more than a full turn"):
+        Curve([0, 90], [0, 1], "A")
 
 
 def test_bad_arrays():

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.identification import Curve, identify, load_curves
+from activesuit.identification.identify import PAPER_BOUNDS
+from activesuit.identification.remarks import remarks
 from helpers import sweep
 
 
@@ -44,9 +46,11 @@ def test_one_way_and_tiny_motions(elbow):
     assert "span only 0.0171 rad" in said([Curve(angle, elbow.response(angle), "A")])
 
 
-def test_swarm_limits(small_family):
-    fit = identify(small_family, method="pso", trials=1, swarm_size=2, max_iterations=1)
-    assert all(isinstance(remark, str) for remark in fit.remarks)
+def test_limits_of_a_swarm(small_family, elbow):
+    at_limit = replace(elbow, Ms=100.0)
+    found = remarks(at_limit, 0.01, small_family, PAPER_BOUNDS)
+    assert found == ("Ms = 100 is at the limit of the search (100)",)
+    assert remarks(elbow, 0.01, small_family, PAPER_BOUNDS) == ()
 
 
 def test_shuffled_samples(elbow):

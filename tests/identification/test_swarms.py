@@ -296,3 +296,21 @@ def test_bad_states():
         PSO.from_state(short)
     with pytest.raises(InputError, match="generator is 'dice'"):
         PSO.from_state(state | {"rng": {"bit_generator": "dice"}})
+
+
+@pytest.mark.parametrize("core", CORES.values())
+def test_numbers_that_would_never_end_or_overflow_are_refused(core):
+    with pytest.raises(InputError, match="max_iterations nan"):
+        core([(0, 1)], max_iterations=float("nan"))
+    for bounds in ((-1e308, 1e308), (0, float("inf")), (float("nan"), 1), (1, 1)):
+        with pytest.raises(InputError, match=r"bounds\[0\] are .*low < high"):
+            core([bounds])
+
+
+def test_a_state_of_other_options_is_refused():
+    state = PSO([(0, 1)], rng=0).state()
+    for options in (state["options"] | {"unknown": 1}, {"swarm_size": 5}):
+        with pytest.raises(InputError, match="the state does not fit"):
+            PSO.from_state(state | {"options": options})
+    with pytest.raises(InputError, match="the state does not fit"):
+        PSO.from_state(state | {"rng": {"bit_generator": "PCG64"}})
