@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from ...assets import SCENE, Suit, SuitJoint, load_suit
+from ..person import segments
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
 from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
@@ -89,7 +90,13 @@ def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:
     delay_encoders(spec, config.exo.encoder_delay)
     _place(spec, config)
     if config.coupling == "cuffs":
-        couple(spec, config.misalignment)
+        own = segments(config.wearer)
+        excess = {
+            name: length - own[name].length
+            for name, length in config.exo.lengths.items()
+            if length is not None
+        }
+        couple(spec, config.misalignment, excess)
     if suit is not None:
         attach_suit(spec, suit, allow_uncertified=config.allow_uncertified)
     return spec

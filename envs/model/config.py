@@ -172,6 +172,12 @@ class ArmConfig:
                 f"misalignment is {self.misalignment}, but coupling is {self.coupling!r}: only "
                 "coupling='cuffs' lets exoskeleton and arm have different axes"
             )
+        for name, length in self.exo.lengths.items():
+            if length is not None and self.coupling != "cuffs":
+                raise InputError(
+                    f"exo.{name}_length is {length}, but coupling is {self.coupling!r}: only "
+                    "coupling='cuffs' lets exoskeleton and arm have different lengths"
+                )
         for distance in self.misalignment:
             limit = LARGEST_MISALIGNMENT
             require("misalignment", distance, -limit, limit, " m")

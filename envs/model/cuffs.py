@@ -7,7 +7,9 @@ the ring that holds the glove.
 """
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
@@ -17,6 +19,9 @@ from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
 from .bushing import Bushing, Triple, attach_bushing
+from .fitting import stretch
+
+Array = NDArray[np.float64]
 
 _SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
 _ACROSS = Quantity(
@@ -95,7 +100,11 @@ CUFFS = {segment: _cuff(mass.value) for segment, mass in _MASSES.items()}
 is assumed for the others, and through the sleeve of a suit."""
 
 
-def couple(spec: mujoco.MjSpec, misalignment: Triple = (0.0, 0.0, 0.0)) -> None:
+def couple(
+    spec: mujoco.MjSpec,
+    misalignment: Triple = (0.0, 0.0, 0.0),
+    excess: Mapping[str, float] = MappingProxyType({}),
+) -> None:
     """Turns the arm with its rigid exoskeleton into two chains joined by cuffs.
 
     The exoskeleton gets the joints `exo_<joint>`, in the order of the arm's and behind them in
@@ -104,14 +113,16 @@ def couple(spec: mujoco.MjSpec, misalignment: Triple = (0.0, 0.0, 0.0)) -> None:
     `attach_bushing`), between a new site `limb_<segment>` and the exoskeleton's, z up the limb.
     Keyframes put both chains into one pose. The default arm bears steps of 2 ms, but not 4 ms.
 
-    A misalignment moves the whole exoskeleton. The cuffs are strapped on with the arm hanging, so
-    there they bear no force from it. Another fit is a matter of `replace_bushing`.
+    A misalignment moves the whole exoskeleton, another length what hangs below the link. The cuffs
+    are strapped on with the arm hanging, so there they bear no force from either. Another fit is a
+    matter of `replace_bushing`.
 
     Args:
         spec: the arm of arm.xml after it was fitted, loaded and mirrored, before the suit is
             attached; it is changed in place.
         misalignment: from the wearer's shoulder center to the exoskeleton's: forward, outward, up
             [m].
+        excess: how much longer its links are than the wearer's segments, by segment [m].
 
     Raises:
         InputError: the model has no exoskeleton of its own to couple.
@@ -125,28 +136,40 @@ def couple(spec: mujoco.MjSpec, misalignment: Triple = (0.0, 0.0, 0.0)) -> None:
         spec.delete(key)  # no body can move under them
     base = spec.body("exo_base")
     base.pos = base.pos + shift
-    _move(spec, shift)
+    begins = [shift, np.zeros(3), *_lengthen(spec, excess)]
+    _move(spec, begins)
     for joint in JOINTS:
         _hand_over(spec, joint)
-    for segment, name in CUFF_SITES.items():
+    hanging = np.cumsum(begins, axis=0)[1:]  # where each part is, seen from its segment
+    for (segment, name), away in zip(CUFF_SITES.items(), hanging, strict=True):
         site = spec.site(name)
         limb = spec.body(segment).add_site(name=f"limb_{segment}", pos=site.pos, quat=site.quat)
         limb.group, limb.size = site.group, site.size
-        bushing = replace(CUFFS[segment], offset=tuple((-shift).tolist()))
+        bushing = replace(CUFFS[segment], offset=tuple((-away).tolist()))
         attach_bushing(spec, f"cuff_{segment}", limb.name, name, bushing)
     for name, qpos, act, ctrl in keys:
         arm, others = qpos[: len(JOINTS)], qpos[len(JOINTS) :]
         spec.add_key(name=name, qpos=arm + arm + others, act=act, ctrl=ctrl)
 
 
-def _move(spec: mujoco.MjSpec, shift: NDArray[np.float64]) -> None:
+def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
+    """Draws longer links; returns by how much the parts below them begin lower."""
+    lower = []
+    for segment, below in (("upper_arm", "forearm"), ("forearm", "hand")):
+        longer, length = excess.get(segment, 0.0), -spec.body(below).pos[2]
+        stretch(spec.body(f"exo_{segment}"), np.array([1, 1, 1 + longer / length]), {})
+        lower.append(np.array([0, 0, -longer]))
+    return lower
+
+
+def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
     """Hangs the exoskeleton's bodies one below the other, the first on the torso."""
     spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
-    parent, start = spec.body("torso"), shift
-    for (part, segment), joint in zip(CHAIN.items(), JOINTS, strict=True):
+    parent = spec.body("torso")
+    for (part, segment), joint, begin in zip(CHAIN.items(), JOINTS, begins, strict=True):
         limb, worn = spec.body(segment), spec.body(part)
-        frame = parent.add_frame(pos=limb.pos + start, quat=limb.quat)
-        parent, start = frame.attach_body(worn, MOVED, ""), np.zeros(3)
+        frame = parent.add_frame(pos=limb.pos + begin, quat=limb.quat)
+        parent = frame.attach_body(worn, MOVED, "")
         spec.delete(worn)
         for kind in ("body", "geom", "site", "camera", "light"):
             for element in [parent, *parent.find_all(kind)]:

@@ -116,6 +116,8 @@ class Exo:
         forearm_link: mass of the link beside the forearm [kg].
         cuff: mass of each of both arched guards [kg].
         ring: mass of the U-shaped ring at the hand [kg].
+        upper_arm_length: from its shoulder to its elbow axis [m]; by default the wearer's.
+        forearm_length: from its elbow to its wrist axis [m]; by default the wearer's.
         encoder_bits: counts of an encoder per turn, as a power of two; see `quantize`.
         encoder_delay: age of what the encoders tell [s].
 
@@ -129,17 +131,27 @@ class Exo:
     forearm_link: float = 1.0
     cuff: float = 0.15
     ring: float = 0.25
+    upper_arm_length: float | None = None
+    forearm_length: float | None = None
     encoder_bits: int = 14
     encoder_delay: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("upper_arm_link", "forearm_link", "cuff", "ring"):
             require(f"exo.{name}", getattr(self, name), 0.01, 20, " kg")
+        for name, length in self.lengths.items():
+            if length is not None:
+                require(f"exo.{name}_length", length, 0.15, 0.5, " m")
         if self.encoder_bits not in range(4, 33):
             raise InputError(
                 f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
             )
         require("exo.encoder_delay", self.encoder_delay, 0, 0.1, " s")
+
+    @property
+    def lengths(self) -> dict[str, float | None]:
+        """Its own lengths by the segment that they go along [m]; None: the segment's."""
+        return {"upper_arm": self.upper_arm_length, "forearm": self.forearm_length}
 
     @property
     def motors(self) -> dict[str, Motor]:

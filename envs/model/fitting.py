@@ -41,7 +41,7 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
     for name in ROOTS:
         root = spec.body(name)
         root.pos = root.pos * size
-        _stretch(root, np.full(3, size), lengths)
+        stretch(root, np.full(3, size), lengths)
     for name, segment in own.items():
         _set_segment(spec.body(name), segment)
     for body, name in _BEGINS_AFTER.items():
@@ -49,7 +49,7 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
     _set_strength(spec, person)
 
 
-def _stretch(body: mujoco.MjsBody, factors: Array, lengths: dict[str, float]) -> None:
+def stretch(body: mujoco.MjsBody, factors: Array, lengths: dict[str, float]) -> None:
     """Multiplies the coordinates in `body` and below; `lengths` are the z factors of limbs."""
     size = factors[0]
     if body.name in lengths:
@@ -67,7 +67,7 @@ def _stretch(body: mujoco.MjsBody, factors: Array, lengths: dict[str, float]) ->
         _stretch_inertia(body, factors)
     for child in body.bodies:
         child.pos = child.pos * factors
-        _stretch(child, factors, lengths)
+        stretch(child, factors, lengths)
 
 
 def _stretch_inertia(body: mujoco.MjsBody, factors: Array) -> None:

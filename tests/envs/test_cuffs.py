@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS, SCENE
+from activesuit.envs.model import ArmConfig, compose
 from activesuit.envs.model.bushing import Bushing, replace_bushing
 from activesuit.envs.model.cuffs import CUFFS, PROVENANCE, couple
 from activesuit.errors import InputError
@@ -220,3 +221,27 @@ def test_only_a_rigid_exoskeleton_can_be_coupled():
     for model in (spec, mujoco.MjSpec()):
         with pytest.raises(InputError, match=r"not the arm of arm.xml with its rigid exoskeleton"):
             couple(model)
+
+
+def test_links_of_another_length_move_the_axes_and_load_the_cuffs_only_when_bent():
+    usual = compose(ArmConfig(coupling="cuffs", suit="none", gravity="microgravity"))
+    lengths = {"upper_arm_length": 0.31, "forearm_length": 0.25}
+    model = compose(ArmConfig(coupling="cuffs", suit="none", gravity="microgravity", exo=lengths))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    axes = [data.joint(f"exo_{joint}").xanchor[2] for joint in JOINTS[1:]]
+    np.testing.assert_allclose(-np.diff(axes), list(lengths.values()), atol=1e-12)
+    np.testing.assert_allclose(model.body("exo_forearm").mass, usual.body("exo_forearm").mass)
+    forces = [data.sensor(f"cuff_{segment}_force").data for segment in CUFFS]
+    np.testing.assert_allclose(forces, 0.0, atol=1e-9)
+    for name in ("elbow_flexion", "exo_elbow_flexion"):
+        data.joint(name).qpos[0] = 1.0
+    mujoco.mj_forward(model, data)
+    assert np.linalg.norm(data.sensor("cuff_forearm_force").data) > 10
+
+
+def test_other_lengths_need_cuffs_and_sense():
+    with pytest.raises(InputError, match=r"upper_arm_length is 0[.]3, but coupling is 'rigid'"):
+        ArmConfig(exo={"upper_arm_length": 0.3})
+    with pytest.raises(InputError, match=r"forearm_length is 3.*0.15 to 0.5 m"):
+        ArmConfig(coupling="cuffs", exo={"forearm_length": 3})
