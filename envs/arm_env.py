@@ -10,14 +10,14 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, require
 from .meter import Meter
 from .model import ASSISTED, ArmConfig, bare_arm, compose, resisting_joints, start_encoders
 from .model.config import nested
 from .motors import Motors, checked
-from .observation import Observer
+from .observation import PREVIEW, Observer
 from .person import VoluntaryControl
-from .reference import Reference, follow, random_motion
+from .reference import Reference, follow, random_motion, valid_motion
 from .rendering import Renderer
 from .reward import LOST, reward_terms
 from .state import check_state, physics_of, restore_physics
@@ -104,6 +104,7 @@ class ArmEnv(gymnasium.Env):
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
+        require("control_dt", control_dt, 0, PREVIEW[0], " s")
         self.config = ArmConfig.from_dict(arm)
         self.model = compose(self.config)
         self.control_dt, sim_dt = control_dt, self.config.timestep
@@ -145,8 +146,7 @@ class ArmEnv(gymnasium.Env):
             raise InputError(f"reset got the options {sorted(options)}: it knows none")
         mujoco.mj_resetData(self.model, self.data)
         self._pursue(self._new_reference(self.np_random))
-        self._step = 0
-        self._clipped = 0
+        self._step = self._clipped = 0
         self._diverged = False
         self._previous_action[:] = 0
         self._motors.mean_square[:] = 0
@@ -189,7 +189,7 @@ class ArmEnv(gymnasium.Env):
             self._motors.heat(self.data)
             self.wearer.tire(self.data)
             self._look()
-            self._meter.count()
+            self._meter.count(self.data)
             error = self._tracking_error()
             terminated = self._lost(error)
         observation, info = self._answer(self._reward_terms(error, change))
@@ -294,21 +294,16 @@ class ArmEnv(gymnasium.Env):
 
         Override it for a motion of your own; the others see the same arm and wearer.
         """
+        samples, dt = self._samples(), self.control_dt
         return random_motion(
-            rng,
-            self.span,
-            self.hold,
-            self._samples(),
-            self.control_dt,
-            self.move_time,
-            self.dwell_time,
+            rng, self.span, self.hold, samples, dt, self.move_time, self.dwell_time
         )
 
     def _samples(self) -> int:
         return round(self.duration / self.control_dt) + 1
 
     def _new_reference(self, rng: np.random.Generator) -> Reference:
-        motion = self.intended_motion(rng)
+        motion = valid_motion(self.intended_motion(rng), self._samples(), self._bare_arm.jnt_range)
         return follow(self._bare_arm, self.wiring.joints, motion, self._known_suit)
 
     def _pursue(self, reference: Reference) -> None:

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..assets import JOINTS
 from .evaluation import ASSISTED_COLUMNS, TAKEOVER, Trace
 from .model import ASSISTED
 from .model.cuffs import FORCE_LIMITS
@@ -76,10 +75,9 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
     grid = figure.subplots(2, len(ASSISTED), sharex="col")
     for policy, color in _colors(traces).items():
         trace = traces[policy]
+        style = _style(policy)
         for axes, values in zip(grid, (-trace.suit_torque, trace.human_torque), strict=True):
-            for ax, joint in zip(axes, ASSISTED, strict=True):
-                column = JOINTS.index(joint)
-                style = _style(policy)
+            for ax, column in zip(axes, ASSISTED_COLUMNS, strict=True):
                 angle, torque = trace.angle[:, column], values[:, column]
                 ax.plot(angle, torque, color=color, lw=1.0, ls=style, label=policy)
     for ax, joint in zip(grid[0], ASSISTED, strict=True):

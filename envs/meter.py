@@ -25,6 +25,7 @@ class Meter:
 
     def __init__(self, wiring: Wiring, dt: float) -> None:
         self._wiring, self._dt = wiring, dt
+        self._driven = wiring.exo_joints[wiring.assisted]
 
     def begin(self, data: mujoco.MjData) -> None:
         """Starts to count."""
@@ -51,11 +52,10 @@ class Meter:
             self.values["cuff_force"] = data.sensordata[wiring.cuffs]
         self._dissipated = self.dissipated_in(data)
 
-    def count(self) -> None:
+    def count(self, data: mujoco.MjData) -> None:
         """Adds the control period that ended with the last reading."""
-        rate = self.values["rate"]
-        human = self.values["human_torque"] * rate
-        assist = self.values["assist_torque"] * rate[self._wiring.assisted]
+        human = self.values["human_torque"] * self.values["rate"]
+        assist = self.values["assist_torque"] * data.qvel[self._driven]
         self.energy["human_energy"] += sum(map(abs, human.tolist())) * self._dt
         self.energy["assist_energy"] += sum(map(abs, assist.tolist())) * self._dt
 

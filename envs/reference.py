@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assets import JOINTS, SuitJoint
+from ..errors import InputError
 
 Array = NDArray[np.float64]
+ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +100,36 @@ def random_motion(
     for joint, between in hold.items():
         motion[0, :, JOINTS.index(joint)] = rng.uniform(*between)
     return motion[0], motion[1], motion[2]
+
+
+def valid_motion(
+    motion: tuple[Array, Array, Array], samples: int, ranges: Array
+) -> tuple[Array, Array, Array]:
+    """Returns an intended motion if the arm can be meant to do it.
+
+    Args:
+        motion: angle, rate and acceleration.
+        samples: how many an episode takes.
+        ranges: of the joints [rad], shape (joints, 2).
+
+    Raises:
+        InputError: the arrays are not finite or have other shapes, or leave the range of a joint.
+    """
+    parts = [np.asarray(part, dtype=float) for part in motion]
+    shape, shapes = (samples, len(JOINTS)), [part.shape for part in parts]
+    if shapes != [shape] * 3 or not np.isfinite(parts).all():
+        raise InputError(
+            f"intended_motion returned arrays of shape {', '.join(map(str, shapes))}: give angle, "
+            f"rate and acceleration, finite numbers of shape {shape} each"
+        )
+    angle, rate, acceleration = parts
+    for joint, column, (low, high) in zip(JOINTS, angle.T, ranges.tolist(), strict=True):
+        if column.min() < low - ROUNDING or column.max() > high + ROUNDING:
+            raise InputError(
+                f"intended_motion takes {joint} from {column.min():.3g} to {column.max():.3g} rad: "
+                f"stay between {low:.3g} and {high:.3g} rad"
+            )
+    return angle, rate, acceleration
 
 
 def follow(

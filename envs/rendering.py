@@ -32,8 +32,11 @@ class Renderer:
     _unavailable: ClassVar[str | None] = None
 
     def __init__(self, *, camera: str, width: int, height: int) -> None:
-        if width < 1 or height < 1:
-            raise InputError(f"the picture size is {width} x {height}: use at least 1 x 1 pixel")
+        if not all(isinstance(size, int) and size >= 1 for size in (width, height)):
+            raise InputError(
+                f"the picture size is {width!r} x {height!r}: use whole numbers, at least 1 x 1 "
+                "pixel"
+            )
         self.camera, self.width, self.height = camera, width, height
         self._offscreen: Any = None
         self._window: Any = None

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assets import JOINTS
+from ..errors import require_flag
 from .person import (
-    ControlState,
     Person,
     VoluntaryControl,
     fatigue_step,
@@ -51,6 +51,7 @@ class Wearer:
     dt: float
 
     def __post_init__(self) -> None:
+        require_flag("fatigue", self.tires)
         self._rested = isometric_strength(self.person)
         self.begin(np.zeros(len(JOINTS)))
 
@@ -58,10 +59,6 @@ class Wearer:
         """Begins rested, having held still with this intrinsic torque [N·m], shape (4,)."""
         self.control = start_control(self.settings, intrinsic, self.dt)
         self.fatigued = np.zeros_like(self._rested)
-
-    def restore(self, control: ControlState, fatigued: Array) -> None:
-        """Goes on from a saved state."""
-        self.control, self.fatigued = control, fatigued.copy()
 
     def settle(self, model: mujoco.MjModel, data: mujoco.MjData, reference: Reference) -> None:
         """Begins where the first intention is held at rest: feedback carries what is unforeseen.
@@ -126,5 +123,4 @@ class Wearer:
         self.fatigued = fatigue_step(self.fatigued, load, self.dt)
 
     def _intend(self, data: mujoco.MjData, angle: Array, rate: Array, torque: Array) -> None:
-        ctrl, (angles, rates, torques) = data.ctrl, self.wiring.intention.T
-        ctrl[angles], ctrl[rates], ctrl[torques] = angle, rate, torque
+        data.ctrl[self.wiring.intention] = angle, rate, torque

@@ -27,7 +27,7 @@ class Wiring:
         exo_joints: the same of the exoskeleton; with a rigid one they are the arm's, shape (4,).
         assisted: the assisted joints among `JOINTS`, shape (2,).
         human: the wearer's forces in actuator_force, shape (4,).
-        intention: the wearer's controls: position, velocity, feed-forward, shape (4, 3).
+        intention: the wearer's controls: position, velocity, feed-forward, shape (3, 4).
         stiffness: the wearer's position gains [N·m/rad], shape (4,).
         damping: the wearer's velocity gains [N·m·s/rad], shape (4,).
         encoders: angles that the encoders tell in sensordata, shape (4,).
@@ -77,7 +77,7 @@ class Wiring:
             exo_joints=_indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS),
             assisted=_indices(JOINTS.index(joint) for joint in ASSISTED),
             human=_indices(human),
-            intention=_indices(model.actuator_ctrladr[human])[:, None] + np.arange(3),
+            intention=_indices(model.actuator_ctrladr[human]) + np.arange(3)[:, None],
             stiffness=-model.actuator_biasprm[human, 1],
             damping=-model.actuator_biasprm[human, 2],
             encoders=_indices(sensors[f"encoder_{joint}"] for joint in JOINTS),

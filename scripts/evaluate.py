@@ -4,8 +4,9 @@ from pathlib import Path
 
 from ..envs.evaluation import Score, Trace, make_env
 from ..envs.evaluation import evaluate as evaluate_policies
-from ..envs.policies import POLICIES
+from ..envs.policies import POLICIES, make_policy
 from ..envs.policies.trained import training_config
+from ..errors import at_least
 from .arm_options import USUAL, ArmOptions
 from .output import RunFolder, conclude, progress
 from .tables import cuff_remarks, effort_table, score_table
@@ -38,7 +39,12 @@ def evaluate(
     """
     env = env or _trained_on(policies) or "ActiveSuit/ArmTracking-v0"
     options = arm.config(suit, gravity)
-    make_env(env, **options)[0].close()  # reports a mistake before the folder is made
+    at_least("episodes", episodes, 1)
+    at_least("seed", seed, 0)
+    made, simulated = make_env(env, **options)
+    for policy in policies:  # reports a mistake before the folder is made
+        make_policy(policy, simulated)
+    made.close()
     folder = RunFolder(out) if out else None
     scores = run(env, policies, episodes, seed, **options)
     result = {

@@ -76,8 +76,8 @@ def train(
             learner = _new(algo, environments, folder, seed)
         _learn(learner, steps, folder, config, resume)
     print(
-        f"trained {learner.num_timesteps} steps; compare with: activesuit evaluate --env {env} "
-        f"--policies none {folder.path}"
+        f"trained {learner.num_timesteps} steps; compare with, and the options of this run: "
+        f"activesuit evaluate --env {env} --policies none {folder.path}"
     )
 
 

@@ -128,6 +128,7 @@ def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
     center = grip.pos - np.array([0, 0, payload.radius])
     body = holder.add_body(name="payload", pos=center)
     body.mass, body.inertia, body.explicitinertial = payload.mass, payload.moments, True
+    body.ipos = np.zeros(3)  # unset, it would be `center` again, and saved without the mass
     body.add_geom(
         name="payload",
         type=mujoco.mjtGeom.mjGEOM_SPHERE,

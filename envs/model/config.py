@@ -7,10 +7,10 @@ from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, Literal, TypeVar
 
 from ...assets.suits import HIGHEST_PRESSURE
-from ...errors import InputError, unknown_name
+from ...errors import InputError, require, require_flag, unknown_name
 from ..person import Person
 from ..provenance import Quantity
-from .exoskeleton import Exo, require
+from .exoskeleton import Exo
 
 NO_SUIT = "none"
 COUPLINGS = ("rigid", "cuffs", "none")
@@ -134,6 +134,7 @@ class ArmConfig:
             require("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
         for angle in self.tilt:
             require("tilt", angle, -STEEPEST, STEEPEST, " rad")
+        require_flag("allow_uncertified", self.allow_uncertified)
         self._check_pressure()
         self._check_coupling()
 

@@ -8,13 +8,12 @@ friction belong to the actuator, Coulomb friction to the joint that carries it.
 
 import math
 from dataclasses import dataclass, fields
-from numbers import Real
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InputError
+from ...errors import InputError, require
 from ..provenance import Grade, Quantity
 from ._motor_kernels import clip, heat
 
@@ -69,16 +68,6 @@ class Motor:
                 f"a motor's viscous friction is {self.viscous}: at its no_load_speed that takes "
                 f"all of the peak_torque; use less than {self.peak_torque / self.no_load_speed:g}"
             )
-
-
-def require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuses what is no number from `low` to `high`.
-
-    Raises:
-        InputError: it is not.
-    """
-    if not (isinstance(value, Real) and low <= value <= high):
-        raise InputError(f"{name} is {value}: use a number from {low:g} to {high:g}{unit}")
 
 
 SHOULDER_MOTOR = Motor(
@@ -252,9 +241,9 @@ def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         mujoco.mj_initSensorHistory(model, data, i, None, values, 0.0)
 
 
-def quantize(angle: ArrayLike, bits: ArrayLike) -> Array:
-    """Returns angles [rad] as encoders of 2**bits counts per turn tell them, any shapes."""
-    count = 2 * np.pi / np.exp2(bits)
+def quantize(angle: ArrayLike, bits: int) -> Array:
+    """Returns angles [rad] as an encoder of 2**bits counts per turn tells them, any shape."""
+    count = math.tau / 2**bits
     return np.rint(np.divide(angle, count)) * count
 
 

@@ -11,7 +11,6 @@ from ...errors import InputError, unknown_name
 from ..provenance import Grade, Quantity
 
 SEXES = ("male", "female")
-SEGMENTS = ("upper_arm", "forearm", "hand")
 
 _ANSUR = "Gordon et al. 2014, ANSUR II, NATICK/TR-15/007"
 _RECALLED = f"{_ANSUR}, recalled; the pooled mean of both sexes, 79.7 kg, agrees"
@@ -188,7 +187,7 @@ def range_of_motion(joint: str) -> tuple[float, float]:
 
 def _check(name: str, value: float, unit: str, low: float, high: float, hint: str = "") -> None:
     if not (isinstance(value, Real) and low <= value <= high):
-        raise InputError(f"{name} is {value}: use {unit} from {low:g} to {high:g}{hint}")
+        raise InputError(f"{name} is {value!r}: use {unit} from {low:g} to {high:g}{hint}")
 
 
 def _stature_hint(stature: float) -> str:

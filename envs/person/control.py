@@ -94,7 +94,7 @@ class VoluntaryControl:
         ):
             value = getattr(self, name)
             if not (isinstance(value, int | float) and 0 <= value <= highest):
-                raise InputError(f"{name} is {value}: give it {kind}, from 0 to {highest:g}")
+                raise InputError(f"{name} is {value!r}: give it {kind}, from 0 to {highest:g}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 
-ALGORITHMS = ("ppo", "sac")
-
 
 def algorithm_class(name: str) -> Any:
     """Returns Stable-Baselines3's class for "ppo" or "sac".
@@ -80,7 +78,8 @@ class TrainedPolicy:
         if size != observation_size:
             raise InputError(
                 f"the policy in {str(folder)!r} observes {size} numbers and the environment shows "
-                f"{observation_size}: evaluate it with the options it was trained with"
+                f"{observation_size}: evaluate it with the options it was trained with, which are "
+                f"in {folder / 'config.json'}"
             )
 
     def reset(self) -> None:

@@ -38,13 +38,14 @@ def attach(
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
-    integrator. After a reset the memory stands at (start_angle, start_torque); the first position
-    that the simulation sees is reached from there in one monotone motion, so a keyframe or a
-    written `qpos` begins on the first branch from `start_angle`.
+    integrator. After a reset the memory stands at (start_angle, start_torque). A keyframe or a
+    written `qpos` is felt as one monotone motion from there, but the memory follows only at the end
+    of a step: if that step turns back, the written position is no turning point.
 
     With `sensors`, three are added: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
-    `<joint>_suit_dissipated_energy` [J], which never decreases for a certified model.
+    `<joint>_suit_dissipated_energy` [J], which never decreases in a motion of a certified
+    model.
 
     Compose first, attach last: when a spec is attached to another one under a name prefix, MuJoCo
     renames its joints, but not the joint in the plugin's config.

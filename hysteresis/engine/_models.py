@@ -37,10 +37,10 @@ OWN_KEYS = (
     ("levels", "density", "elastic"),
 )
 
-HEAD = 3  # angle, torque and loss open every memory
+LOSS, HEAD = 2, 3  # angle, torque and loss open every memory
 
 
-@njit(cache=True)
+@njit(inline="always")
 def move(kind, p, s, angle):
     """Returns torque and loss after a monotone motion to `angle`."""
     if kind == JILES_ATHERTON:
@@ -52,7 +52,7 @@ def move(kind, p, s, angle):
     return preisach.move(p, s, angle)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def commit(kind, p, s, angle):
     """Moves the memory on to `angle`; returns the torque, NaN if there is none."""
     if kind == JILES_ATHERTON:
@@ -64,7 +64,7 @@ def commit(kind, p, s, angle):
     return preisach.commit(p, s, angle)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def stiffness(kind, p, s, angle, torque, delta):
     """Returns the slope of the torque if the motion goes on with sign `delta`."""
     if kind == JILES_ATHERTON:
@@ -76,16 +76,14 @@ def stiffness(kind, p, s, angle, torque, delta):
     return preisach.stiffness(p, s, angle, torque, delta)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def dissipated(kind, p, s, angle, torque, loss):
-    """Returns the energy dissipated so far."""
+    """Returns the energy dissipated so far: the second result of the model's `energy`."""
     if kind == JILES_ATHERTON:
-        return jiles_atherton.energy(p, s, angle, torque, loss)[1]
-    if kind == BOUC_WEN:
-        return bouc_wen.energy(p, s, angle, torque, loss)[1]
-    if kind == PRANDTL_ISHLINSKII:
-        return prandtl_ishlinskii.energy(p, s, angle, torque, loss)[1]
-    return preisach.energy(p, s, angle, torque, loss)[1]
+        return s[LOSS] + loss - jiles_atherton.recoverable(p, angle, torque)
+    if kind == PREISACH:
+        return preisach.energy(p, s, angle, torque, loss)[1]
+    return s[LOSS] + loss
 
 
 @njit(cache=True)
@@ -100,7 +98,7 @@ def begin(kind, p, s, angle, torque):
     return preisach.begin(p, s, angle, torque)
 
 
-@njit(cache=True)
+@njit(inline="always")
 def is_sound(kind, p):
     """Returns whether a parameter vector, which a user can overwrite, cannot mislead a kernel."""
     if kind == JILES_ATHERTON:

@@ -29,7 +29,7 @@ def state_size(kind, count):
     return MEMORY + memory + parameters
 
 
-@njit(cache=True)
+@njit(inline="always")
 def count_in(kind, size):
     """Returns the number of thresholds or segments of an instance with a state of that size."""
     if kind == PRANDTL_ISHLINSKII:

@@ -159,8 +159,10 @@ def _torques(coupling: str, time_step: float) -> Array:
             wiring.suit_torque_of(data),
             data.qpos[wiring.joints],
         )
-        data.ctrl[wiring.intention] = np.stack(
-            [intention.angle[i], intention.rate[i], intention.feedforward[i]], axis=1
+        data.ctrl[wiring.intention] = (
+            intention.angle[i],
+            intention.rate[i],
+            intention.feedforward[i],
         )
         mujoco.mj_step(model, data, substeps)
     return found

@@ -286,7 +286,7 @@ def test_settings_convert_to_json_and_back():
         ({"delay": 50}, "delay is 50: give it in s"),
         ({"feedback": 2}, "feedback is 2"),
         ({"noise": float("nan")}, "noise is nan"),
-        ({"tremor": "0.1"}, "tremor is 0.1: give it as a fraction"),
+        ({"tremor": "0.1"}, "tremor is '0.1': give it as a fraction"),
     ],
 )
 def test_mistakes_are_named(settings, message):

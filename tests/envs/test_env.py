@@ -200,9 +200,15 @@ def test_the_array_of_an_action_may_be_reused():
         ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
         ({"sim_dt": 0.5}, "sim_dt is 0.5: use a number from 1e-05 to 0.01 s"),
         ({"control_dt": 0.003}, "control_dt must be a multiple"),
-        ({"control_dt": 0.03}, "control_dt is 0.03: it must divide 0.02 s"),
+        ({"control_dt": 0.03}, "control_dt is 0.03: use a number from 0 to 0.02 s"),
+        ({"control_dt": np.nan}, "control_dt is nan: use a number from 0 to 0.02 s"),
+        ({"control_dt": "fast"}, "control_dt is 'fast': use a number"),
+        ({"control_dt": 0.008}, "control_dt is 0.008: it must divide 0.02 s"),
         ({"control_dt": 0.0}, "control_dt must be a multiple"),
         ({"width": 0}, "picture size is 0 x 480"),
+        ({"width": 64.5}, "picture size is 64.5 x 480: use whole numbers"),
+        ({"height": "480"}, "picture size is 640 x '480': use whole numbers"),
+        ({"fatigue": "no"}, "fatigue is 'no': use True or False"),
     ],
 )
 def test_bad_options(options, message):

@@ -123,10 +123,41 @@ def test_a_payload_weighs_what_it_weighs():
     data = mujoco.MjData(loaded)
     data.joint("shoulder_flexion").qpos[0] = np.pi / 2
     mujoco.mj_forward(loaded, data)
+    np.testing.assert_allclose(data.body("payload").xipos, data.geom("payload").xpos, atol=1e-12)
     lever = data.body("payload").xipos[0] - data.site("elbow_center").xpos[0]
     difference = gravity_torque(loaded)[1] - gravity_torque(empty)[1]
     assert difference == pytest.approx(4.0 * 9.81 * lever, rel=1e-9)
     assert loaded.body("exo_hand").id == loaded.body("payload").parentid[0]
+
+
+@pytest.mark.parametrize("fields", FEW, ids=range(len(FEW)))
+def test_a_saved_specification_is_the_same_model(fields):
+    spec = arm_spec(config_of(fields))
+    model = spec.compile()
+    again = mujoco.MjModel.from_xml_string(spec.to_xml())
+    for name in ("body_mass", "body_inertia", "dof_M0", "actuator_forcerange", "jnt_range"):
+        np.testing.assert_allclose(getattr(again, name), getattr(model, name), rtol=1e-4)
+    np.testing.assert_allclose(gravity_torque(again), gravity_torque(model), rtol=1e-4)
+
+
+def test_no_part_of_a_bare_hand_floats():
+    model = compose(ArmConfig(suit="none", coupling="none"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    skin = model.material("skin").id
+    parts = [i for i in range(model.ngeom) if model.geom_matid[i] == skin]
+    for body, arm in (("hand", "forearm"), ("other_forearm", "other_forearm")):
+        names = {model.body(body).id, model.body(arm).id}
+        apart = [i for i in parts if model.geom_bodyid[i] in names]
+        joined = [apart.pop(0)]
+        for known in joined:
+            touching = [
+                i for i in apart if mujoco.mj_geomDistance(model, data, known, i, 1.0, None) <= 0
+            ]
+            joined += touching
+            apart = [i for i in apart if i not in touching]
+        assert len(joined) > 10
+        assert not apart
 
 
 @pytest.mark.parametrize("pitch", [-0.3, 0.5, np.pi / 2])

@@ -96,7 +96,9 @@ def test_the_step_follows_the_coupling(fields, timestep):
         ({"exo": {"encoder_bits": 12.5}}, "exo.encoder_bits is 12.5: use 4 to 32"),
         ({"suit": None}, "suit is None: give a name, a path, or 'none'"),
         ({"gravity": ["moon"]}, "unknown gravity "),
-        ({"exo": {"ring": "heavy"}}, "exo.ring is heavy: use a number"),
+        ({"exo": {"ring": "0.4"}}, "exo.ring is '0.4': use a number"),
+        ({"wearer": {"stature": "1.7"}}, "stature is '1.7': use meters"),
+        ({"allow_uncertified": "no"}, "allow_uncertified is 'no': use True or False"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_sentence(fields, message):

@@ -133,6 +133,25 @@ ORIENTED = """
 """
 
 
+def test_frames_slides_and_turned_inertias_are_reflected():
+    xml = """<mujoco><compiler angle="radian"/><worldbody><frame pos="0 .3 0" euler=".2 .1 .3">
+      <body pos=".1 .2 .3"><joint axis=".1 1 .2" type="slide"/><joint axis="0 1 .2"/>
+      <inertial pos="0 .1 0" mass="1" diaginertia=".1 .12 .15" euler=".3 .2 .1"/>
+      <frame pos="0 .1 0" zaxis="1 2 3"><body pos=".1 .1 .1"><joint axis="1 0 .3"/>
+      <geom type="box" size=".1 .2 .3" pos=".1 .2 .1"/></body></frame></body>
+      </frame></worldbody></mujoco>"""
+    spec = mujoco.MjSpec.from_string(xml)
+    models = [spec.copy().compile()]
+    mirror(spec)
+    models.append(spec.compile())
+    one, other = (mujoco.MjData(model) for model in models)
+    for model, data in zip(models, (one, other), strict=True):
+        data.qpos[:] = data.qvel[:] = 0.3, -0.5, 0.7
+        mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(other.xipos, one.xipos * POLAR, atol=1e-12)
+    np.testing.assert_allclose(other.qacc, one.qacc, rtol=1e-9)
+
+
 @pytest.mark.render
 @pytest.mark.slow
 def test_cameras_show_the_mirrored_picture():

@@ -130,6 +130,18 @@ def test_memory_begins_at_the_start_angle(elbow):
     assert (data.plugin_state == mujoco.MjData(model).plugin_state).all()
 
 
+@pytest.mark.parametrize("integrator", ["implicitfast", "RK4"])
+def test_a_written_position_is_no_turning_point(elbow, integrator):
+    model = chain(elbow, integrator, start_angle=0.3)
+    data = mujoco.MjData(model)
+    data.qpos[0], data.qvel[0] = 1.1, -5.0
+    mujoco.mj_step(model, data)
+    mujoco.mj_forward(model, data)
+    assert data.qpos[0] < 1.1
+    expected = elbow.response([0.3, data.qpos[0]])[-1]
+    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
+
+
 def test_a_slide_joint_works(elbow):
     spec = mujoco.MjSpec.from_string(
         '<mujoco><worldbody><body><joint name="s" type="slide"/><geom size=".1"/></body>'

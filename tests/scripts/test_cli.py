@@ -212,6 +212,12 @@ def test_mistakes(capsys, tmp_path, arguments, message):
     assert sorted(path.name for path in left) == before  # nothing half-written
 
 
+@pytest.mark.parametrize("mistake", [("--episodes", "0"), ("--policies", "magic")])
+def test_a_mistake_leaves_no_empty_folder(capsys, tmp_path, mistake):
+    fails(capsys, "evaluate", *mistake, "--out", tmp_path / "out")
+    assert not any(tmp_path.iterdir())
+
+
 def test_unknown_option_and_missing_argument(capsys):
     for arguments in (["demo", "--speed", "3"], ["identify"]):
         with pytest.raises(SystemExit) as stop:

@@ -44,6 +44,13 @@ def test_trained_policy_is_evaluated_beside_the_others(run, capsys):
     assert policies[1]["assist_energy"] > 0
 
 
+def test_a_policy_of_another_coupling_says_where_its_options_are(run, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["evaluate", "--policies", str(run), "--coupling", "cuffs"])
+    assert end.value.code == 2
+    assert str(run / "config.json") in capsys.readouterr().err
+
+
 def test_resume_goes_on(run):
     train(run, "--resume", steps=4096)
     assert steps_done(run) == 4096
