@@ -85,12 +85,7 @@ def identify(
     family = load_curves(curves)
     if base and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
-    at_least("samples", samples, 0)
-    if samples and (method not in ("certified", "auto") or model not in (None, "jiles-atherton")):
-        raise InputError(
-            f"--samples is {samples}: samples are drawn of certified fits of jiles-atherton only; "
-            "leave it out"
-        )
+    _check_samples(samples, method, model)
     joint_name = joint_of(curves, joint) if out or joint else None
     others = load_suit(base).joints if base else {}
     folder = RunFolder(out) if out else None
@@ -123,18 +118,27 @@ def identify(
         _print(fit, curves, found)
     if folder and joint_name:
         drawn = found.samples if found else ()
-        suit = Suit(
-            name=curves.stem,
-            description=_description(fit, curves, seed),
-            joints={**others, joint_name: fitted_joint(fit, family, curves, samples=drawn)},
+        entry = fitted_joint(fit, family, curves, samples=drawn)
+        description = _description(fit, curves, seed)
+        joints = {**others, joint_name: entry}
+        save_suit(
+            Suit(name=curves.stem, description=description, joints=joints), folder / "suit.json"
         )
-        save_suit(suit, folder / "suit.json")
         folder.json("result.json", summary)
         _write(folder, joint_name, family, fit)
         if not json:
             print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
+
+
+def _check_samples(samples: int, method: Method, model: Model | None) -> None:
+    at_least("samples", samples, 0)
+    if samples and (method not in ("certified", "auto") or model not in (None, "jiles-atherton")):
+        raise InputError(
+            f"--samples is {samples}: samples are drawn of certified fits of jiles-atherton only; "
+            "leave it out"
+        )
 
 
 def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:

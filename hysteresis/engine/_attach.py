@@ -64,16 +64,7 @@ def attach(
         InputError: there is no such joint, it is neither hinge nor slide, or it has a suit already.
         UncertifiedModelError: the model, or its start, is outside the certificate.
     """
-    if not isinstance(spec, mujoco.MjSpec):
-        raise InputError(
-            f"attach got a {type(spec).__name__}: give a mujoco.MjSpec, from MjSpec.from_file "
-            "or from_string"
-        )
-    target = next((j for j in spec.joints if j.name == joint), None)
-    if target is None:
-        raise unknown_name("joint", joint, (j.name for j in spec.joints if j.name))
-    if target.type not in JOINT_TYPES:
-        raise InputError(f"joint {joint!r} is a {target.type.name}: use a hinge or a slide joint")
+    target = _target(spec, joint)
     _require_model(model)
     instance = f"{joint}_suit"
     if any(plugin.name == instance for plugin in spec.plugins):
@@ -96,6 +87,21 @@ def attach(
     for quantity in SENSORS if sensors else ():
         sensor = spec.add_sensor(name=f"{instance}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
         sensor.plugin = plugin
+
+
+def _target(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsJoint:
+    """Returns the joint of that name, which must be one that a model can resist."""
+    if not isinstance(spec, mujoco.MjSpec):
+        raise InputError(
+            f"attach got a {type(spec).__name__}: give a mujoco.MjSpec, from MjSpec.from_file "
+            "or from_string"
+        )
+    target = next((j for j in spec.joints if j.name == joint), None)
+    if target is None:
+        raise unknown_name("joint", joint, (j.name for j in spec.joints if j.name))
+    if target.type not in JOINT_TYPES:
+        raise InputError(f"joint {joint!r} is a {target.type.name}: use a hinge or a slide joint")
+    return target
 
 
 def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
