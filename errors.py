@@ -2,7 +2,6 @@
 
 import difflib
 from collections.abc import Iterable
-from numbers import Real
 
 
 class InputError(ValueError):
@@ -11,36 +10,6 @@ class InputError(ValueError):
     The message is one sentence that names the value, the allowed range and the fix. The command
     line prints it without a traceback and exits with code 2.
     """
-
-
-def at_least(name: str, value: int, least: int) -> None:
-    """Refuses a number below `least`.
-
-    Raises:
-        InputError: it is.
-    """
-    if value < least:
-        raise InputError(f"{name} is {value}: use at least {least}")
-
-
-def require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuses what is no number from `low` to `high`.
-
-    Raises:
-        InputError: it is not.
-    """
-    if not (isinstance(value, Real) and low <= value <= high):
-        raise InputError(f"{name} is {value!r}: use a number from {low:g} to {high:g}{unit}")
-
-
-def require_flag(name: str, value: bool) -> None:
-    """Refuses what is neither True nor False, as the text "no", which counts as true.
-
-    Raises:
-        InputError: it is.
-    """
-    if not isinstance(value, bool):
-        raise InputError(f"{name} is {value!r}: use True or False")
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:

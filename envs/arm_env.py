@@ -10,7 +10,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, require
+from ..checks import within
+from ..errors import InputError
 from .meter import Meter
 from .model import ASSISTED, ArmConfig, bare_arm, compose, resisting_joints, start_encoders
 from .model.config import nested
@@ -104,7 +105,7 @@ class ArmEnv(gymnasium.Env):
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
-        require("control_dt", control_dt, 0, PREVIEW[0], " s")
+        within("control_dt", control_dt, 0, PREVIEW[0], " s")
         self.config = ArmConfig.from_dict(arm)
         self.model = compose(self.config)
         self.control_dt, sim_dt = control_dt, self.config.timestep

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assets import JOINTS, Suit
-from ..errors import InputError, at_least, unknown_name
+from ..checks import at_least
+from ..errors import InputError, unknown_name
 from .arm_env import ArmEnv
 from .model import ASSISTED
 from .model.cuffs import CUFFS

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assets import JOINTS
-from ..errors import require_flag
+from ..checks import flag
 from .person import (
     Person,
     VoluntaryControl,
@@ -51,7 +51,7 @@ class Wearer:
     dt: float
 
     def __post_init__(self) -> None:
-        require_flag("fatigue", self.tires)
+        flag("fatigue", self.tires)
         self._rested = isometric_strength(self.person)
         self.begin(np.zeros(len(JOINTS)))
 

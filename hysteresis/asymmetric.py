@@ -7,8 +7,8 @@ import numpy as np
 from numpy.polynomial import polynomial as poly
 from numpy.typing import ArrayLike
 
+from ..checks import number, numbers, scales
 from ..errors import InputError
-from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, Energy, HysteresisModel, Numbers, State, finite_series
 from .wrapper import Wrapper

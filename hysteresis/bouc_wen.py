@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..checks import number, scales
 from ..errors import InputError
 from . import _bouc_wen_kernels as kernels
-from ._checks import number, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, HysteresisModel, read_only
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..checks import number
 from ..errors import InputError
-from ._checks import number
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, Energy, HysteresisModel, State, finite_series
 from .wrapper import Wrapper

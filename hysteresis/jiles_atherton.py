@@ -7,9 +7,9 @@ from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
+from ..checks import number, scales
 from ..errors import InputError
 from . import _jiles_atherton_kernels as kernels
-from ._checks import number, scales
 from ._jiles_atherton_bulk import certificate
 from ._jiles_atherton_envelope import margin_in_range
 from ._jiles_atherton_forms import CLAMPS, FORMS

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..checks import number
 from ..errors import InputError
-from ._checks import number
 from .certificate import ALL_ANGLES, Certificate, PoleError
 
 Array = NDArray[np.float64]

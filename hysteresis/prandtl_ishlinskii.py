@@ -10,9 +10,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..checks import number, numbers, scales
 from ..errors import InputError
 from . import _prandtl_ishlinskii_kernels
-from ._checks import number, numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, HysteresisModel, Numbers, State, finite_series, read_only
 

@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..checks import numbers, scales
 from ..errors import InputError
 from . import _preisach_kernels as kernels
 from . import _preisach_tables
-from ._checks import numbers, scales
 from .certificate import ALL_ANGLES, Certificate, checked_range
 from .model import Array, HysteresisModel, Numbers, read_only
 

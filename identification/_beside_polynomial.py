@@ -7,7 +7,8 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from .certified import (
     DIFFERENCE,
     MARGIN,

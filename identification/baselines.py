@@ -17,7 +17,8 @@ import numpy as np
 from scipy import optimize
 from scipy.optimize import OptimizeResult
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ._swarm import Array, Bounds, Objective, checked_bounds, finite_scores
 
 POPULATION = 50  # of the genetic algorithm: as many as the swarms have

@@ -12,9 +12,9 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import number
 from ..errors import InputError
 from ..files import write_text
-from ..hysteresis._checks import number
 
 Role = Literal["fit", "predict"]
 RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree

@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 from scipy.optimize import nnls
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ..hysteresis.model import HysteresisModel, Numbers
 from ..hysteresis.prandtl_ishlinskii import PrandtlIshlinskii
 from ..hysteresis.preisach import Preisach

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, at_least, unknown_name
+from ..checks import at_least
+from ..errors import InputError, unknown_name
 from .pso import KAO_FUNG, pso
 from .rank_distance_mpso import rank_distance_mpso
 

@@ -8,7 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ..hysteresis.model import HysteresisModel
 from ._threads import run_threads
 from .auto import Candidate, Choice, choose

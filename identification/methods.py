@@ -4,7 +4,8 @@ import inspect
 from collections.abc import Callable
 from typing import Any
 
-from ..errors import InputError, at_least, unknown_name
+from ..checks import at_least
+from ..errors import InputError, unknown_name
 from .baselines import BASELINES
 from .mpso import mpso
 from .objective import InitialTorque

@@ -7,9 +7,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..checks import number
 from ..errors import InputError, unknown_name
 from ..hysteresis import _jiles_atherton_kernels as kernels
-from ..hysteresis._checks import number
 from ..hysteresis._jiles_atherton_sensitivity import response_and_derivatives
 from .curves import Curve, noise_floor
 

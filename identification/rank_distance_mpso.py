@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import OptimizeResult
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ._swarm import Array, Bounds, Callback, Objective, SwarmOptions
 from .pso import KAO_FUNG, PSO, Inertia
 

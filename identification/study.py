@@ -14,7 +14,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, at_least, unknown_name
+from ..checks import at_least
+from ..errors import InputError, unknown_name
 from ..hysteresis.loops import reversals
 from .baselines import BASELINES
 from .certified import certified_fit

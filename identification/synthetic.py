@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, at_least
+from ..checks import at_least, number, numbers
+from ..errors import InputError
 from ..hysteresis import HysteresisModel
-from ..hysteresis._checks import number, numbers
 from ..hysteresis.model import finite_series
 from .curves import Curve
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ..hysteresis._jiles_atherton_kernels import is_exact
 from ..hysteresis.held import Held
 from ..hysteresis.jiles_atherton import UNIT_PER_RADIAN, JilesAtherton

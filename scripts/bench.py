@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from ..errors import at_least
+from ..checks import at_least
 from .output import table, to_json
 
 if TYPE_CHECKING:

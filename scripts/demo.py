@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import CURVES, Suit, curves_path, load_suit, save_suit
+from ..checks import at_least
 from ..envs.evaluation import Score, Trace, evaluate, make_env, share_of_oracle
 from ..envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ..envs.model import ASSISTED
 from ..envs.policies import POLICIES
 from ..envs.rendering import RenderingUnavailableError
-from ..errors import at_least
 from ..identification import Curve, Fit, Trial, identify, load_curves
 from ..identification.figures import convergence_figure, loops_figure
 from .identify import fit_summary, write_trials

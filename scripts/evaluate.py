@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
+from ..checks import at_least
 from ..envs.evaluation import Score, Trace, make_env
 from ..envs.evaluation import evaluate as evaluate_policies
 from ..envs.policies import POLICIES, make_policy
 from ..envs.policies.trained import training_config
-from ..errors import at_least
 from .arm_options import USUAL, ArmOptions
 from .output import RunFolder, conclude, progress
 from .tables import cuff_remarks, effort_table, score_table

@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from ..assets import Suit, load_suit, save_suit
-from ..errors import InputError, at_least
+from ..checks import at_least
+from ..errors import InputError
 from ..identification import Candidate, Curve, Fit, Trial, load_curves
 from ..identification import identify as identify_curves
 from ..identification.figures import loops_figure

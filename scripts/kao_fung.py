@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import at_least
+from ..checks import at_least
 from ..identification.dispatch import OPTIMUM, RELAXED_OPTIMUM, TABLE_1, CostTrial, cost_trials
 from ..identification.kao_fung_figures import convergence_figure, cost_figure, error_figure
 from ..identification.scott_russell import NAMES, TABLE_2, UNITS, steady_cycle

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..assets import JOINTS
+from ..checks import at_least
 from ..envs.evaluation import Trace, make_env, run_episode, score
 from ..envs.figures import (
     cuff_forces_figure,
@@ -12,7 +13,6 @@ from ..envs.figures import (
 )
 from ..envs.model import ASSISTED
 from ..envs.policies import make_policy
-from ..errors import at_least
 from .arm_options import USUAL, ArmOptions
 from .output import RunFolder, table, to_json
 from .tables import cuff_remarks, effort_table, score_table

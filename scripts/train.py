@@ -5,9 +5,10 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any, Literal
 
+from ..checks import at_least
 from ..envs.evaluation import make_env
 from ..envs.policies.trained import algorithm_class, load_network
-from ..errors import InputError, at_least
+from ..errors import InputError
 from ..files import replacing
 from .arm_options import USUAL, ArmOptions
 from .output import Bar, RunFolder, progress, telling

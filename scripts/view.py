@@ -9,12 +9,13 @@ from pathlib import Path
 import gymnasium
 import mujoco
 
+from ..checks import at_least
 from ..envs.arm_env import ArmEnv
 from ..envs.evaluation import make_env
 from ..envs.model import ArmConfig, arm_spec, compose
 from ..envs.policies import Policy, make_policy
 from ..envs.rendering import Renderer, RenderingUnavailableError
-from ..errors import InputError, at_least, unknown_name
+from ..errors import InputError, unknown_name
 from ..files import replacing
 from .arm_options import USUAL, ArmOptions
 

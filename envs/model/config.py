@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, Literal, TypeVar
 
 from ...assets.suits import HIGHEST_PRESSURE
-from ...errors import InputError, require, require_flag, unknown_name
+from ...checks import flag, within
+from ...errors import InputError, unknown_name
 from ..person import Person
 from ..provenance import Quantity
 from .exoskeleton import Exo
@@ -53,7 +54,7 @@ class Payload:
     inertia: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        require("payload.mass", self.mass, 0, HEAVIEST_PAYLOAD, " kg")
+        within("payload.mass", self.mass, 0, HEAVIEST_PAYLOAD, " kg")
         if self.inertia is None:
             return
         object.__setattr__(self, "inertia", _numbers("payload.inertia", self.inertia, 3))
@@ -131,10 +132,10 @@ class ArmConfig:
             if getattr(self, name) not in known:
                 raise unknown_name(name, getattr(self, name), known)
         if self.sim_dt is not None:
-            require("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
+            within("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
         for angle in self.tilt:
-            require("tilt", angle, -STEEPEST, STEEPEST, " rad")
-        require_flag("allow_uncertified", self.allow_uncertified)
+            within("tilt", angle, -STEEPEST, STEEPEST, " rad")
+        flag("allow_uncertified", self.allow_uncertified)
         self._check_pressure()
         self._check_coupling()
 
@@ -159,7 +160,7 @@ class ArmConfig:
     def _check_pressure(self) -> None:
         if self.pressure is None:
             return
-        require("pressure", self.pressure, 0, HIGHEST_PRESSURE, " kPa")
+        within("pressure", self.pressure, 0, HIGHEST_PRESSURE, " kPa")
         if self.suit == NO_SUIT:
             raise InputError(
                 f"pressure is {self.pressure} kPa, but suit is 'none': leave one of them out"
@@ -181,7 +182,7 @@ class ArmConfig:
                 )
         for distance in self.misalignment:
             limit = LARGEST_MISALIGNMENT
-            require("misalignment", distance, -limit, limit, " m")
+            within("misalignment", distance, -limit, limit, " m")
 
 
 _NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}

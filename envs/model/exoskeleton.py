@@ -13,7 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InputError, require
+from ...checks import within
+from ...errors import InputError
 from ..provenance import Grade, Quantity
 from ._motor_kernels import clip, heat
 
@@ -57,7 +58,7 @@ class Motor:
         ranges |= {"viscous": (0, 20), "bandwidth": (0.1, 80), "mass": (0.05, 10)}
         ranges |= {"thermal_time_constant": (0.1, 1e4)}
         for field in fields(self):
-            require(f"a motor's {field.name}", getattr(self, field.name), *ranges[field.name])
+            within(f"a motor's {field.name}", getattr(self, field.name), *ranges[field.name])
         if self.continuous_torque > self.peak_torque:
             raise InputError(
                 f"a motor's continuous_torque is {self.continuous_torque}: use at most its "
@@ -127,15 +128,15 @@ class Exo:
 
     def __post_init__(self) -> None:
         for name in ("upper_arm_link", "forearm_link", "cuff", "ring"):
-            require(f"exo.{name}", getattr(self, name), 0.01, 20, " kg")
+            within(f"exo.{name}", getattr(self, name), 0.01, 20, " kg")
         for name, length in self.lengths.items():
             if length is not None:
-                require(f"exo.{name}_length", length, 0.15, 0.5, " m")
+                within(f"exo.{name}_length", length, 0.15, 0.5, " m")
         if self.encoder_bits not in range(4, 33):
             raise InputError(
                 f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
             )
-        require("exo.encoder_delay", self.encoder_delay, 0, 0.1, " s")
+        within("exo.encoder_delay", self.encoder_delay, 0, 0.1, " s")
 
     @property
     def lengths(self) -> dict[str, float | None]:

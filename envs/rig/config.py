@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...assets import load_suit
-from ...errors import InputError, at_least, unknown_name
+from ...checks import at_least, number, numbers
+from ...errors import InputError, unknown_name
 from ...hysteresis import HysteresisModel
-from ...hysteresis._checks import number, numbers
 from ..provenance import Quantity
 
 # Li et al. 2022, sections 3.1 and 5.1: where the first-order curves turn [rad].

@@ -1,11 +1,12 @@
-"""Checks of the parameters that users give to the models."""
+"""Checks of the numbers that users give, each with a sentence for those that cannot be used."""
 
 import math
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from .errors import InputError
 
 
 def number(name: str, value: Any, unit: str = "") -> float:
@@ -33,6 +34,36 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
     if bad.size:
         raise InputError(f"{name}[{bad[0]}] is {array[bad[0]]}: give finite numbers{_in(unit)}")
     return tuple(array.astype(np.float64).tolist())
+
+
+def at_least(name: str, value: int, least: int) -> None:
+    """Refuses a number below `least`.
+
+    Raises:
+        InputError: it is.
+    """
+    if value < least:
+        raise InputError(f"{name} is {value}: use at least {least}")
+
+
+def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    """Refuses what is no number from `low` to `high`.
+
+    Raises:
+        InputError: it is not.
+    """
+    if not (isinstance(value, Real) and low <= value <= high):
+        raise InputError(f"{name} is {value!r}: use a number from {low:g} to {high:g}{unit}")
+
+
+def flag(name: str, value: bool) -> None:
+    """Refuses what is neither True nor False, as the text "no", which counts as true.
+
+    Raises:
+        InputError: it is.
+    """
+    if not isinstance(value, bool):
+        raise InputError(f"{name} is {value!r}: use True or False")
 
 
 def scales(**values: float) -> None:
