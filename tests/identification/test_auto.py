@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisach
-from activesuit.identification import Curve, identify, own_fits
+from activesuit.identification import Curve, auto, identify, own_fits
 from activesuit.identification.own_fits import FITS, common_torque
 from helpers import sweep
 
@@ -126,10 +126,9 @@ def test_a_simpler_model_within_a_tenth_is_preferred(monkeypatch):
         "simple": truth.scaled(torque=0.999),
         "far": truth.scaled(torque=0.5),
     }
-    for name in NAMES:
-        monkeypatch.delitem(FITS, name)
-    for name, model in models.items():
-        monkeypatch.setitem(FITS, name, lambda curves, model=model: model)
+    fits = {name: lambda curves, model=model: model for name, model in models.items()}
+    for module in (auto, own_fits):
+        monkeypatch.setattr(module, "FITS", fits)
     monkeypatch.setattr(own_fits, "common_torque", lambda model, curves: 0.0)
     fit = identify(curves, method="auto")
     assert [one.name for one in fit.candidates] == ["bent", "simple", "far"]
