@@ -44,7 +44,6 @@ from ._jiles_atherton_kernels import (
 from ._langevin import fma, langevin
 
 INITIAL = 5  # the torque at the beginning, after Ms, a, alpha, c, k
-DERIVATIVES = 6
 SERIES_TERMS = 9  # of phi_4 for z < SHORT
 
 

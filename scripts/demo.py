@@ -79,7 +79,12 @@ def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int
         for name, family in curves.items():
             for method in METHODS:
                 fits[name][method] = identify(
-                    family, method=method, trials=runs[method], seed=seed, on_trial=report
+                    family,
+                    method=method,
+                    objective=None if method == "certified" else "paper",
+                    trials=runs[method],
+                    seed=seed,
+                    on_trial=report,
                 )
                 if fits[name][method].interrupted:
                     raise KeyboardInterrupt

@@ -49,6 +49,21 @@ def test_numbers_are_there(folder):
     assert json.loads((folder / "config.json").read_text())["seed"] == 0
 
 
+def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch):
+    drawn, draw = [], demo_module.convergence_figure
+
+    def keep(histories):
+        drawn.append(histories)
+        return draw(histories)
+
+    monkeypatch.setattr(demo_module, "convergence_figure", keep)
+    demo(out=tmp_path, trials=1, episodes=1)
+    fits = json.loads((tmp_path / "fits.json").read_text())
+    for joint, methods in drawn[0].items():
+        for method, (history,) in methods.items():
+            assert history[-1] == pytest.approx(fits[joint][method]["fitness"], rel=1e-9)
+
+
 def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
     from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 
