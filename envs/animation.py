@@ -8,10 +8,9 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS
 from .evaluation import ASSISTED_COLUMNS
-
-Array = NDArray[np.float64]
 
 DPI = 100
 TAIL = 0.22  # of the cycle behind the present that shines

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import within
 from ..errors import InputError
 from .meter import Meter
@@ -25,7 +26,6 @@ from .state import check_state, physics_of, restore_physics
 from .wearer import Wearer
 from .wiring import Wiring
 
-Array = NDArray[np.float64]
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 FAR_OFF = (LOST,) * len(ASSISTED)  # rad, the tracking error that a diverged step counts
 

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS, Suit
 from ..checks import at_least
 from ..errors import InputError, unknown_name
@@ -17,7 +18,6 @@ from .model.cuffs import CUFFS
 from .person import EffortMetrics, effort_metrics
 from .policies import Policy, make_policy
 
-Array = NDArray[np.float64]
 Policies = Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]]  # names, or your own
 TAKEOVER = 0.5  # s
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]

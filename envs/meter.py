@@ -1,12 +1,10 @@
 """What an experimenter knows of the arm: angles, torques and energies, beyond any sensor."""
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from .wiring import Wiring
 
-Array = NDArray[np.float64]
 ENERGIES = ("assist_energy", "human_energy")
 
 

@@ -4,13 +4,12 @@ import math
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Array
 from ..errors import InputError
 from .model import Exo, thermal_clip, thermal_step
 from .wiring import Wiring
-
-Array = NDArray[np.float64]
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...]) -> tuple[Array, bool]:

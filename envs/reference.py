@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
 from ..errors import InputError
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
 
 

@@ -7,14 +7,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS
 from ..errors import InputError
 from .meter import ENERGIES
 from .reference import Reference
 
-Array = NDArray[np.float64]
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
 KEYS = (

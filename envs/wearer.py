@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS
 from ..checks import flag
 from .person import (
@@ -25,7 +25,6 @@ from .person import (
 from .reference import Reference
 from .wiring import Wiring
 
-Array = NDArray[np.float64]
 SETTLING_STEPS = 6  # of Newton's method, which doubles the digits each time
 NUDGE = 1e-6  # rad, for its derivatives
 

@@ -6,12 +6,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..assets import JOINTS
 from ..hysteresis.engine import fault_slots
 from .model import ASSISTED
 from .model.cuffs import CUFFS
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 

@@ -3,16 +3,16 @@
 Angles are radians and torques N·m throughout. Nothing here imports MuJoCo but `.engine`.
 """
 
-from .asymmetric import Asymmetric
-from .bouc_wen import BoucWen
+from .around.asymmetric import Asymmetric
+from .around.held import Held
+from .bouc_wen.model import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
-from .held import Held
-from .jiles_atherton import JilesAtherton
-from .model import Energy, HysteresisModel, State
-from .nearest import nearest_certified
-from .prandtl_ishlinskii import PrandtlIshlinskii
-from .preisach import Preisach
-from .published import TABLE_2
+from .jiles_atherton.model import JilesAtherton
+from .jiles_atherton.nearest import nearest_certified
+from .jiles_atherton.table_2 import TABLE_2
+from .prandtl_ishlinskii.model import PrandtlIshlinskii
+from .preisach.model import Preisach
+from .protocol import Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict
 
 __all__ = [

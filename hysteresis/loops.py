@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arrays import Array
 from ..errors import InputError
-from .model import finite_series
+from .protocol import finite_series
 
-Array = NDArray[np.float64]
 NOISE_DEAD_BAND = 10.0  # deviations: a dwell of 1e4 Gaussian samples exceeds it once in 1e4
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # of the angle's range, for records of a few samples per branch

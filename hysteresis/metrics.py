@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import isotonic_regression
 
+from ..arrays import Array
 from ..errors import InputError
 from .loops import LARGEST, finite_record
 
-Array = NDArray[np.float64]
 OPEN_AT_MOST = 0.25  # of the angle's range: a wider gap, or a longer way back, is no single loop
 TANGENT_SPAN = 0.05  # of the angle's range
 LARGEST_TANGENT_SPAN = 0.25  # of the angle's range

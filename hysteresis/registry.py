@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, unknown_name
-from .asymmetric import Asymmetric
-from .bouc_wen import BoucWen
-from .held import Held
-from .jiles_atherton import JilesAtherton
-from .model import HysteresisModel
-from .prandtl_ishlinskii import PrandtlIshlinskii
-from .preisach import Preisach
-from .wrapper import Wrapper
+from .around.asymmetric import Asymmetric
+from .around.held import Held
+from .around.wrapper import Wrapper
+from .bouc_wen.model import BoucWen
+from .jiles_atherton.model import JilesAtherton
+from .prandtl_ishlinskii.model import PrandtlIshlinskii
+from .preisach.model import Preisach
+from .protocol import HysteresisModel
 
 MODELS: dict[str, type[HysteresisModel]] = {
     model.name: model

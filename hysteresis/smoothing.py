@@ -8,10 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import isotonic_regression
 
+from ..arrays import Array
 from ..errors import InputError
 from .loops import Branch, angle_noise, branches, estimate_dead_band, finite_record
 
-Array = NDArray[np.float64]
 BANDWIDTH = 0.15  # of a branch, for the local regression
 KNOTS_PER_BANDWIDTH = 8
 NEIGHBORS = 5  # at least, in a local regression

@@ -1,21 +1,21 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
-from .asymmetric_fit import fit_asymmetric
-from .auto import Candidate
-from .baselines import BASELINES
-from .bouc_wen_fit import fit_bouc_wen
-from .certified import certified_fit
 from .curves import Curve, load_curves, save_curves
-from .direct import fit_prandtl_ishlinskii, fit_preisach
+from .fits.asymmetric import fit_asymmetric
+from .fits.bouc_wen import fit_bouc_wen
+from .fits.certified import certified_fit
+from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
+from .fits.registry import bare
 from .identify import Fit, Trial, identify
-from .mpso import MPSO, mpso
 from .objective import CurveObjective
-from .own_fits import bare
-from .pso import KAO_FUNG, PSO, pso
-from .rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
-from .sa_pso import SAPSO, sa_pso
+from .optimizers.libraries import BASELINES
+from .optimizers.mpso import MPSO, mpso
+from .optimizers.pso import KAO_FUNG, PSO, pso
+from .optimizers.rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
+from .optimizers.sa_pso import SAPSO, sa_pso
+from .selection import Candidate
 from .synthetic import first_order_motions, measure, multi_order_motion
-from .uncertainty import Uncertainty, uncertainty
+from .uncertainty.uncertainty import Uncertainty, uncertainty
 
 __all__ = [
     "BASELINES",

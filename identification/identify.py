@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from ..checks import at_least
 from ..errors import InputError
-from ..hysteresis.model import HysteresisModel
+from ..hysteresis.protocol import HysteresisModel
 from ._threads import run_threads
-from .auto import Candidate, Choice, choose
-from .baselines import BASELINES
 from .curves import Curve
+from .diagnostics import remarks
+from .fits.registry import fit_model, nrmse, paper_model, predicted, torque_errors
 from .methods import SEARCHES, check_method, check_options
 from .objective import CurveObjective, InitialTorque, Loss, Normalize
-from .own_fits import fit_model, nrmse, paper_model, predicted, torque_errors
-from .remarks import remarks
+from .optimizers.libraries import BASELINES
+from .selection import Candidate, Choice, choose
 
 # Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
 PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))

@@ -6,13 +6,13 @@ from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError, unknown_name
-from .baselines import BASELINES
-from .mpso import mpso
+from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
-from .own_fits import FITS, is_seeded
-from .pso import pso
-from .rank_distance_mpso import rank_distance_mpso
-from .sa_pso import sa_pso
+from .optimizers.libraries import BASELINES
+from .optimizers.mpso import mpso
+from .optimizers.pso import pso
+from .optimizers.rank_distance_mpso import rank_distance_mpso
+from .optimizers.sa_pso import sa_pso
 
 SWARMS = {
     "pso": pso,

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import number
 from ..errors import InputError, unknown_name
-from ..hysteresis import _jiles_atherton_kernels as kernels
-from ..hysteresis._jiles_atherton_sensitivity import response_and_derivatives
+from ..hysteresis.jiles_atherton import kernels
+from ..hysteresis.jiles_atherton._sensitivity import response_and_derivatives
 from .curves import Curve, noise_floor
 
 Loss = Literal["nrmse", "paper", "sse", "robust"]

@@ -4,15 +4,14 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Array
 from ..checks import at_least, number, numbers
 from ..errors import InputError
 from ..hysteresis import HysteresisModel
-from ..hysteresis.model import finite_series
+from ..hysteresis.protocol import finite_series
 from .curves import Curve
-
-Array = NDArray[np.float64]
 
 LEAST_TRAVEL = 0.1  # of the range, between two reversals of a random motion
 

@@ -76,7 +76,7 @@ def _run_command(name: str, arguments: Sequence[str]) -> None:
 
     function = name.replace("-", "_")
     tyro.cli(
-        getattr(import_module(f".{function}", __package__), function),
+        getattr(import_module(f".commands.{function}", __package__), function),
         prog=f"activesuit {name}",
         args=arguments,
         config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),

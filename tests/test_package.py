@@ -19,7 +19,7 @@ ALLOWED = {
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
 }
-ROOT_MODULES = {"checks", "errors", "files", "__version__"}
+ROOT_MODULES = {"arrays", "checks", "errors", "files", "published", "__version__"}
 
 
 def modules(part):

@@ -2,15 +2,7 @@
 
 from .compose import arm_spec, bare_arm, compose, resisting_joints
 from .config import GRAVITY, ArmConfig, Payload
-from .exoskeleton import (
-    ASSISTED,
-    Exo,
-    Motor,
-    quantize,
-    start_encoders,
-    thermal_clip,
-    thermal_step,
-)
+from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_clip, thermal_step
 from .mirroring import mirror
 
 __all__ = [

@@ -10,8 +10,8 @@ from typing import Any
 
 from numba import cfunc, njit, types
 
-from ...hysteresis.engine._layout import Layout
-from ...hysteresis.engine._memory import doubles, int32_at, pointer_at, store_pointer
+from ...hysteresis.engine.native._layout import Layout
+from ...hysteresis.engine.native._memory import doubles, int32_at, pointer_at, store_pointer
 from ._bushing_configuration import (
     ENERGY_SENSOR,
     EXO,

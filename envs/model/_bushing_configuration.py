@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 
 from ...hysteresis.engine._faults import config, plugin_of
-from ...hysteresis.engine._memory import doubles, int32_at, name2id, pointer_at
-from ...hysteresis.engine._text import (
+from ...hysteresis.engine.native._memory import doubles, int32_at, name2id, pointer_at
+from ...hysteresis.engine.native._text import (
     SENTENCE_LIMIT,
     add,
     add_text,

@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
-from ...hysteresis.engine._layout import layout
-from ...hysteresis.engine._registration import register_plugin
+from ...hysteresis.engine.native._layout import layout
+from ...hysteresis.engine.native._registration import register_plugin
 from . import _bushing_callbacks
 from ._bushing_configuration import KEYS, LARGEST_OFFSET, PLUGIN_NAME
 from ._bushing_kernels import PARAMETER_SIZE

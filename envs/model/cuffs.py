@@ -13,15 +13,13 @@ from types import MappingProxyType
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
 from .bushing import Bushing, Triple, attach_bushing
 from .fitting import stretch
-
-Array = NDArray[np.float64]
 
 _SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
 _ACROSS = Quantity(

@@ -11,16 +11,15 @@ from dataclasses import dataclass, fields
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ...checks import within
 from ...errors import InputError
 from ..provenance import Grade, Quantity
 from ._motor_kernels import clip, heat
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

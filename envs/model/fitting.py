@@ -2,8 +2,8 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ..person import Person, Segment, isometric_strength, segments
 
@@ -18,8 +18,6 @@ _LIMBS = {  # bodies that are as long as a segment
     "other_forearm": "forearm",
 }
 _BEGINS_AFTER = {"forearm": "upper_arm", "hand": "forearm", "other_forearm": "upper_arm"}
-
-Array = NDArray[np.float64]
 
 
 def fit_person(spec: mujoco.MjSpec, person: Person) -> None:

@@ -20,14 +20,14 @@ from dataclasses import dataclass
 from math import cos, exp, isclose, pi, sin, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
 from ._control_kernels import pull
 
-Array = NDArray[np.float64]
 Generators = np.random.Generator | Sequence[np.random.Generator]
 
 _HAMILTON = "size: ours; falls with strength, Hamilton et al. 2004, Exp. Brain Res. 157:417-430"

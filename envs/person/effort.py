@@ -3,13 +3,12 @@
 from dataclasses import asdict, dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ...errors import InputError
 from ..provenance import Quantity
 from .smoothness import log_dimensionless_jerk, spectral_arc_length
-
-Array = NDArray[np.float64]
 
 _MARGARIA = (
     "Margaria 1968, recalled; legs on a sledge: 0.17 and 0.80, Int. J. Sports Med. 7(1) 1986"

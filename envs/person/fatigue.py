@@ -18,11 +18,10 @@ left. The torque of antagonists that cancels out tires nobody here.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
 from ..provenance import Quantity
-
-Array = NDArray[np.float64]
 
 _RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
 _REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"

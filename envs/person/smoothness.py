@@ -1,11 +1,10 @@
 """How smooth a movement is: Balasubramanian et al. 2015, J. NeuroEng. Rehabil. 12:112."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ..provenance import Quantity
-
-Array = NDArray[np.float64]
 
 _SOURCE = "Balasubramanian et al. 2015, J. NeuroEng. Rehabil. 12:112"
 _HIGHEST = Quantity("smoothness.highest_frequency", 10.0, "Hz", _SOURCE, "published")

@@ -18,14 +18,13 @@ from math import exp, log, sqrt
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ..provenance import Grade, Quantity
 from ._strength_kernels import limits
 from .anthropometry import Person
-
-Array = NDArray[np.float64]
 
 DIRECTIONS = ("negative", "positive")
 

@@ -6,11 +6,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Array
 from ..provenance import Quantity
-
-Array = NDArray[np.float64]
 
 RAMP = 0.5  # s, from rest to full rate
 

@@ -13,15 +13,15 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...arrays import Array
 from ...assets import FOLDER
 from ...errors import InputError
 from ...hysteresis.engine import attach, fault_slots
-from ...hysteresis.model import finite_series
+from ...hysteresis.protocol import finite_series
 from ..provenance import Quantity
 from .config import RigConfig, Specimen
 from .motion import Plan, duration, plan_motion, reversals
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 RIG = FOLDER / "mjcf" / "rig.xml"

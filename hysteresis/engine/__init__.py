@@ -32,7 +32,7 @@ MuJoCo finds the plugin's code in the process, not in the file.
 
 from ._attach import attach, fault_slots, replace_model
 from ._models import PLUGIN_NAMES
-from ._registration import register
+from .native._registration import register
 
 __all__ = ["PLUGIN_NAMES", "attach", "fault_slots", "register", "replace_model"]
 

@@ -7,18 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
-from ..asymmetric import Asymmetric
-from ..bouc_wen import BoucWen
+from ..around.asymmetric import Asymmetric
+from ..around.held import Held
+from ..bouc_wen.model import BoucWen
 from ..certificate import UncertifiedModelError
-from ..held import Held
-from ..jiles_atherton import PARAMETERS, JilesAtherton
-from ..model import HysteresisModel, State
-from ..nearest import nearest_certified
-from ..prandtl_ishlinskii import PrandtlIshlinskii
-from ..preisach import Preisach
+from ..jiles_atherton.model import PARAMETERS, JilesAtherton
+from ..jiles_atherton.nearest import nearest_certified
+from ..prandtl_ishlinskii.model import PrandtlIshlinskii
+from ..preisach.model import Preisach
+from ..protocol import HysteresisModel, State
 from ._models import ANGLE_RANGE, OWN_KEYS, PLUGIN_NAMES, POLYNOMIAL
-from ._registration import register
 from ._state import FAULT
+from .native._registration import register
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)

@@ -18,8 +18,6 @@ from numba import cfunc, njit, types
 from . import _models as models
 from ._configuration import configure, connect, required_size, slope_of, value_of
 from ._faults import FINE, POLE, complain
-from ._layout import Layout
-from ._memory import doubles, int32_at, pointer_at
 from ._state import (
     ENERGY_SENSOR,
     STIFFNESS_SENSOR,
@@ -33,6 +31,8 @@ from ._state import (
     set_wires,
     wires_of,
 )
+from .native._layout import Layout
+from .native._memory import doubles, int32_at, pointer_at
 
 
 @njit(inline="always")

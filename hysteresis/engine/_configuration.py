@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-from .._jiles_atherton_kernels import LAG
+from ..jiles_atherton.kernels import LAG
 from ._faults import (
     FAR_START,
     FINE,
@@ -27,7 +27,6 @@ from ._faults import (
     config,
     plugin_of,
 )
-from ._memory import doubles, int32_at, name2id, pointer_at
 from ._models import (
     ALLOW,
     ANGLE_RANGE,
@@ -60,7 +59,8 @@ from ._state import (
     sensor_of,
     state_size,
 )
-from ._text import count_words, ends_with, equals, length, parse_numbers
+from .native._memory import doubles, int32_at, name2id, pointer_at
+from .native._text import count_words, ends_with, equals, length, parse_numbers
 
 
 @njit(cache=True)

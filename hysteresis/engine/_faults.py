@@ -6,9 +6,9 @@ A fault is a reason and, where there is one, the config key it is about: `reason
 import numpy as np
 from numba import njit
 
-from ._memory import character_at, int32_at, plugin_at, pointer_at
 from ._models import JOINT
-from ._text import SENTENCE_LIMIT, add, add_text, issue
+from .native._memory import character_at, int32_at, plugin_at, pointer_at
+from .native._text import SENTENCE_LIMIT, add, add_text, issue
 
 REASONS = 32
 (

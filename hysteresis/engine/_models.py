@@ -4,13 +4,13 @@ import math
 
 from numba import njit
 
-from .. import _bouc_wen_kernels as bouc_wen
-from .. import _jiles_atherton_kernels as jiles_atherton
-from .. import _prandtl_ishlinskii_kernels as prandtl_ishlinskii
-from .. import _preisach_kernels as preisach
-from .._jiles_atherton_envelope import margin_in_range
-from .._preisach_tables import parameter_size
+from ..bouc_wen import kernels as bouc_wen
 from ..certificate import ROUNDING
+from ..jiles_atherton import kernels as jiles_atherton
+from ..jiles_atherton._envelope import margin_in_range
+from ..prandtl_ishlinskii import kernels as prandtl_ishlinskii
+from ..preisach import kernels as preisach
+from ..preisach._tables import parameter_size
 
 JILES_ATHERTON, BOUC_WEN, PRANDTL_ISHLINSKII, PREISACH = range(4)
 PLUGIN_NAMES = (

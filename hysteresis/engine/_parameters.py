@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numba import njit
 
-from .. import _jiles_atherton_forms as forms
-from .._preisach_tables import set_parameters
+from ..jiles_atherton import _forms as forms
+from ..preisach._tables import set_parameters
 from . import _models as models
 from ._faults import (
     AS_MANY,
@@ -26,7 +26,7 @@ from ._faults import (
     config,
 )
 from ._models import FIRST_KEY
-from ._text import count_words, equals, length, parse_numbers
+from .native._text import count_words, equals, length, parse_numbers
 
 DEGREE = math.pi / 180
 

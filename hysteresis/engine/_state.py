@@ -9,8 +9,8 @@ numbers always fit the one at hand, and so do the sizes, which come from mjModel
 
 from numba import njit
 
-from ._memory import doubles, int32_at, pointer_at, store_pointer
 from ._models import PRANDTL_ISHLINSKII, sizes
+from .native._memory import doubles, int32_at, pointer_at, store_pointer
 
 FAULT, MEMORY = 0, 1
 POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5

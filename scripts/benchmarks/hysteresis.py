@@ -9,8 +9,8 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from ...hysteresis import TABLE_2, JilesAtherton, PrandtlIshlinskii, Preisach
-from ...hysteresis import _jiles_atherton_kernels as kernels
-from ...hysteresis._langevin import langevin
+from ...hysteresis.jiles_atherton import kernels
+from ...hysteresis.jiles_atherton.langevin import langevin
 from .timing import Row, compare, measure
 
 RANGE = {"shoulder": (20.0, 70.0), "elbow": (30.0, 90.0)}  # degrees, of the published curves

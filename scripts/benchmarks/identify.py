@@ -16,12 +16,12 @@ from scipy import optimize
 from ...assets import curves_path
 from ...identification import Curve, CurveObjective, certified_fit, identify, load_curves
 from ...identification.identify import PAPER_BOUNDS
-from ...identification.mpso import mpso
-from ...identification.pso import pso
-from ...identification.rank_distance_mpso import rank_distance_mpso
-from ...identification.sa_pso import sa_pso
+from ...identification.optimizers.mpso import mpso
+from ...identification.optimizers.pso import pso
+from ...identification.optimizers.rank_distance_mpso import rank_distance_mpso
+from ...identification.optimizers.sa_pso import sa_pso
+from ..commands.study import study
 from ..output import messages
-from ..study import study
 from .hysteresis import textbook_rk4
 from .timing import Row, Work, compare, seconds
 

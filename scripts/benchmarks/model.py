@@ -8,8 +8,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...assets import JOINTS, load_suit, save_suit
 from ...envs.model import ArmConfig, arm_spec, bare_arm, compose
 from ...envs.model.config import COUPLINGS
@@ -28,8 +28,6 @@ TIME_STEPS = {  # s; cuffs do not bear longer ones
 PERIOD = 0.02  # s, between two intentions, and between two readings: a multiple of all steps
 SETTLED = 50  # periods until the wearer bears what he did not foresee
 SEED = 0
-
-Array = NDArray[np.float64]
 
 
 def rows(repeats: int) -> list[Row]:

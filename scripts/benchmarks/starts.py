@@ -9,11 +9,11 @@ import numpy as np
 
 from ...assets import CURVES, curves_path
 from ...identification import load_curves
-from ...identification.study import StudyConfig, run_trial
-from ...identification.study_summary import Summary, summarize
+from ...identification.study.summary import Summary, summarize
+from ...identification.study.trial import StudyConfig, run_trial
 from ..backends import run_all
 from ..output import messages, progress
-from ..tables import Rows
+from ..reports.tables import Rows
 from .timing import seconds
 
 STARTS, STARTS_PER_REPEAT = 200, 25  # at most; fewer for a hurried benchmark

@@ -12,15 +12,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...hysteresis import (
-    Asymmetric,
-    BoucWen,
-    Held,
-    JilesAtherton,
-    PrandtlIshlinskii,
-    Preisach,
-)
-from ...hysteresis.model import Array, HysteresisModel
+from ...arrays import Array
+from ...hysteresis import Asymmetric, BoucWen, Held, JilesAtherton, PrandtlIshlinskii, Preisach
+from ...hysteresis.protocol import HysteresisModel
 
 FIELD_STEP = 0.05  # of the Runge-Kutta steps of Jiles-Atherton, in degrees
 ANGLE_STEP = 1e-3  # of those of Bouc-Wen [rad]

@@ -11,12 +11,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate, run_episode
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.model.cuffs import FORCE_LIMITS
-from activesuit.envs.person import (
-    Person,
-    effort_metrics,
-    isometric_strength,
-    strength_limits,
-)
+from activesuit.envs.person import Person, effort_metrics, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
 

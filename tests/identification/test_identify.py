@@ -6,7 +6,7 @@ import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
 from activesuit.hysteresis import MODELS, Held, JilesAtherton
-from activesuit.hysteresis.jiles_atherton import PARAMETERS
+from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Curve,
     CurveObjective,
@@ -15,7 +15,7 @@ from activesuit.identification import (
     identify,
     load_curves,
 )
-from activesuit.identification.certified import noise_floor
+from activesuit.identification.fits.certified import noise_floor
 from activesuit.identification.identify import PAPER_BOUNDS
 from helpers import TABLE_2, sweep
 

@@ -7,14 +7,9 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton
-from activesuit.identification import (
-    Curve,
-    CurveObjective,
-    first_order_motions,
-    measure,
-    pso,
-)
+from activesuit.identification import Curve, CurveObjective, first_order_motions, measure
 from activesuit.identification.curves import noise_floor
+from activesuit.identification.optimizers import pso
 from helpers import TABLE_2
 from scipy.integrate import quad
 from scipy.optimize import minimize

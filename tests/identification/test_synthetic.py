@@ -5,14 +5,7 @@ import math
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import (
-    Asymmetric,
-    BoucWen,
-    Held,
-    PoleError,
-    PrandtlIshlinskii,
-    Preisach,
-)
+from activesuit.hysteresis import Asymmetric, BoucWen, Held, PoleError, PrandtlIshlinskii, Preisach
 from activesuit.hysteresis.loops import reversals
 from activesuit.identification import (
     first_order_motions,

@@ -1,0 +1,127 @@
+"""An elastic polynomial beside any hysteresis model."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import polynomial as poly
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...checks import number, numbers, scales
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
+from .wrapper import Wrapper
+
+LARGEST_DEGREE = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asymmetric(Wrapper):
+    """A model plus a history-independent torque: T = model(theta) + sum p_i theta^i.
+
+    Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), those of most
+    models are. The polynomial bends the loop without touching what it dissipates: its work depends
+    on the end angles only.
+
+    Attributes:
+        model: the hysteretic part, any other model.
+        polynomial: coefficients p_0, p_1, ... [N·m/rad^i], at most six.
+
+    Raises:
+        InputError: the polynomial is not finite or too long, or the model asymmetric itself.
+    """
+
+    name = "asymmetric"
+
+    polynomial: Numbers
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Asymmetric):
+            raise InputError(
+                f"model is {self.model!r}: give one hysteresis model, not asymmetric itself"
+            )
+        coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
+        if len(coefficients) > LARGEST_DEGREE + 1:
+            raise InputError(
+                f"polynomial has {len(coefficients)} coefficients: give at most "
+                f"{LARGEST_DEGREE + 1}, of theta^0 to theta^{LARGEST_DEGREE}"
+            )
+        object.__setattr__(self, "polynomial", coefficients)
+
+    def elastic(self, angle: ArrayLike) -> Array:
+        """Returns the torque [N·m] of the polynomial at angles [rad]."""
+        angles = np.asarray(angle, dtype=np.float64)
+        return np.asarray(poly.polyval(angles, np.array(self.polynomial)), dtype=np.float64)
+
+    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
+        """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
+        angle = finite_series("angle", angle, "rad")
+        number("initial torque", initial_torque, "N·m")
+        elastic = self.elastic(angle)
+        torque = self.model.response(angle, initial_torque - elastic[0]) + elastic
+        torque[0] = initial_torque
+        return torque
+
+    def start(self, angle: float, torque: float = 0.0) -> State:
+        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
+        number("angle", angle, "rad")
+        number("initial torque", torque, "N·m")
+        inner = self.model.start(angle, torque - float(self.elastic(angle)))
+        return replace(inner, torque=float(torque))
+
+    def step(self, state: State, angle: float) -> tuple[State, float]:
+        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
+        inner, torque = self.model.step(state, angle)
+        torque += float(self.elastic(angle))
+        if angle == state.angle:
+            torque = state.torque
+        return replace(inner, torque=torque), torque
+
+    def tangent(self, state: State, direction: float) -> float:
+        """Returns the stiffness [N·m/rad] of a motion that goes on with sign `direction`."""
+        slope = poly.polyval(state.angle, poly.polyder(np.array(self.polynomial)))
+        return self.model.tangent(state, direction) + float(slope)
+
+    def energy(self, state: State) -> Energy:
+        """Returns stored and dissipated energy [J]; the polynomial stores, from angle 0."""
+        stored, dissipated = self.model.energy(state)
+        bend = poly.polyval(state.angle, poly.polyint(np.array(self.polynomial)))
+        return Energy(stored + float(bend), dissipated)
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Returns the hysteretic part's certificate; only the torque bound grows.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
+        """
+        low, high = checked_range(angle_range)
+        inner = self.model.certificate((low, high))
+        return replace(inner, torque_bound=inner.torque_bound + self._largest(low, high))
+
+    def _largest(self, low: float, high: float) -> float:
+        """Returns the largest |polynomial| in a range of angles."""
+        if not any(self.polynomial[1:]):
+            return abs(self.polynomial[0])
+        if not np.isfinite(high - low):
+            return float("inf")
+        turns = poly.polyroots(poly.polyder(np.trim_zeros(self.polynomial, "b")))
+        inside = [x.real for x in turns if abs(x.imag) < 1e-9 and low < x.real < high]
+        return float(np.abs(self.elastic([low, high, *inside])).max())
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Asymmetric":
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
+
+        Raises:
+            InputError: a scale is not finite or not above 0.
+        """
+        scales(torque=torque, angle=angle)
+        coefficients = [p * torque / angle**i for i, p in enumerate(self.polynomial)]
+        return Asymmetric(
+            model=self.model.scaled(torque=torque, angle=angle), polynomial=coefficients
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+        return {**super().to_dict(), "polynomial": list(self.polynomial)}

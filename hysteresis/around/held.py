@@ -1,0 +1,96 @@
+"""A hysteresis model that holds its torque beyond a range of angles."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from ...checks import number
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..protocol import Energy, HysteresisModel, State, finite_series
+from .wrapper import Wrapper
+
+
+@dataclass(frozen=True, kw_only=True)
+class Held(Wrapper):
+    """A model inside a range of angles; beyond it the torque stays what it was at its end.
+
+    A model identified in a range says nothing beyond it, and many are safe inside only: then its
+    certificate for the range holds for all angles here. What happens outside, a constant torque,
+    is conservative, so it dissipates nothing.
+
+    Attributes:
+        model: the model inside, any but a held or an asymmetric one (make the held one asymmetric).
+        angle_range: lowest and highest angle that it follows [rad].
+
+    Raises:
+        InputError: the range is not two finite ascending angles, or the model is not one of those.
+    """
+
+    name = "held"
+
+    angle_range: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Wrapper):
+            raise InputError(
+                f"model is {self.model!r}: give one hysteresis model, not held or asymmetric itself"
+            )
+        low, high = checked_range(self.angle_range)
+        if not math.isfinite(high - low):
+            raise InputError(f"angle_range is {self.angle_range}: give two finite angles (rad)")
+        object.__setattr__(self, "angle_range", (low, high))
+
+    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
+        """Computes the resistance along a sequence of angles; see `HysteresisModel.response`."""
+        angle = finite_series("angle", angle, "rad")
+        return self.model.response(np.clip(angle, *self.angle_range), initial_torque)
+
+    def start(self, angle: float, torque: float = 0.0) -> State:
+        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
+        number("angle", angle, "rad")
+        return replace(self.model.start(self._inside(angle), torque), angle=float(angle))
+
+    def step(self, state: State, angle: float) -> tuple[State, float]:
+        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
+        number("angle", angle, "rad")
+        inner, torque = self.model.step(state, self._inside(angle))
+        return replace(inner, angle=float(angle)), torque
+
+    def tangent(self, state: State, direction: float) -> float:
+        """Returns the stiffness [N·m/rad] of a motion that goes on; 0 outside the range."""
+        low, high = self.angle_range
+        outside = state.angle >= high if direction > 0 else state.angle <= low
+        beyond = not low <= state.angle <= high
+        return 0.0 if outside or beyond else self.model.tangent(state, direction)
+
+    def energy(self, state: State) -> Energy:
+        """Returns stored and dissipated energy [J]; outside, the constant torque stores."""
+        stored, dissipated = self.model.energy(state)
+        return Energy(stored + state.memory[1] * (state.angle - state.memory[0]), dissipated)
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Returns the inner model's certificate for the range, valid for all angles.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
+        """
+        asked = checked_range(angle_range)
+        return replace(self.model.certificate(self.angle_range), angle_range=asked)
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Held":
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
+        low, high = self.angle_range
+        inner = self.model.scaled(torque=torque, angle=angle)
+        return Held(model=inner, angle_range=(low * angle, high * angle))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+        return {**super().to_dict(), "angle_range": list(self.angle_range)}
+
+    def _inside(self, angle: float) -> float:
+        return min(max(float(angle), self.angle_range[0]), self.angle_range[1])

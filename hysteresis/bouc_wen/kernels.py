@@ -1,0 +1,149 @@
+"""Kernels of the Bouc-Wen model: plain functions over scalars and arrays, compiled by numba.
+
+With d = sign(dtheta), y = d z and tau = |dtheta| the model reads dy/dtau = A - Q |y|^n, where Q is
+beta + gamma while y > 0 (loading) and gamma - beta while y < 0 (unloading). In units of
+Y = (A / |Q|)^(1/n), with w = |y| / Y, x = A tau / Y and sigma = sign(Q), that is
+
+    dw/dx = 1 - sigma w^n  (loading)      dw/dx = -(1 - sigma w^n)  (unloading, until w = 0)
+
+and what a motion dissipates is +sigma (loading) or -sigma (unloading) times hysteretic Y^2 / A
+times the integral of w^(n+1) |dx|.
+"""
+
+import math
+
+from numba import njit
+
+from ._flow import flow
+
+ELASTIC, HYSTERETIC, REST, SLOPE, POWER = range(5)
+LOADING_SCALE, LOADING_SIGN, UNLOADING_SCALE, UNLOADING_SIGN = range(5, 9)
+PARAMETER_SIZE = 9
+ANGLE, TORQUE, LOSS, Z = range(4)
+MEMORY_SIZE = 4
+ROUNDING = 1e-9  # of z, forgiven to a start at saturation
+
+
+@njit(cache=True, error_model="numpy")
+def set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle):
+    """Fills p: the parameters, and scale and sign of both branches."""
+    p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
+    for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):
+        ratio = A / abs(curvature) if curvature != 0 else math.inf
+        # A curvature too small to matter counts as 0.
+        p[at] = ratio ** (1 / n) if ratio < math.inf else 1.0
+        p[at + 1] = math.copysign(1.0, curvature) if ratio < math.inf else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def is_certified(p):
+    """Returns whether z stays finite and the joint only takes energy, in every motion.
+
+    hysteretic beta >= |hysteretic gamma| says: neither branch gains energy, by their signs.
+    """
+    if p[HYSTERETIC] > 0:
+        return p[LOADING_SIGN] >= 0 and p[UNLOADING_SIGN] <= 0
+    return p[POWER] == 1 and p[LOADING_SIGN] <= 0 and p[UNLOADING_SIGN] >= 0
+
+
+@njit(cache=True, error_model="numpy")
+def travel(p, s, angle):
+    """Returns torque, loss and z after a monotone motion to another angle; NaN past a pole."""
+    tau = abs(angle - s[ANGLE])
+    if not tau < math.inf:
+        return math.nan, 0.0, math.nan
+    delta = 1.0 if angle > s[ANGLE] else -1.0
+    n, A = p[POWER], p[SLOPE]
+    y = delta * s[Z]
+    loss = 0.0
+    if y < 0:
+        Y, sigma = p[UNLOADING_SCALE], p[UNLOADING_SIGN]
+        w, rest, area = flow(-y / Y, tau * A / Y, sigma, -1.0, n)
+        y, tau = -w * Y, rest * Y / A
+        loss -= sigma * Y * Y * area
+    if tau > 0:
+        Y, sigma = p[LOADING_SCALE], p[LOADING_SIGN]
+        w, _, area = flow(y / Y, tau * A / Y, sigma, 1.0, n)
+        y = w * Y
+        loss += sigma * Y * Y * area
+    z = delta * y
+    torque = p[ELASTIC] * (angle - p[REST]) + p[HYSTERETIC] * z
+    return torque if abs(torque) < math.inf else math.nan, p[HYSTERETIC] / A * loss, z
+
+
+@njit(inline="always", error_model="numpy")
+def memory_variable(p, s, angle, torque):
+    """Returns z [rad] at the end of a trial motion."""
+    if angle == s[ANGLE]:
+        return s[Z]
+    return (torque - p[ELASTIC] * (angle - p[REST])) / p[HYSTERETIC]
+
+
+@njit(cache=True, error_model="numpy")
+def bound(p):
+    """Returns the |z| [rad] that no motion from below exceeds (`BoucWen.certificate`)."""
+    if p[LOADING_SIGN] <= 0:
+        return math.inf
+    if p[UNLOADING_SIGN] > 0 and p[UNLOADING_SCALE] < p[LOADING_SCALE]:
+        return math.inf
+    return p[LOADING_SCALE]
+
+
+@njit(cache=True, error_model="numpy")
+def begin(p, s, angle, torque):
+    """Starts a motion; returns how far |z| [rad] is below its bound, minus if above it."""
+    z = (torque - p[ELASTIC] * (angle - p[REST])) / p[HYSTERETIC]
+    s[ANGLE], s[TORQUE], s[LOSS], s[Z] = angle, torque, 0.0, z
+    if not abs(z) < math.inf:
+        return math.nan
+    return bound(p) - abs(z) + ROUNDING * abs(z)
+
+
+@njit(cache=True, error_model="numpy")
+def move(p, s, angle):
+    """Returns torque and dissipated energy after a monotone motion to `angle`."""
+    if angle == s[ANGLE]:
+        return s[TORQUE], 0.0
+    torque, loss, _ = travel(p, s, angle)
+    return torque, loss
+
+
+@njit(cache=True, error_model="numpy")
+def commit(p, s, angle):
+    """Makes a motion to `angle` the memory and returns its torque; NaN leaves s as it is."""
+    if angle == s[ANGLE]:
+        return s[TORQUE]
+    torque, loss, z = travel(p, s, angle)
+    if not math.isnan(torque):
+        s[ANGLE], s[TORQUE], s[Z] = angle, torque, z
+        s[LOSS] += loss
+    return torque
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(p, s, angle, torque, delta):
+    """Returns dT/dtheta [N·m/rad] for a motion that goes on with sign `delta`."""
+    y = delta * memory_variable(p, s, angle, torque)
+    scale, sign = (LOADING_SCALE, LOADING_SIGN) if y >= 0 else (UNLOADING_SCALE, UNLOADING_SIGN)
+    bend = p[sign] * (abs(y) / p[scale]) ** p[POWER]
+    return p[ELASTIC] + p[HYSTERETIC] * p[SLOPE] * (1 - bend)
+
+
+@njit(cache=True, error_model="numpy")
+def energy(p, s, angle, torque, loss):
+    """Returns the energy stored at the end of a trial motion and dissipated since the start [J]."""
+    z = memory_variable(p, s, angle, torque)
+    strain = angle - p[REST]
+    stored = 0.5 * p[ELASTIC] * strain * strain + 0.5 * p[HYSTERETIC] / p[SLOPE] * z * z
+    return stored, s[LOSS] + loss
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def response(p, s, H, M):
+    """Fills M with the torque along the angles H, from s; NaN from a pole onwards."""
+    M[0] = s[TORQUE]
+    for i in range(1, H.size):
+        M[i] = commit(p, s, H[i])
+        if math.isnan(M[i]):
+            M[i:] = math.nan
+            return

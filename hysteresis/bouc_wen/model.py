@@ -1,0 +1,266 @@
+"""The Bouc-Wen model of a joint's resistant torque."""
+
+import math
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...arrays import Array
+from ...checks import number, scales
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..protocol import HysteresisModel, read_only
+from . import kernels
+
+SHARPEST = 1e6  # w^n has lost 10 of its 16 digits
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoucWen(HysteresisModel):
+    """A spring beside a spring that yields smoothly (Bouc 1967, Wen 1976).
+
+        T  = elastic (theta - rest_angle) + hysteretic z
+        dz = A dtheta - beta |dtheta| |z|^(n-1) z - gamma dtheta |z|^n,    z in radians
+
+    beta opens the loop, gamma bends it (softening above -beta, hardening below), n sharpens the
+    yield. The scale of z is redundant: `normalized` removes it.
+
+    What the joint stores is elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A); the rest
+    of the work is dissipated, at the rate
+
+        hysteretic / A (beta + gamma sign(z dtheta)) |z|^(n+1) |dtheta|.
+
+    Attributes:
+        elastic: stiffness after yield [N·m/rad].
+        hysteretic: torque per z [N·m/rad], not 0.
+        A: slope dz/dtheta at z = 0, > 0.
+        beta: loss [1/rad^n].
+        gamma: shape [1/rad^n].
+        n: sharpness, 1 to 1e6.
+        rest_angle: where the elastic part is zero [rad].
+
+    Raises:
+        InputError: a parameter is not finite or out of its range.
+    """
+
+    name: ClassVar[str] = "bouc-wen"
+    kernels: ClassVar[ModuleType] = kernels
+
+    elastic: float
+    hysteretic: float
+    beta: float
+    gamma: float
+    n: float
+    A: float = 1.0
+    rest_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            object.__setattr__(self, field.name, number(field.name, getattr(self, field.name)))
+        if self.hysteretic == 0:
+            raise InputError(
+                "hysteretic is 0: the torque would have no memory; give another number"
+            )
+        if self.A <= 0:
+            raise InputError(
+                f"A is {self.A}: it must be above 0; for a negative A, change the signs "
+                "of A, gamma and hysteretic, which is the same model"
+            )
+        if not 1 <= self.n <= SHARPEST:
+            raise InputError(
+                f"n is {self.n}: use 1 (smooth) to {SHARPEST:g} (a corner); below 1 the "
+                "slope of z is not even continuous"
+            )
+
+    @classmethod
+    def from_kao_fung(
+        cls,
+        *,
+        k: float,
+        d_e: float,
+        alpha: float,
+        beta: float,
+        gamma: float,
+        n: float = 1.0,
+        rest_angle: float = 0.0,
+        literal: bool = False,
+    ) -> "BoucWen":
+        """Returns the model of Kao and Fung (2009), eq. (1) and the right side of eq. (2).
+
+            T = k (d_e V - h),    h' = alpha d_e V' - beta |V'| |h|^(n-1) h - gamma V' |h|^n
+
+        with V = theta - rest_angle in radians: k is in N·m/rad, h in radians, d_e and alpha are
+        numbers, beta and gamma in 1/rad^n. The factor d_e of alpha is missing in print, where it
+        leaves h some 1e6 times too large beside d_e V; `literal` reads eq. (1) without it.
+
+        Raises:
+            InputError: a parameter is not finite or out of its range, or the slope of h is 0.
+        """
+        k, d_e, alpha = number("k", k), number("d_e", d_e), number("alpha", alpha)
+        slope = alpha if literal else alpha * d_e
+        sign = math.copysign(1.0, slope)  # z = sign h has the positive slope
+        if slope == 0:
+            raise InputError(
+                f"alpha is {alpha} and d_e is {d_e}: h would never move; give numbers other than 0"
+            )
+        return cls(
+            elastic=k * d_e,
+            hysteretic=-sign * k,
+            A=abs(slope),
+            beta=beta,
+            gamma=sign * number("gamma", gamma),
+            n=n,
+            rest_angle=rest_angle,
+        )
+
+    @classmethod
+    def from_stiffness_ratio(
+        cls,
+        *,
+        k: float,
+        alpha: float,
+        beta: float,
+        gamma: float,
+        n: float,
+        A: float = 1.0,
+        rest_angle: float = 0.0,
+    ) -> "BoucWen":
+        """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
+
+        Args:
+            k: stiffness before yield, for A = 1 [N·m/rad].
+            alpha: stiffness after yield over k, not 1.
+            beta: as in the class.
+            gamma: as in the class.
+            n: as in the class.
+            A: as in the class.
+            rest_angle: as in the class [rad].
+
+        Raises:
+            InputError: a parameter is not finite or out of its range.
+        """
+        k, alpha = number("k", k), number("alpha", alpha)
+        return cls(
+            elastic=alpha * k,
+            hysteretic=(1 - alpha) * k,
+            A=A,
+            beta=beta,
+            gamma=gamma,
+            n=n,
+            rest_angle=rest_angle,
+        )
+
+    def to_kao_fung(self) -> dict[str, float]:
+        """Returns the arguments of `from_kao_fung` that give this model.
+
+        Raises:
+            InputError: `elastic` is 0, a model they cannot describe.
+        """
+        if self.elastic == 0:
+            raise InputError(
+                "elastic is 0.0: the Kao-Fung form has d_e = 0 then and its h never "
+                "moves; give another number"
+            )
+        d_e = -self.elastic / self.hysteretic
+        return {
+            "k": -self.hysteretic,
+            "d_e": d_e,
+            "alpha": self.A / d_e,
+            "beta": self.beta,
+            "gamma": self.gamma,
+            "n": self.n,
+            "rest_angle": self.rest_angle,
+        }
+
+    def normalized(self) -> "BoucWen":
+        """Returns the same model with A = 1, where z is an angle of the hysteretic spring."""
+        shape = self.A ** (self.n - 1)
+        return replace(
+            self,
+            hysteretic=self.hysteretic * self.A,
+            A=1.0,
+            beta=self.beta * shape,
+            gamma=self.gamma * shape,
+        )
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "BoucWen":
+        """Returns the model whose torque at `angle` theta is `torque` times this one's at theta.
+
+        Raises:
+            InputError: a scale is not finite and above 0.
+        """
+        scales(torque=torque, angle=angle)
+        shape = angle**-self.n
+        return replace(
+            self,
+            elastic=self.elastic * torque / angle,
+            hysteretic=self.hysteretic * torque / angle,
+            beta=self.beta * shape,
+            gamma=self.gamma * shape,
+            rest_angle=self.rest_angle * angle,
+        )
+
+    @property
+    def z_bound(self) -> float:
+        """The |z| [rad] that no motion from below exceeds; infinite if there is none."""
+        return float(kernels.bound(self.parameter_vector))
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Proves that z has no pole, and that the joint only takes energy.
+
+        With y = z sign(dtheta) and per angle moved, y' = A - (beta + gamma) y^n while y > 0 and
+        m' = -(A + (beta - gamma) m^n) while m = -y > 0. For n = 1 both are linear: z is finite at
+        any angle. For n > 1 it is too if beta >= 0 and beta + gamma >= 0:
+
+        - beta + gamma > 0: loading stops short of y_s = (A / (beta + gamma))^(1/n), and unloading
+          from m <= y_s never raises m, since there A + (beta - gamma) m^n is at least the smaller
+          of A and A + (beta - gamma) y_s^n = 2 beta y_s^n. So |z| <= y_s for ever.
+        - beta + gamma = 0: y' = A and m' = -(A + 2 beta m^n) <= -A.
+
+        With beta + gamma < 0 loading has a pole, and with beta < 0 the unloading from near y_s has.
+        The margin is then beta or beta + gamma, whichever is less, over |beta| + |gamma|.
+
+        The rate of dissipation (see the class) is never negative exactly if hysteretic beta >=
+        |hysteretic gamma|, the thermodynamic condition of Erlicher and Point (2004).
+        """
+        low, high = angle_range = checked_range(angle_range)
+        size = abs(self.beta) + abs(self.gamma)
+        weakest = min(self.beta, self.beta + self.gamma)
+        memory_bound = abs(self.hysteretic) * self.z_bound
+        reach = max(abs(low - self.rest_angle), abs(high - self.rest_angle))
+        elastic_bound = abs(self.elastic) * reach if self.elastic else 0.0
+        return Certificate(
+            margin=1.0 if self.n == 1 or weakest >= 0 else weakest / size,
+            dissipative=self.hysteretic * self.beta >= abs(self.hysteretic * self.gamma),
+            torque_bound=elastic_bound + memory_bound,
+            memory_bound=memory_bound,
+            angle_range=angle_range,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the model's name and the constructor's arguments, ready for JSON."""
+        return {"model": self.name, **asdict(self)}
+
+    @property
+    def memory_size(self) -> int:
+        """How many numbers the memory holds: angle, torque, loss and z."""
+        return kernels.MEMORY_SIZE
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The parameters, and scale and sign of both branches, as the kernels read them."""
+        p = np.empty(kernels.PARAMETER_SIZE)
+        kernels.set_parameters(
+            p,
+            self.elastic,
+            self.hysteretic,
+            self.A,
+            self.beta,
+            self.gamma,
+            self.n,
+            self.rest_angle,
+        )
+        return read_only(p)

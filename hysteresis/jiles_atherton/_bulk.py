@@ -1,0 +1,285 @@
+"""The exact step of the Jiles-Atherton model, form "bulk" without clamp.
+
+Symbols as in the paper (Li et al. 2022, eq. 1-4); all angles and a, k, alpha here are in one unit.
+
+    He = H + alpha M      effective field          Man(He) = Ms L(He / a)      anhysteretic torque
+    M  = Man + u          u obeys  du/dHe = -u / (delta k) + (c - 1) dMan/dHe
+
+which is eq. (4) written for u: linear in He, whatever c is. One step integrates it exactly but for
+Man, replaced by its cubic Hermite interpolant, and solves He - alpha M = H by Newton. The local
+error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
+"""
+
+import math
+
+from numba import njit
+
+from .langevin import SERIES_BELOW, fma, langevin, langevin_series
+
+MAX_LANGEVIN_4TH_DERIVATIVE = 0.1307  # max |L''''|, near |x| = 1.0
+LOCAL_TOLERANCE = 1e-9  # of Ms, per step in He
+NEWTON_TOLERANCE = 1e-6  # of min(a, k); the remainder enters to second order, about 1e-12 c Ms
+RESOLUTION = 1e-14  # of the angle: no Newton step can be told from rounding below that
+NEWTON_LIMIT = 60
+SHORT = 0.25  # |dx / k| below which the decay weights come from their series
+MARCH_LIMIT = 1_000_000
+RECOVERY_TOLERANCE = 1e-6  # of min(a, k); the energy is stationary there, so this is plenty
+P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
+
+
+@njit(cache=True, error_model="numpy")
+def field_step_limit(Ms: float, a: float, alpha: float, c: float, k: float) -> float:
+    """Returns the longest step in He whose error in M stays below LOCAL_TOLERANCE * Ms.
+
+    The cubic Hermite interpolant of Man is off by at most dx^4/384 max|Man''''|; weighted by the
+    exponential kernel that changes u by at most |c-1| dx/k times as much.
+    """
+    gain = abs(c - 1) * MAX_LANGEVIN_4TH_DERIVATIVE
+    if gain == 0:
+        return a
+    return min(a, (384 * LOCAL_TOLERANCE * k / gain) ** 0.2 * a**0.8)
+
+
+@njit(inline="always", error_model="numpy")
+def stretched(dx_max, x, per_a):
+    """Returns the step limit at the effective field x: it grows in saturation.
+
+    There |L''''| is about 24 / |x/a|^5, so that steps up to a quarter of |x| keep the error bound,
+    and a march takes logarithmically many steps.
+    """
+    return dx_max * max(1.0, 0.25 * abs(x) * per_a)
+
+
+@njit(inline="always", error_model="numpy")
+def short_decay_weights(z: float) -> tuple[float, float, float, float]:
+    """Returns what `decay_weights` does, for z < SHORT and without a branch."""
+    # sum over j of (-z)^j / (j + 3)!, grouped in pairs; the rest is below 1e-12.
+    z2 = z * z
+    phi3 = fma(
+        z2 * z2,
+        fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
+        fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
+    )
+    phi2 = fma(-z, phi3, 0.5)
+    phi1 = fma(-z, phi2, 1.0)
+    return fma(-z, phi1, 1.0), phi1, phi2, phi3
+
+
+@njit(inline="always", error_model="numpy")
+def decay_weights(z: float) -> tuple[float, float, float, float]:
+    """Returns exp(-z) and phi_1, phi_2, phi_3 at -z, for z >= 0."""
+    if z < SHORT:
+        return short_decay_weights(z)
+    decay = math.exp(-z)
+    phi1 = (1 - decay) / z
+    phi2 = (1 - phi1) / z
+    return decay, phi1, phi2, (0.5 - phi2) / z
+
+
+@njit(inline="always", error_model="numpy")
+def step_field(dx, u0, man0, slope0, man1, slope1, c, per_k):
+    """Returns u after He moved by `dx`, from (u0, man0, slope0) to (man1, slope1)."""
+    return weigh(dx, u0, man0, slope0, man1, slope1, c, decay_weights(abs(dx * per_k)))
+
+
+@njit(inline="always", error_model="numpy")
+def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
+    """Returns what `step_field` does, from the `decay_weights` of the step."""
+    decay, phi1, phi2, phi3 = weights
+    start, end = fma(6.0, phi3, fma(-4.0, phi2, phi1)), fma(6.0, phi3, -2 * phi2)
+    rise = fma(6.0, phi2, -12 * phi3)
+    integral = fma(dx, fma(slope0, start, slope1 * end), (man1 - man0) * rise)
+    return fma(c - 1, integral, u0 * decay)
+
+
+@njit(inline="always", error_model="numpy")
+def predict(left, u, slope, curvature, alpha, c, per_k):
+    """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order."""
+    tangent = fma(c, slope, -u * per_k)
+    per_g = 1 / fma(-alpha, tangent, 1.0)
+    dx = left * per_g
+    bend = alpha * fma(tangent - slope, per_k, -c * curvature)
+    return per_g, dx, fma(-0.5 * bend * per_g * dx, dx, dx)
+
+
+@njit(inline="always", error_model="numpy")
+def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights):
+    """Returns the residual of a step dx in He, its Newton correction and where both together end.
+
+    `at_end` is the Langevin function at x + dx, `weights` the step's `decay_weights`. The
+    correction is NaN past the pole.
+    """
+    L, dL, ddL = at_end
+    chi = Ms * per_a
+    man1, slope1, curvature1 = Ms * L, chi * dL, chi * per_a * ddL
+    u1 = weigh(dx, u, man, slope, man1, slope1, c, weights)
+    tangent = fma(c, slope1, -u1 * per_k)
+    g = fma(-alpha, tangent, 1.0)
+    residual = fma(-alpha, man1 + u1, x + dx - H1)
+    newton = -residual / g if g > 0 else math.nan
+    return (
+        residual,
+        newton,
+        (
+            x + dx + newton,
+            fma(tangent - slope1, newton, u1),
+            fma(slope1, newton, man1),
+            fma(curvature1, newton, slope1),
+            curvature1,
+        ),
+    )
+
+
+@njit(inline="always", error_model="numpy")
+def advance_short(
+    H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance
+):
+    """Does what `advance` does, without a branch, where one step inside both series is enough.
+
+    Returns whether it is, and only then what `advance` returns, to the last bit.
+    """
+    delta = 1.0 if H1 > H0 else -1.0
+    per_k *= delta
+    limit = stretched(dx_max, x, per_a)
+    per_g, first, dx = predict(H1 - H0, u, slope, curvature, alpha, c, per_k)
+    end, z = (x + dx) * per_a, abs(dx * per_k)
+    at_end, weights = langevin_series(end), short_decay_weights(z)
+    _, newton, moved = correct(
+        dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
+    )
+    in_series = (abs(end) < SERIES_BELOW) & (z < SHORT)
+    in_limit = (per_g > 0) & (abs(first) <= limit) & (0 < delta * dx) & (delta * dx <= 2 * limit)
+    landed = abs(newton) <= fma(RESOLUTION, abs(H1), tolerance)
+    return in_series & in_limit & landed, moved
+
+
+@njit(inline="always", error_model="numpy")
+def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance):
+    """Moves the model monotonically from the angle H0 to H1.
+
+    Args:
+        H0: the angle at which the memory stands.
+        H1: the angle to reach.
+        x: effective field at H0.
+        u: M - Man there.
+        man: Man there.
+        slope: its derivative by x.
+        curvature: its second derivative.
+        Ms: as in the class; so are alpha and c.
+        alpha: see Ms.
+        c: see Ms.
+        per_a: 1 / a.
+        per_k: 1 / k.
+        dx_max: `field_step_limit`.
+        tolerance: of the effective field at the end.
+
+    Returns:
+        The same five numbers at H1: x, u, man, slope, curvature. u is NaN when H1 is not finite, or
+        when the motion meets the pole 1 - alpha f = 0, where dM/dH is infinite and the model has no
+        continuation.
+    """
+    if not math.isfinite(H1):
+        return x, math.nan, man, slope, curvature
+    delta = 1.0 if H1 > H0 else -1.0
+    per_k *= delta
+    chi = Ms * per_a
+    left = H1 - H0
+    for _ in range(MARCH_LIMIT):
+        per_g, first, dx = predict(left, u, slope, curvature, alpha, c, per_k)
+        if not per_g > 0:
+            return x, math.nan, man, slope, curvature
+        limit = stretched(dx_max, x, per_a)
+        if abs(first) <= limit:
+            if not 0 < delta * dx <= 2 * limit:
+                dx = delta * limit
+            break
+        dx = delta * limit
+        L, dL, ddL = langevin((x + dx) * per_a)
+        man1, slope1 = Ms * L, chi * dL
+        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
+        left1 = H1 - (x + dx - alpha * (man1 + u1))
+        if delta * left1 <= 0:
+            break
+        x, u, man, slope, curvature, left = x + dx, u1, man1, slope1, chi * per_a * ddL, left1
+    else:
+        return x, math.nan, man, slope, curvature
+    return land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
+
+
+@njit(inline="always", error_model="numpy")
+def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
+    """Ends a motion at H1: Newton, kept inside a bracket, on the last step's dx; see `advance`."""
+    tolerance = fma(RESOLUTION, abs(H1), tolerance)
+    low, high = 0.0, math.inf
+    for _ in range(NEWTON_LIMIT):
+        at_end, weights = langevin((x + dx) * per_a), decay_weights(abs(dx * per_k))
+        residual, newton, moved = correct(
+            dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
+        )
+        if abs(newton) <= tolerance:
+            return moved
+        if delta * residual > 0:
+            high = abs(dx)
+        elif not math.isnan(newton):
+            low = abs(dx)
+        else:
+            break
+        reach = abs(dx) + delta * newton
+        if not low < reach < high:
+            reach = 0.5 * (low + high) if high < math.inf else 2 * abs(dx)
+        dx = delta * reach
+    return x, math.nan, man, slope, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def certificate(Ms, a, alpha, c, k):
+    """Returns the certificate's margin and its bound on |M - Man| (`JilesAtherton.certificate`)."""
+    chi = Ms / (3 * a)
+    spread = abs(c - 1)
+    steepest = (spread + max(c, 0.0)) * chi
+    most_negative = -(spread + max(-c, 0.0)) * chi
+    return 1 - max(alpha * steepest, alpha * most_negative), k * spread * chi
+
+
+@njit(cache=True, error_model="numpy")
+def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
+    """Returns the part of the past `loss` that a motion from (H, M) could still get back.
+
+    It is Willems' available storage of the irreversible part: while u opposes a return, turning
+    back gives work until u = 0, which is the best that any motion can do (docs/theory.md,
+    "Energy").
+    """
+    if c <= 1:
+        return 0.0
+    per_a, chi = 1 / a, Ms / a
+    x = H + alpha * M
+    L, dL, _ = langevin(x * per_a)
+    man, slope = Ms * L, chi * dL
+    u = M - man
+    delta = -1.0 if u > 0 else 1.0
+    per_k = delta / k
+    gained = 0.0
+    dx = 0.0
+    for _ in range(MARCH_LIMIT):
+        dx = -u / ((c - 1) * slope - u * per_k)
+        limit = stretched(dx_max, x, per_a)
+        if abs(dx) <= limit:
+            break
+        dx = delta * limit
+        L, dL, _ = langevin((x + dx) * per_a)
+        man1, slope1 = Ms * L, chi * dL
+        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
+        if u1 * u <= 0:
+            break
+        gained += delta * k * ((u1 - u) - (c - 1) * (man1 - man))
+        x, u, man, slope = x + dx, u1, man1, slope1
+    for _ in range(NEWTON_LIMIT):
+        L, dL, _ = langevin((x + dx) * per_a)
+        man1, slope1 = Ms * L, chi * dL
+        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
+        newton = -u1 / ((c - 1) * slope1 - u1 * per_k)
+        dx += newton
+        if abs(newton) <= RECOVERY_TOLERANCE * min(a, k):
+            man = man1 - man + slope1 * newton
+            return max(gained - delta * k * (u + (c - 1) * man), 0.0)
+    return gained

@@ -1,0 +1,225 @@
+"""Kernels of the Jiles-Atherton model (`HysteresisModel` says what each does).
+
+All angles are radians here. The memory holds, beyond angle, torque and loss, what the next step
+starts from: the effective field, u = M - Man, Man and its first two derivatives there.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numba import njit
+
+from ..certificate import ROUNDING
+from . import _bulk as bulk
+from . import _forms as forms
+from .langevin import langevin, log_sinhc
+
+MS, A, ALPHA, C, K, STEP_LIMIT, FORM, CLAMP, PER_A, PER_K, TOLERANCE = range(11)
+PARAMETER_SIZE = 11
+ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
+MEMORY_SIZE = 8
+BLOCK = 32  # models of a population that take their steps together
+
+
+@njit(cache=True, error_model="numpy")
+def begin(p, s, angle, torque):
+    """Starts anywhere; inside is how much nearer to Man than the certificate's bound."""
+    remember(p, s, angle, torque)
+    s[LOSS] = recoverable(p, angle, torque)
+    _, bound = bulk.certificate(p[MS], p[A], p[ALPHA], p[C], p[K])
+    return bound - abs(s[LAG])
+
+
+@njit(cache=True, error_model="numpy")
+def is_certified(p):
+    """Returns whether no motion whatever meets the pole or gains energy."""
+    margin, _ = bulk.certificate(p[MS], p[A], p[ALPHA], p[C], p[K])
+    return is_exact(p) and p[C] >= 1 and margin > ROUNDING
+
+
+@njit(cache=True, error_model="numpy")
+def remember(p, s, angle, torque):
+    """Makes (angle, torque) the memory and derives the rest of it."""
+    Ms, a = p[MS], p[A]
+    x = angle + p[ALPHA] * torque
+    L, dL, ddL = langevin(x / a)
+    s[ANGLE], s[TORQUE], s[FIELD] = angle, torque, x
+    s[LAG], s[MAN], s[SLOPE], s[CURVATURE] = torque - Ms * L, Ms * L, Ms / a * dL, Ms / a / a * ddL
+
+
+@njit(inline="always", error_model="numpy")
+def travel(p, s, angle, step: Callable = bulk.advance):
+    """Returns the end of a motion to `angle` by the exact step; see `bulk.advance`."""
+    return step(
+        s[ANGLE],
+        angle,
+        s[FIELD],
+        s[LAG],
+        s[MAN],
+        s[SLOPE],
+        s[CURVATURE],
+        p[MS],
+        p[ALPHA],
+        p[C],
+        p[PER_A],
+        p[PER_K],
+        p[STEP_LIMIT],
+        p[TOLERANCE],
+    )
+
+
+@njit(inline="always", error_model="numpy")
+def store(s, angle, moved):
+    """Makes the end of `travel` the memory, but for the loss."""
+    s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE] = moved
+    s[ANGLE], s[TORQUE] = angle, s[MAN] + s[LAG]
+
+
+@njit(inline="always", error_model="numpy")
+def is_exact(p):
+    """Returns whether the exact step applies: form bulk, no clamp."""
+    return p[FORM] == forms.BULK and p[CLAMP] == forms.NO_CLAMP
+
+
+@njit(inline="always", error_model="numpy")
+def loss_between(p, s, angle, lag, man):
+    """Returns the integral of u dHe of the exact step, from its differential equation."""
+    delta = 1.0 if angle > s[ANGLE] else -1.0
+    return delta * p[K] * ((p[C] - 1) * (man - s[MAN]) - (lag - s[LAG]))
+
+
+@njit(cache=True, error_model="numpy")
+def other_form(p, s, angle):
+    """Returns torque and loss by the adaptive step of the other forms and clamps."""
+    return forms.advance(
+        s[ANGLE],
+        s[TORQUE],
+        angle,
+        p[MS],
+        p[A],
+        p[ALPHA],
+        p[C],
+        p[K],
+        int(p[FORM]),
+        int(p[CLAMP]),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def move(p, s, angle):
+    """Returns torque and loss after a monotone motion to `angle`."""
+    if angle == s[ANGLE]:
+        return s[TORQUE], 0.0
+    if not is_exact(p):
+        return other_form(p, s, angle)
+    _, lag, man, _, _ = travel(p, s, angle)
+    return man + lag, loss_between(p, s, angle, lag, man)
+
+
+@njit(cache=True, error_model="numpy")
+def commit(p, s, angle):
+    """Moves the memory on to `angle`; returns the torque."""
+    if angle == s[ANGLE]:
+        return s[TORQUE]
+    if not is_exact(p):
+        torque, loss = other_form(p, s, angle)
+        if not math.isnan(torque):
+            remember(p, s, angle, torque)
+            s[LOSS] += loss
+        return torque
+    moved = travel(p, s, angle)
+    _, lag, man, _, _ = moved
+    if not math.isnan(lag):
+        s[LOSS] += loss_between(p, s, angle, lag, man)
+        store(s, angle, moved)
+    return man + lag
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(p, s, angle, torque, delta):
+    """Returns dM/dH for a motion that goes on in direction `delta`."""
+    x = angle + p[ALPHA] * torque
+    f = forms.rate(x, torque, delta, p[MS], p[A], p[ALPHA], p[C], p[K], int(p[FORM]), int(p[CLAMP]))
+    return f / (1 - p[ALPHA] * f)
+
+
+@njit(cache=True, error_model="numpy")
+def recoverable(p, angle, torque):
+    """Returns what of the past loss a motion from here could still get back."""
+    if not is_exact(p):
+        return 0.0
+    return bulk.recoverable_energy(angle, torque, p[MS], p[A], p[ALPHA], p[C], p[K], p[STEP_LIMIT])
+
+
+@njit(cache=True, error_model="numpy")
+def energy(p, s, angle, torque, loss):
+    """Returns stored and dissipated energy: the integral of Man dHe and what of u is left."""
+    left = recoverable(p, angle, torque)
+    Ms, a, alpha = p[MS], p[A], p[ALPHA]
+    elastic = Ms * a * log_sinhc((angle + alpha * torque) / a) - alpha * torque * torque / 2
+    return elastic + left, s[LOSS] + loss - left
+
+
+@njit(cache=True, error_model="numpy")
+def response(p, s, H, M):
+    """Fills M with the torque along H."""
+    M[0] = s[TORQUE]
+    for i in range(1, H.size):
+        M[i] = commit(p, s, H[i])
+        if math.isnan(M[i]):
+            M[i:] = math.nan
+            return
+
+
+@njit(cache=True, error_model="numpy")
+def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
+    """Fills p."""
+    p[MS], p[A], p[ALPHA], p[C], p[K] = Ms, a, alpha, c, k
+    p[STEP_LIMIT] = bulk.field_step_limit(Ms, a, alpha, c, k)
+    p[FORM], p[CLAMP] = form, clamp
+    p[PER_A], p[PER_K], p[TOLERANCE] = 1 / a, 1 / k, bulk.NEWTON_TOLERANCE * min(a, k)
+
+
+@njit(inline="always", error_model="numpy")
+def advance_together(p, s, done, rows, angle):
+    """Moves the models on to `angle`: those for which a short step is enough, then the others."""
+    for row in rows:
+        done[row], moved = travel(p[:, row], s[:, row], angle, bulk.advance_short)
+        if done[row]:
+            store(s[:, row], angle, moved)
+    for row in rows:
+        if not done[row]:
+            store(s[:, row], angle, travel(p[:, row], s[:, row], angle))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def population_response(H, starts, M0, parameters, M):
+    """Fills M with the torque of n parameter rows along several curves laid end to end.
+
+    The models take each step together. The loop over them has no branch and one array per quantity,
+    and so compiles to vector instructions: about six times as fast as one by one, and the same to
+    the last bit.
+
+    Args:
+        H: angles of all curves (samples,).
+        starts: index of each curve's first sample, then the number of samples (curves + 1,).
+        M0: torque of each row at each curve's first sample (n, curves).
+        parameters: rows of Ms, a, alpha, c, k in the unit of H (n, 5), form bulk without clamp.
+        M: the result (n, samples).
+    """
+    p, s = np.zeros((PARAMETER_SIZE, BLOCK)), np.zeros((MEMORY_SIZE, BLOCK))
+    done = np.empty(BLOCK, np.bool_)
+    for first in range(0, len(parameters), BLOCK):
+        rows = range(min(BLOCK, len(parameters) - first))
+        for row in rows:
+            Ms, a, alpha, c, k = parameters[first + row]
+            set_parameters(p[:, row], Ms, a, alpha, c, k, forms.BULK, forms.NO_CLAMP)
+        for curve in range(starts.size - 1):
+            for row in rows:
+                remember(p[:, row], s[:, row], H[starts[curve]], M0[first + row, curve])
+            for i in range(starts[curve], starts[curve + 1]):
+                if H[i] != s[ANGLE, 0]:
+                    advance_together(p, s, done, rows, H[i])
+                for row in rows:
+                    M[first + row, i] = s[TORQUE, row]

@@ -1,0 +1,191 @@
+"""The Jiles-Atherton model of a joint's resistant torque."""
+
+import math
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cached_property
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+
+from ...arrays import Array
+from ...checks import number, scales
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
+from ..protocol import HysteresisModel, State, read_only
+from . import kernels
+from ._bulk import certificate
+from ._envelope import margin_in_range
+from ._forms import CLAMPS, FORMS
+
+AngleUnit = Literal["rad", "deg"]
+Form = Literal["bulk", "original", "derivative", "jiles-1992"]
+Clamp = Literal["none", "jiles", "irreversible"]
+PARAMETERS = ("Ms", "a", "alpha", "c", "k")
+SMALLEST = 1e-100  # of Ms, a and k; beyond it and its inverse the steps lose all their digits
+UNIT_PER_RADIAN: dict[str, float] = {"rad": 1.0, "deg": 180 / math.pi}
+
+
+@dataclass(frozen=True, kw_only=True)
+class JilesAtherton(HysteresisModel):
+    """Hysteretic resistance M of a joint, driven by its angle H (Li et al. 2022, eq. 1-4).
+
+    With He = H + alpha M, Man = Ms (coth(He/a) - a/He) and delta = sign(dH),
+
+        dM/dH = f / (1 - alpha f),    f = (Man - M) / (delta k) + c dMan/dHe.
+
+    This is eq. (4) of the paper (the "bulk" form, Venkataraman and Krishnaprasad 1998), without
+    the clamp of magnetics: a joint needs c > 1, where that clamp makes the torque run away.
+    In a closed cycle the joint loses (c - 1) times a number that is never negative: c > 1 resists
+    the motion, c = 1 is elastic, c < 1 drives it. The other forms and clamps are those of
+    magnetics; the same five numbers mean different loops in each.
+
+    Attributes:
+        Ms: saturation torque [N·m], > 0.
+        a: shape parameter [angle_unit], > 0.
+        alpha: coupling of torque into the effective angle [angle_unit per N·m].
+        c: reversibility, >= 1 unless `allow_active`.
+        k: loss parameter [angle_unit], > 0.
+        angle_unit: unit of a, k and alpha. The published sets are in degrees; angles that go into
+            the methods are radians whatever it is.
+        form: which equation: `bulk`, `original` (Jiles and Atherton 1986), `derivative` (with
+            dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
+        clamp: whether the irreversible part stops while it points against the motion: `none`,
+            `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
+        allow_active: accept a model that feeds energy into the joint.
+
+    Raises:
+        InputError: a parameter is not finite or out of its range.
+    """
+
+    name: ClassVar[str] = "jiles-atherton"
+    kernels: ClassVar[Any] = kernels
+    memory_size: ClassVar[int] = kernels.MEMORY_SIZE  # type: ignore[override]
+
+    Ms: float
+    a: float
+    alpha: float
+    c: float
+    k: float
+    angle_unit: AngleUnit = "rad"
+    form: Form = "bulk"
+    clamp: Clamp = "none"
+    allow_active: bool = False
+
+    def __post_init__(self) -> None:
+        for field, allowed in (("angle_unit", AngleUnit), ("form", Form), ("clamp", Clamp)):
+            given = getattr(self, field)
+            if not isinstance(given, str) or given not in get_args(allowed):
+                choices = " or ".join(map(repr, get_args(allowed)))
+                raise InputError(f"{field} is {getattr(self, field)!r}: use {choices}")
+        for name in PARAMETERS:
+            object.__setattr__(self, name, number(f"parameter {name}", getattr(self, name)))
+        for name in ("Ms", "a", "k"):
+            value = getattr(self, name)
+            if value <= 0:
+                raise InputError(f"parameter {name} is {value}: it must be above 0")
+            if not SMALLEST <= value <= 1 / SMALLEST:
+                raise InputError(
+                    f"parameter {name} is {value}: use a number from {SMALLEST:g} to "
+                    f"{1 / SMALLEST:g}; choose another unit"
+                )
+        self._check_activity()
+
+    def _check_activity(self) -> None:
+        if self.form != "bulk" and not 0 <= self.c < (1 if self.form == "jiles-1992" else math.inf):
+            limit = "and below 1 " if self.form == "jiles-1992" else ""
+            raise InputError(
+                f"parameter c is {self.c}: form {self.form!r} needs it at least 0 {limit}"
+            )
+        if self.allow_active:
+            return
+        if self.form != "bulk":
+            raise InputError(
+                f"form is {self.form!r}: it feeds energy into the joint whatever its parameters; "
+                "use 'bulk' with c >= 1, or allow_active=True if that is what you want"
+            )
+        if self.c < 1:
+            raise InputError(
+                f"parameter c is {self.c}: below 1 the model feeds energy into the joint; use "
+                "c >= 1, or allow_active=True if that is what you want"
+            )
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """Ms, a, alpha, c, k in radians, the longest internal step, form and clamp."""
+        p = np.empty(kernels.PARAMETER_SIZE)
+        scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
+        form, clamp = FORMS.index(self.form), CLAMPS.index(self.clamp)
+        kernels.set_parameters(
+            p, self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale, form, clamp
+        )
+        return read_only(p)
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").
+
+        With chi = Ms/(3a), the largest slope of Man, u = M - Man obeys |u| <= k |c-1| chi for ever
+        once it does: at that value its decay outweighs its source. Hence f lies between
+        -(|c-1| + max(-c, 0)) chi and (|c-1| + max(c, 0)) chi, and 1 - alpha f stays positive when
+        it does at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
+
+        Args:
+            angle_range: angles [rad] that the joint keeps to. In a finite range u is bounded more
+                tightly, by the longest possible run in either direction, so a model may be safe
+                there that is not for all angles.
+
+        Returns:
+            The certificate. Nothing is proved (margin -inf) for forms other than `bulk` without a
+            clamp.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
+        """
+        low, high = checked_range(angle_range)
+        Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()
+        margin, memory_bound = certificate(Ms, a, alpha, c, k)
+        largest = memory_bound
+        if not kernels.is_exact(self.parameter_vector):
+            margin = -math.inf
+        elif margin <= ROUNDING and math.isfinite(high - low):
+            margin, memory_bound, largest = margin_in_range(low, high, Ms, a, alpha, c, k)
+        return Certificate(
+            margin=margin,
+            dissipative=margin > ROUNDING and c >= 1,
+            torque_bound=Ms + largest,
+            memory_bound=memory_bound,
+            angle_range=(low, high),
+        )
+
+    def anhysteretic(self, state: State) -> float:
+        """Returns Man [N·m], the torque towards which the memory of `state` relaxes."""
+        return float(state.memory[kernels.MAN])
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "JilesAtherton":
+        """Returns the model whose response at `angle` times an angle is `torque` times this one's.
+
+        Exact, whatever the motion: Ms -> torque Ms, alpha -> alpha / torque (with torque = P / P0
+        the pressure scaling of the volume effect); a, k and alpha -> angle times as much.
+        """
+        scales(torque=torque, angle=angle)
+        return replace(
+            self,
+            Ms=self.Ms * torque,
+            a=self.a * angle,
+            k=self.k * angle,
+            alpha=self.alpha * angle / torque,
+        )
+
+    def in_unit(self, angle_unit: AngleUnit) -> "JilesAtherton":
+        """Returns the same model with a, k and alpha expressed in `angle_unit`."""
+        if angle_unit not in UNIT_PER_RADIAN:
+            raise InputError(f"angle_unit is {angle_unit!r}: use 'rad' or 'deg'")
+        factor = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
+        return replace(self.scaled(angle=factor), angle_unit=angle_unit)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters for JSON; what has its default value is left out."""
+        content = asdict(self)
+        for field in fields(self):
+            if content[field.name] == field.default and field.name != "angle_unit":
+                del content[field.name]
+        return {"model": self.name, **content}

@@ -1,0 +1,104 @@
+"""The certified Jiles-Atherton model whose curves differ least from a given one's."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InputError
+from ..certificate import PoleError
+from .model import JilesAtherton
+
+MARGIN = 0.02  # that the result keeps
+LEAST_EXCESS = 0.01  # of c above 1
+WIDEST = 100.0  # in units of a or k, where the search for a common range of angles begins
+SAMPLES = 60  # per branch
+TIE_BREAK = 1e-3  # of the curve's peak, per e-fold of a parameter that the curves do not determine
+
+
+class Nearest(NamedTuple):
+    """A certified model, and the root mean square change of its curves [of their peak]."""
+
+    model: JilesAtherton
+    change: float
+
+
+def nearest_certified(model: JilesAtherton) -> Nearest:
+    """Finds the certified model with the least mean square change of torque.
+
+    The curves compared are a first loading, a full loop and a half loop between -R and R, R the
+    largest angle up to which the model itself is safe (its certificate for that range), so that
+    there is a curve to compare with. The search runs in coordinates in which every point is
+    certified: log Ms, log a, alpha (2c-1) Ms / (3a), log (c-1), log k.
+
+    Args:
+        model: any Jiles-Atherton model; one that is certified already comes back as it is. Of
+            another form or with a clamp, its nearest is of form `bulk` without one.
+
+    Returns:
+        A certified model in the same angle unit, and how much its curves differ.
+
+    Raises:
+        InputError: `model` is of another kind.
+    """
+    from scipy.optimize import least_squares  # slow to import, rarely needed
+
+    if not isinstance(model, JilesAtherton):
+        raise InputError(f"model is a {type(model).__name__}: give a JilesAtherton model")
+    certificate = model.certificate()
+    if certificate.certified and certificate.dissipative:
+        return Nearest(model, 0.0)
+    reach = _safe_reach(_plain(model))
+    up = np.linspace(-reach, reach, 2 * SAMPLES)
+    half = np.linspace(reach, 0, SAMPLES)
+    angle = np.concatenate([np.linspace(0, reach, SAMPLES), up[::-1], up, half, half[::-1]])
+    wanted = _torque(model, angle)
+    scale = np.abs(wanted).max()
+
+    def residual(point: Array) -> Array:
+        change = (_torque(_at(point, model), angle) - wanted) / (scale * np.sqrt(angle.size))
+        return np.concatenate([change, TIE_BREAK * (point - start)])
+
+    excess = max(model.c - 1, LEAST_EXCESS)
+    steepness = model.alpha * (2 * model.c - 1) * model.Ms / (3 * model.a)
+    limits = (-2 + MARGIN, 1 - MARGIN)
+    start = np.array([np.log(model.Ms), np.log(model.a), 0, np.log(excess), np.log(model.k)])
+    low, high = start - 5, start + 5
+    start[2], (low[2], high[2]) = np.clip(steepness, limits[0] + MARGIN, limits[1] - MARGIN), limits
+    low[3] = np.log(LEAST_EXCESS) - 1e-9
+    fit = least_squares(residual, start, bounds=(low, high), x_scale="jac", max_nfev=100)
+    return Nearest(_at(fit.x, model), float(np.linalg.norm(fit.fun[: angle.size])))
+
+
+def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
+    Ms, a, excess, k = np.exp(point[[0, 1, 3, 4]]).tolist()
+    alpha = float(point[2]) * 3 * a / ((2 * excess + 1) * Ms)
+    return replace(_plain(model), Ms=Ms, a=a, alpha=alpha, c=1 + excess, k=k, allow_active=False)
+
+
+def _plain(model: JilesAtherton) -> JilesAtherton:
+    """Returns the form that certificates speak of."""
+    return replace(model, form="bulk", clamp="none", allow_active=True)
+
+
+def _safe_reach(model: JilesAtherton) -> float:
+    """Returns an angle [rad] up to which no motion from rest meets the pole."""
+    _, a, _, _, k = model.parameter_vector[:5]
+    unsafe, reach = np.inf, WIDEST * max(a, k)
+    for _ in range(60):
+        if model.certificate((-reach, reach)).margin > MARGIN:
+            if unsafe - reach < 0.05 * reach or unsafe == np.inf:
+                break
+            reach = 0.5 * (reach + unsafe)
+        else:
+            unsafe, reach = reach, 0.5 * reach
+    return float(reach)
+
+
+def _torque(model: JilesAtherton, angle: Array) -> Array:
+    try:
+        return model.response(angle)
+    except PoleError:  # even the smallest range is unsafe: compare with the anhysteretic curve
+        soft = replace(_plain(model), alpha=0.0, c=max(model.c, 1.0))
+        return soft.response(angle)

@@ -1,0 +1,5 @@
+"""The Preisach model: the class, its kernels, and the sums they read (`_tables`)."""
+
+from .model import Preisach
+
+__all__ = ["Preisach"]

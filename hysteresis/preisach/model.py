@@ -1,0 +1,176 @@
+"""The Preisach model: a continuum of relays that switch at two angles each."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ...arrays import Array
+from ...checks import numbers, scales
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..protocol import HysteresisModel, Numbers, read_only
+from . import _tables as _preisach_tables
+from . import kernels
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preisach(HysteresisModel):
+    """Resistance T of a joint as an elastic part less the weights of the relays that are up.
+
+        T = offset + elastic(theta) - sum of the weights of all relays that are up
+
+    A relay (alpha, beta), alpha >= beta, goes up where a rising angle passes alpha and down where
+    a falling one passes beta. Between the levels the relays fill the half plane with a density
+    that is uniform in each cell (Mayergoyz, Mathematical Models of Hysteresis, 1991, ch. I). The
+    minus makes positive weights resist: just after a turn no relay switches and the joint is as
+    stiff as its elastic part, then relay after relay gives way. On a branch that left its turn at
+    t, the relays in the triangle between t and theta have switched; their weight, the Everett
+    function E(max, min), is a closed form in each cell. So the turning points are all the memory.
+
+    Memory. A motion starts as if the angle had come up from below the lowest level; the torque
+    there fixes the offset, since a measured family of curves has no absolute zero. (Relays that
+    reach below the start are why a first loop may not close.) A loop that closes is wiped out
+    without a trace; loops between the same angles are congruent. Beyond the levels no relay
+    switches, and the elastic part goes on with the slope of its end segment. Loops within 64 nested
+    turning points are forgotten: the joint then follows its innermost branch back and forth without
+    loss, and what that branch dissipates counts when the motion leaves it. Torque and stored plus
+    dissipated energy stay continuous, and nothing outside is forgotten.
+
+    Energy. Let a relay of weight w and middle m = (alpha + beta) / 2 store w (m - theta) while up
+    and nothing while down. The slope of that is its torque, -w or 0; and at either switch, up at
+    alpha or down at beta, the store drops by w (alpha - beta) / 2, which is what the switch
+    dissipates: nothing negative if w >= 0. Summed over the relays,
+
+        dissipated = sum of w (alpha - beta) / 2 over all switches since the start
+        stored     = (T - elastic) (theta - level 0) + energy of the elastic part
+                     + sum of w (m - level 0) over the relays that are up
+
+    where `stored` is a function of the state, since the relays that are up are the state, and both
+    together change by the work of T. Both sums are closed forms in each cell, as E is.
+
+    Attributes:
+        levels: n + 1 >= 2 increasing angles that part the range into n segments [rad].
+        density: n rows; entry j of row i, j <= i, is the weight [N·m] of all relays with alpha in
+            segment i and beta in segment j. The torque drops by it when they all go up and gets it
+            back when they go down. The model is dissipative if none is below 0.
+        elastic: slope of the elastic part in each segment [N·m/rad], of any sign; empty: all 0.
+
+    Raises:
+        InputError: levels, density or elastic are not finite or do not fit together.
+    """
+
+    name: ClassVar[str] = "preisach"
+    kernels: ClassVar[ModuleType] = kernels
+
+    levels: Numbers
+    density: Sequence[Numbers]
+    elastic: Numbers = ()
+
+    def __post_init__(self) -> None:
+        levels = numbers("levels", self.levels, "rad")
+        segments = len(levels) - 1
+        if segments < 1:
+            raise InputError(f"levels is {levels}: give at least 2 angles (rad)")
+        for i in range(segments):
+            if not levels[i] < levels[i + 1]:
+                raise InputError(
+                    f"levels[{i + 1}] is {levels[i + 1]} rad: it must be above {levels[i]}; give "
+                    "angles in increasing order"
+                )
+        between = f"the {len(levels)} levels have {segments} segments between them"
+        rows = list(self.density) if np.iterable(self.density) else []
+        if len(rows) != segments:
+            raise InputError(f"density has {len(rows)} rows: give {segments}; {between}")
+        density = tuple(numbers(f"density[{i}]", row, "N·m") for i, row in enumerate(rows))
+        for i, row in enumerate(density):
+            if len(row) != i + 1:
+                raise InputError(
+                    f"density[{i}] has {len(row)} weights: give {i + 1}, one for each segment from "
+                    "the first to its own"
+                )
+        elastic = (0.0,) * segments
+        if np.size(self.elastic) > 0:
+            elastic = numbers("elastic", self.elastic, "N·m/rad")
+        if len(elastic) != segments:
+            raise InputError(f"elastic has {len(elastic)} slopes: give {segments}; {between}")
+        for name, value in (("levels", levels), ("density", density), ("elastic", elastic)):
+            object.__setattr__(self, name, value)
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """Segments, then cells, as `kernels` describes them; read-only."""
+        segments = len(self.density)
+        p = np.empty(_preisach_tables.parameter_size(segments))
+        density = np.concatenate([np.array(row) for row in self.density])
+        _preisach_tables.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
+        return read_only(p)
+
+    @property
+    def memory_size(self) -> int:
+        """Angle, torque and loss, three numbers of the present branch, and the turning points."""
+        return self.kernels.MEMORY_SIZE
+
+    def everett(self, alpha: float, beta: float) -> float:
+        """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""
+        p = self.parameter_vector
+        high, low = np.clip([alpha, beta], self.levels[0], self.levels[-1])
+        return float(self.kernels.swept(p, high, low)[0])
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """States what holds for every motion in a range of angles [rad], from every start.
+
+        No stiffness is infinite, since the density is bounded. The energy in the class's docstring
+        makes the model dissipative if no weight is below 0. The offset being free, the torque
+        bound speaks of motions that start with 0 N·m (of |T - T(start)| otherwise): the spread of
+        the elastic part, plus the sum of |weight| of all relays that can switch, those that go up
+        inside the range.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
+        """
+        low, high = checked_range(angle_range)
+        sizes = replace(self, density=[[abs(weight) for weight in row] for row in self.density])
+        switching = sizes.everett(high, -math.inf) - sizes.everett(low, -math.inf)
+        return Certificate(
+            margin=1.0,
+            dissipative=all(weight >= 0 for row in self.density for weight in row),
+            torque_bound=self._elastic_spread(low, high) + switching,
+            angle_range=(low, high),
+        )
+
+    def _elastic_spread(self, low: float, high: float) -> float:
+        if (low == -math.inf and self.elastic[0]) or (high == math.inf and self.elastic[-1]):
+            return math.inf
+        angles = [*np.clip(self.levels, low, high), *filter(math.isfinite, (low, high))]
+        return float(np.ptp([self.kernels.elastic(self.parameter_vector, x)[0] for x in angles]))
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Preisach":
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
+
+        Args:
+            torque: scale of the resistance, > 0.
+            angle: scale of the angles, > 0.
+
+        Raises:
+            InputError: a scale is not finite or not above 0.
+        """
+        scales(torque=torque, angle=angle)
+        return Preisach(
+            levels=[level * angle for level in self.levels],
+            density=[[weight * torque for weight in row] for row in self.density],
+            elastic=[slope * torque / angle for slope in self.elastic],
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+        return {
+            "model": self.name,
+            "levels": list(self.levels),
+            "density": [list(row) for row in self.density],
+            "elastic": list(self.elastic),
+        }

@@ -1,0 +1,286 @@
+"""What every hysteresis model does: one protocol over compiled kernels."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import ModuleType
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..checks import number
+from ..errors import InputError
+from .certificate import ALL_ANGLES, Certificate, PoleError
+
+Numbers = Sequence[float] | Array
+FIRST_REACH, FARTHEST = 1e-3, 1e6  # rad, where the search of an inverse begins and gives up
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A model's whole memory after some motion.
+
+    Attributes:
+        memory: the kernel's numbers, read-only: angle, torque of the hysteretic part, the path part
+            of the work done so far, then what the model adds.
+        angle: the last angle [rad].
+        torque: the resistance [N·m].
+    """
+
+    memory: Array
+    angle: float
+    torque: float
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, State):
+            return NotImplemented
+        same = self.angle == other.angle and self.torque == other.torque
+        return same and np.array_equal(self.memory, other.memory)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class Energy(NamedTuple):
+    """Where the work done on a model since its start went [J]."""
+
+    stored: float
+    dissipated: float
+
+
+class HysteresisModel(ABC):
+    """Resistance [N·m] of a joint that depends on the order of its angles [rad], not on time.
+
+    A model is a frozen dataclass of its parameters. It names a module of kernels, plain numba
+    functions over a parameter vector p and a memory s = [angle, torque, loss, ...]:
+
+        begin(p, s, angle, torque)              fills s; returns how far the start is inside what
+                                                the certificate covers (< 0 outside, NaN impossible)
+        move(p, s, angle)                       (torque, loss) after a monotone motion; s unchanged
+        commit(p, s, angle)                     the torque after it, which becomes the memory;
+                                                s stays as it is where the torque is NaN
+        stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
+        energy(p, s, angle, torque, loss)       (stored, dissipated) there
+        response(p, s, angles, torques)         a whole series, bit-identical to move and commit
+
+    The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
+    """
+
+    name: ClassVar[str]
+    kernels: ClassVar[ModuleType]
+
+    @cached_property
+    @abstractmethod
+    def parameter_vector(self) -> Array:
+        """The parameters as the kernels read them: radians and N·m, read-only."""
+
+    @property
+    @abstractmethod
+    def memory_size(self) -> int:
+        """How many numbers the memory holds."""
+
+    @abstractmethod
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """Proves what can be proved for any motion whose angles [rad] stay in a range."""
+
+    @abstractmethod
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "HysteresisModel":
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+
+    def response(self, angle: ArrayLike, initial_torque: float = 0.0) -> Array:
+        """Computes the resistance along a sequence of angles.
+
+        The result depends on the order of the angles, not on time. Between two samples the motion
+        is taken as monotone; a repeated angle repeats its torque.
+
+        Args:
+            angle: joint angles [rad], shape (n,).
+            initial_torque: resistance at angle[0] [N·m].
+
+        Returns:
+            Resistance [N·m], shape (n,), with torque[0] == initial_torque.
+
+        Raises:
+            InputError: `angle` is not one finite series, or the model has no such start.
+            PoleError: the motion meets the pole of an uncertified model.
+        """
+        angle = finite_series("angle", angle, "rad")
+        memory = self.start(angle[0], initial_torque).memory.copy()
+        torque = np.empty_like(angle)
+        self.kernels.response(self.parameter_vector, memory, angle, torque)
+        if np.isnan(torque[-1]):
+            last = int(np.flatnonzero(np.isnan(torque))[0])
+            raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
+        return torque
+
+    def start(self, angle: float, torque: float = 0.0) -> State:
+        """Begins a motion at `angle` [rad] with a known resistance [N·m].
+
+        Raises:
+            InputError: a number is not finite, or the model cannot have that torque there.
+        """
+        number("angle", angle, "rad")
+        number("initial torque", torque, "N·m")
+        memory = np.zeros(self.memory_size)
+        inside = self.kernels.begin(self.parameter_vector, memory, float(angle), float(torque))
+        if math.isnan(inside):
+            raise InputError(
+                f"initial torque is {torque:.6g} N·m at {angle:.6g} rad: this {self.name} model "
+                "cannot hold that much there; start nearer to 0 N·m"
+            )
+        return _state(memory, memory[1])
+
+    def start_is_certified(self, state: State) -> bool:
+        """Returns whether the certificate covers motions that start in `state`."""
+        s, rest = state.memory, self.anhysteretic(state)
+        if rest is not None:
+            return abs(s[1] - rest) <= self.certificate().memory_bound
+        scratch = np.zeros(self.memory_size)
+        return bool(self.kernels.begin(self.parameter_vector, scratch, s[0], s[1]) >= 0)
+
+    def anhysteretic(self, state: State) -> float | None:
+        """Returns the torque [N·m] from which the certificate's memory bound counts.
+
+        None for a model whose kernel `begin` alone knows what its certificate covers.
+        """
+        return None
+
+    def step(self, state: State, angle: float) -> tuple[State, float]:
+        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit.
+
+        Returns:
+            The new state and the resistance [N·m] there.
+
+        Raises:
+            InputError: `angle` is not finite.
+            PoleError: the motion meets the pole of an uncertified model.
+        """
+        number("angle", angle, "rad")
+        p, memory = self.parameter_vector, state.memory.copy()
+        torque = self.kernels.commit(p, memory, float(angle))
+        if math.isnan(torque):
+            raise self._pole(state.angle, angle)
+        return _state(memory, torque), float(torque)
+
+    def tangent(self, state: State, direction: float) -> float:
+        """Returns the stiffness [N·m/rad] of a motion that goes on with sign `direction`."""
+        s, delta = state.memory, math.copysign(1.0, direction)
+        return float(self.kernels.stiffness(self.parameter_vector, s, s[0], s[1], delta))
+
+    def energy(self, state: State) -> Energy:
+        """Returns the energy stored in `state` and dissipated since its start [J].
+
+        Stored energy counts from a state of the model's own choice; differences are what matters.
+        Stored plus dissipated changes by exactly the work done on the model. The dissipated part
+        never decreases in a model whose certificate says `dissipative` (by more than the
+        tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
+        """
+        s = state.memory
+        return Energy(*map(float, self.kernels.energy(self.parameter_vector, s, s[0], s[1], 0.0)))
+
+    def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:
+        """Computes the angles along which the resistance runs through given torques.
+
+        Args:
+            torque: resistance [N·m], shape (n,).
+            initial_angle: the angle of torque[0] [rad].
+
+        Returns:
+            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` takes them back.
+            Where several angles give a torque, it is the first that the motion meets.
+
+        Raises:
+            InputError: `torque` is not one finite series, or the model cannot reach a torque.
+        """
+        torque = finite_series("torque", torque, "N·m")
+        state = self.start(initial_angle, torque[0])
+        angle = np.empty_like(torque)
+        angle[0] = initial_angle
+        for i in range(1, torque.size):
+            angle[i] = find_angle(self, state, torque[i], f"torque[{i}]")
+            state, _ = self.step(state, angle[i])
+        return angle
+
+    def _pole(self, start: float, end: float, where: str = "") -> PoleError:
+        certificate = self.certificate()
+        if certificate.certified:
+            why = (
+                "the motion began outside the model's certificate, further than "
+                f"{certificate.memory_bound:.3g} N·m from the torque at rest: start nearer to it"
+            )
+        else:
+            why = (
+                f"the model's certificate margin is {certificate.margin:.3g} and must be above 0 "
+                "for arbitrary motions"
+            )
+        return PoleError(
+            f"the torque becomes infinite between {start:.6g} and {end:.6g} rad{where}; {why}"
+        )
+
+
+def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
+    """Returns `values` as one finite series, or raises an InputError that says why not."""
+    try:
+        series = np.ascontiguousarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{name} is not a series of real numbers ({unit}): {error}") from error
+    if series.ndim != 1 or series.size == 0:
+        raise InputError(f"{name} has shape {series.shape}: give one series of at least 1 sample")
+    if not np.isfinite(series).all():
+        bad = int(np.flatnonzero(~np.isfinite(series))[0])
+        raise InputError(f"{name}[{bad}] is {series[bad]}: give finite numbers ({unit})")
+    return series
+
+
+def find_angle(model: HysteresisModel, state: State, target: float, what: str) -> float:
+    """Returns the first angle [rad] at which a motion from `state` meets the torque `target`."""
+    from scipy.optimize import brentq  # SciPy's optimizers take a third of a start of the package
+
+    missing = target - state.torque
+    if missing == 0:
+        return state.angle
+    direction = math.copysign(1.0, missing)
+    if model.tangent(state, direction) <= 0:
+        direction = -direction
+    # Bracket: walk on, ever faster, until the torque has passed the target.
+    here, reach = state.angle, FIRST_REACH
+    near, far = 0.0, math.nan
+    while reach <= FARTHEST:
+        try:
+            _, torque = model.step(state, here + direction * reach)
+        except PoleError:
+            break
+        if (torque - target) * missing >= 0:
+            far = reach
+            break
+        near, reach = reach, 1.5 * reach
+    if math.isnan(far):
+        raise InputError(
+            f"{what} is {target:.6g} N·m: no motion from {here:.6g} rad, {state.torque:.6g} N·m "
+            "reaches it; keep torques within the model's torque bound"
+        )
+
+    def excess(distance: float) -> float:
+        return model.step(state, here + direction * distance)[1] - target if distance else -missing
+
+    root: Any = brentq(excess, near, far, xtol=1e-14, rtol=np.float64(1e-14))
+    return here + direction * float(root)
+
+
+def read_only(values: ArrayLike) -> Array:
+    """Returns a read-only float64 copy."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array
+
+
+def _state(memory: Array, torque: float) -> State:
+    memory.setflags(write=False)
+    return State(memory, float(memory[0]), float(torque))

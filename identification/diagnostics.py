@@ -1,0 +1,94 @@
+"""What a user should know about a fit before trusting it."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..hysteresis.around.asymmetric import Asymmetric
+from ..hysteresis.around.held import Held
+from ..hysteresis.jiles_atherton.model import JilesAtherton
+from ..hysteresis.protocol import HysteresisModel
+from .curves import Curve, noise_floor
+from .fits.certified import EXCESS, MARGIN, SHAPE
+
+NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
+POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2
+LITTLE_MOTION = 0.05  # rad
+RETURNED = 0.05  # of the span
+
+
+def remarks(
+    model: HysteresisModel,
+    nrmse: float,
+    curves: Sequence[Curve],
+    bounds: Sequence[tuple[float, float]] | None,
+) -> tuple[str, ...]:
+    """Returns sentences about a fit that deserves doubt; none where all is well.
+
+    Args:
+        model: the fitted model.
+        nrmse: its NRMSE on `curves`.
+        curves: the fitted curves.
+        bounds: the search box of Ms, a, alpha, c, k in degrees; None for our own fits.
+    """
+    found = []
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    noise = noise_floor(curves) / peak
+    if nrmse > POOR and nrmse > TIMES_NOISE * noise:
+        found.append(
+            f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
+            "the sign of the torque, the order of the samples, whether the torque begins at zero; "
+            "or try another model (method 'auto'), or against outliers a swarm with the objective "
+            "'robust'"
+        )
+    elif nrmse > DISORDER:
+        found.append(
+            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
+        )
+    span = max(float(np.ptp(curve.angle)) for curve in curves)
+    if span < LITTLE_MOTION:
+        found.append(f"the angles span only {span:.3g} rad: check their unit")
+    if not any(_turns_back(curve) for curve in curves):
+        found.append("no curve turns back, so the loss of the model is a guess: measure the return")
+    inner = model.model if isinstance(model, Asymmetric) else model
+    if isinstance(inner, Held):
+        found += _safety(inner)
+        inner = inner.model
+    if isinstance(inner, JilesAtherton):
+        found += _limits(inner.in_unit("deg"), bounds)
+    return tuple(found)
+
+
+def _safety(model: Held) -> list[str]:
+    low, high = model.angle_range
+    found = [
+        f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is held outside, "
+        "since curves that reach farther might show more"
+    ]
+    if model.certificate().margin <= MARGIN + NEAR:
+        found.append(
+            "the fit ended at the limit of the certificate: a model that is not safe may fit better"
+        )
+    return found
+
+
+def _turns_back(curve: Curve) -> bool:
+    # The largest excursion, not the sum of steps: an encoder's jitter is no return.
+    angle = curve.angle
+    back = (np.maximum.accumulate(angle) - angle).max()
+    forth = (angle - np.minimum.accumulate(angle)).max()
+    return bool(min(forth, back) > RETURNED * np.ptp(curve.angle))
+
+
+def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> list[str]:
+    values = {name: getattr(model, name) for name in ("Ms", "a", "alpha", "c", "k")}
+    limits = dict(zip(values, bounds, strict=True)) if bounds else {"a": SHAPE}
+    if not bounds:
+        limits["c"] = (1 + EXCESS[0], 1 + EXCESS[1])
+    found = [
+        f"{name} = {values[name]:.5g} is at the limit of the search ({limit:g})"
+        for name, pair in limits.items()
+        for limit in pair
+        if abs(values[name] - limit) <= NEAR * max(1.0, abs(limit))
+    ]
+    return found

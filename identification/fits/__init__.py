@@ -1,0 +1,1 @@
+"""Fits of our own: each returns certified, dissipative models of one kind only."""

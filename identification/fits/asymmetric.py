@@ -1,0 +1,115 @@
+"""The Jiles-Atherton model beside an elastic polynomial, identified from first-order curves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InputError
+from ...hysteresis.around.asymmetric import LARGEST_DEGREE, Asymmetric
+from ...hysteresis.around.held import Held
+from ...hysteresis.jiles_atherton import kernels
+from ...hysteresis.jiles_atherton._bulk import certificate
+from ...hysteresis.jiles_atherton._envelope import margin_in_range
+from ...hysteresis.jiles_atherton.langevin import langevin
+from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ..curves import Curve
+from .certified import MARGIN, search_box, unit_parameters
+from .projection import BesidePolynomial, Search
+
+SCREENED = 64
+BUDGET = 600  # evaluations of the model on all curves
+
+
+def fit_asymmetric(
+    curves: Sequence[Curve], rng: int | np.random.Generator | None = None, degree: int = 3
+) -> Asymmetric:
+    """Fits a certified Jiles-Atherton model and an elastic polynomial together.
+
+    The Jiles-Atherton part begins with some torque M0 of its own, the polynomial gives the rest of
+    the curves' first torque. At fixed (a, alpha Ms, c, k, M0 / Ms) the whole torque is linear in Ms
+    and the polynomial, which follow from a projection with Ms > 0: exact, since M0 scales with Ms.
+    The five are searched as in `certified_fit`, and M0 over the certificate's memory bound. A model
+    or a beginning without a certificate, for all angles or at least for those of the curves, is
+    penalized, and never returned.
+
+    Args:
+        curves: first-order curves, which all begin at one angle and with one torque, zero or not;
+            those with role "fit" are used.
+        rng: seed or generator of the Sobol scrambling.
+        degree: of the polynomial, 1 to 5.
+
+    Returns:
+        The model, whose Jiles-Atherton part is held outside the angles of the curves if it is safe
+        inside only; `response(angle, initial_torque)` predicts a curve.
+
+    Raises:
+        InputError: there is no usable curve, they begin apart, the degree is out of its range, or
+            nothing certified was found.
+    """
+    if not 1 <= degree <= LARGEST_DEGREE:
+        raise InputError(f"degree is {degree}: use 1 to {LARGEST_DEGREE}")
+    problem = BesidePolynomial(curves, degree)
+    unit = _UnitModels(problem)
+
+    def evaluate(point: Array) -> tuple[Array, float]:
+        return problem.residual(unit.response(point)), unit.missing_margin(point)
+
+    low, high = search_box(problem.curves)
+    search = Search(evaluate, np.append(low, -1.0), np.append(high, 1.0), BUDGET)
+    search.run(rng, SCREENED, problem.floor)
+    if search.best is None:
+        raise InputError(
+            f"none of {search.evaluations} models tried on these curves is certified: check the "
+            "columns and the sign of the torque"
+        )
+    shape = unit.response(search.best)
+    (_, a, alpha, c, k), _ = _unit(search.best)
+    Ms = problem.scale(shape)
+    inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha / Ms, c=c, k=k, angle_unit="deg")
+    safe = unit.excess(search.best, everywhere=True) <= MARGIN / 2
+    return Asymmetric(
+        model=inner if safe else Held(model=inner, angle_range=(problem.low, problem.high)),
+        polynomial=problem.polynomial(shape),
+    )
+
+
+def _unit(point: Array) -> tuple[tuple[float, ...], float]:
+    """Returns 1, a, alpha, c, k in degrees, and the torque at the beginning, all for Ms = 1."""
+    (row,) = unit_parameters(point[None, :4])
+    bound = float(np.exp(point[3])) / (3 * row[1])  # k (c - 1) / (3a), the certificate's
+    return tuple(row.tolist()), float(point[4]) * bound
+
+
+class _UnitModels:
+    """Models with Ms = 1 on the curves of a problem."""
+
+    def __init__(self, problem: BesidePolynomial) -> None:
+        self.degrees, self.starts = np.degrees(problem.angle), problem.starts
+        self.start = float(np.degrees(problem.start))
+        self.range = np.degrees(problem.low), np.degrees(problem.high)
+
+    def response(self, point: Array) -> Array:
+        """Returns the torque along all curves, shape (samples,)."""
+        row, first = _unit(point)
+        torque = np.empty((1, self.degrees.size))
+        initial = np.full((1, self.starts.size - 1), first)
+        kernels.population_response(self.degrees, self.starts, initial, np.array([row]), torque)
+        return torque[0]
+
+    def missing_margin(self, point: Array) -> float:
+        """Returns what is missing to a certificate, at best in the range of the curves."""
+        missing = self.excess(point, everywhere=True)
+        return missing if missing == 0 else min(missing, self.excess(point, everywhere=False))
+
+    def excess(self, point: Array, everywhere: bool) -> float:
+        """Returns by how much the margin falls short, or the lag of the beginning exceeds."""
+        row, first = _unit(point)
+        if everywhere:
+            margin, bound = certificate(*row)
+        else:
+            margin, bound, _ = margin_in_range(*self.range, *row)
+        _, a, alpha, _, _ = row
+        lag = abs(first - langevin((self.start + alpha * first) / a)[0])
+        # What lacks MARGIN / 2 still passes, but the lag must not exceed its bound at all.
+        return min(max(MARGIN - margin, lag - bound + MARGIN / 2, 0.0), 1.0)

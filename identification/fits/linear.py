@@ -1,0 +1,213 @@
+"""Models whose torque is linear in their weights, identified directly from first-order curves."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import block_diag
+from scipy.optimize import nnls
+
+from ...arrays import Array
+from ...checks import at_least
+from ...errors import InputError
+from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from ...hysteresis.preisach.model import Preisach
+from ...hysteresis.protocol import HysteresisModel, Numbers
+from ..curves import Curve
+
+RETURNED = 0.05  # of the span of the angles: a shorter way back shows no hysteresis
+SAME_START = 0.05  # of the span: how far apart first-order curves may begin
+LEAST_NOISE = 1e-9  # of the peak torque, so that data without noise leave no choice open either
+SLOPE_STEP = 1.0  # expected between neighbors, in peak torque over the range of the levels
+DENSITY_STEP = 10.0  # likewise, in peak torque per cell
+MOST_PIVOTS = 100  # per unknown; usual is fewer than 3
+
+
+def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) -> Preisach:
+    """Fits a dissipative Preisach model to first-order curves, by non-negative least squares.
+
+    Torque is linear in the density, which must not be negative, in the elastic slopes, which may,
+    and in the torque at which each curve begins: the best model follows without a search. What the
+    curves leave open, such as relays between two turns, becomes as smooth as possible: differences
+    between neighbors in density and in slope count too, in proportion to the noise of the torque.
+
+    Args:
+        curves: first-order curves (from the lowest angle up to a turn and back); those with role
+            "fit" are used, in any number and of any torque at their beginning.
+        levels: the levels [rad], or how many segments to make: one below the lowest angle, the
+            others up to the highest. Without a level below the lowest angle, every curve of the
+            model comes back to its first torque.
+
+    Returns:
+        The model; `response(angle, initial_torque)` predicts a curve.
+
+    Raises:
+        InputError: there is no usable curve, or the levels do not increase or miss the curves.
+    """
+    curves = usable(curves)
+    angles = np.concatenate([curve.angle for curve in curves])
+    low, high = float(angles.min()), float(angles.max())
+    grid = _levels(low, high, levels)
+    size = np.size(grid) - 1
+    cells = size * (size + 1) // 2
+    rigid = _rows(np.zeros(cells))
+    width = np.diff(Preisach(levels=grid, density=rigid).levels)
+    if grid[0] >= high or grid[-1] <= low:
+        raise InputError(
+            f"the levels go from {grid[0]:.6g} to {grid[-1]:.6g} rad and the curves from "
+            f"{low:.6g} to {high:.6g}: give levels among the curves' angles"
+        )
+    relays = [Preisach(levels=grid, density=_rows(unit)) for unit in np.eye(cells)]
+    springs = [Preisach(levels=grid, density=rigid, elastic=unit) for unit in np.eye(size).tolist()]
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    noise = max(_noise(curves) / peak, LEAST_NOISE)
+    slope_rule = noise / SLOPE_STEP * np.ptp(grid) * np.diff(np.eye(size), axis=0)
+    density_rule = noise / DENSITY_STEP * cells * _differences(width / width.mean())
+    _, slopes, weights = _least_squares(
+        curves,
+        _responses(curves, springs),
+        _responses(curves, relays),
+        np.asarray(block_diag(slope_rule, density_rule)),
+    )
+    return Preisach(levels=grid, density=_rows(weights), elastic=slopes.tolist())
+
+
+def fit_prandtl_ishlinskii(
+    curves: Sequence[Curve], thresholds: int | Sequence[float] = 20
+) -> PrandtlIshlinskii:
+    """Fits a dissipative Prandtl-Ishlinskii model of stops by non-negative least squares.
+
+    Torque is linear in the weights, which must not be negative, in the stiffness, which may, and
+    in the torque at which each curve begins. There all stops are taken to be at zero, as before
+    any motion; the rest angle makes the elastic part, if any, give the curves' mean first torque.
+
+    Args:
+        curves: first-order curves, which all begin at one angle; those with role "fit" are used.
+        thresholds: the thresholds [rad], or how many to spread evenly over the longest way out.
+
+    Returns:
+        The model; `response(angle, initial_torque)` predicts a curve.
+
+    Raises:
+        InputError: there is no usable curve, they begin apart, or the thresholds are bad.
+    """
+    curves = usable(curves)
+    starts = [float(curve.angle[0]) for curve in curves]
+    reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
+    if np.ptp(starts) > SAME_START * reach:
+        raise InputError(
+            f"the curves begin at {min(starts):.6g} to {max(starts):.6g} rad: first-order curves "
+            "begin at one angle; give such a family"
+        )
+    grid = _thresholds(reach, thresholds)
+    if not grid[0] < reach:
+        raise InputError(
+            f"the smallest threshold is {grid[0]:.6g} rad, but the curves go no further than "
+            f"{reach:.6g} rad: no slider would ever slip; give smaller thresholds"
+        )
+    sliders = [PrandtlIshlinskii(stiffness=0, thresholds=[r], weights=[1]) for r in grid]
+    spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
+    offsets, slopes, weights = _least_squares(curves, spring, _responses(curves, sliders))
+    stiffness = float(slopes[0])
+    start, first_torque = float(np.mean(starts)), float(np.mean(offsets))
+    return PrandtlIshlinskii(
+        stiffness=stiffness,
+        thresholds=grid,
+        weights=weights.tolist(),
+        rest_angle=start - first_torque / stiffness if stiffness else start,
+    )
+
+
+def _levels(low: float, high: float, levels: int | Sequence[float]) -> Sequence[float]:
+    if not isinstance(levels, (int, np.integer)):
+        return levels
+    at_least("levels", int(levels), 2)
+    return np.linspace(low - (high - low) / (levels - 1), high, levels + 1).tolist()
+
+
+def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Numbers:
+    if isinstance(thresholds, (int, np.integer)):
+        at_least("thresholds", int(thresholds), 1)
+        return (reach * np.arange(1, thresholds + 1) / (thresholds + 1)).tolist()
+    weights = [1.0] * np.size(thresholds)
+    return PrandtlIshlinskii(stiffness=0, thresholds=thresholds, weights=weights).thresholds
+
+
+def usable(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves with role "fit".
+
+    Raises:
+        InputError: there is none, no torque changes, or none turns back.
+    """
+    chosen = [curve for curve in curves if curve.role == "fit"]
+    if not chosen:
+        raise InputError("there is no curve to fit: give at least one with role 'fit'")
+    if not any(np.ptp(curve.torque) > 0 for curve in chosen):
+        raise InputError("no torque changes along its curve: there is nothing to identify")
+    for curve in chosen:
+        angle = curve.angle
+        back = (np.maximum.accumulate(angle) - angle).max()
+        forth = (angle - np.minimum.accumulate(angle)).max()
+        if min(forth, back) > RETURNED * np.ptp(angle):
+            return chosen
+    raise InputError("no curve turns back, so nothing shows the hysteresis: measure the return")
+
+
+def _noise(curves: Sequence[Curve]) -> float:
+    """Estimates the torque's noise [N·m]; the models are quadratic almost everywhere."""
+    third = np.concatenate([np.diff(curve.torque, 3) for curve in curves])
+    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20)) if third.size else 0.0
+
+
+def _responses(curves: Sequence[Curve], models: Sequence[HysteresisModel]) -> Array:
+    """Returns the change of torque along all curves, a column for each model."""
+    columns = [[model.response(curve.angle) for curve in curves] for model in models]
+    return np.stack([np.concatenate(column) for column in columns], axis=1)
+
+
+def _least_squares(
+    curves: Sequence[Curve], free: Array, positive: Array, rules: ArrayLike = ()
+) -> tuple[Array, Array, Array]:
+    """Minimizes |offset of each curve + free x + positive y - torque|^2 + |rules (x, y)|^2.
+
+    Returns:
+        The offsets, x, and y >= 0.
+    """
+    begins = np.repeat(np.eye(len(curves)), [curve.angle.size for curve in curves], axis=0)
+    rows = np.reshape(rules, (-1, free.shape[1] + positive.shape[1]))
+    design = np.hstack([begins, free, positive])
+    design = np.vstack([design, np.pad(rows, ((0, 0), (len(curves), 0)))])
+    target = np.concatenate([*[curve.torque for curve in curves], np.zeros(len(rows))])
+    # What the free columns can explain drops out, then a triangle says the same in fewer rows.
+    first, last = np.split(design, [len(curves) + free.shape[1]], axis=1)
+    basis, triangle = np.linalg.qr(first)
+    both = np.column_stack([last, target])
+    both = np.asarray(np.linalg.qr(both - basis @ (basis.T @ both), mode="r"))
+    y, _ = nnls(both[:, :-1], both[:, -1], maxiter=MOST_PIVOTS * positive.shape[1])
+    x = np.linalg.solve(triangle, basis.T @ (target - last @ y))
+    return x[: len(curves)], x[len(curves) :], y
+
+
+def _rows(weights: Array) -> list[list[float]]:
+    """Cuts the weights of all cells into rows of one, two, three ..."""
+    ends = np.cumsum(np.arange(1, math.isqrt(2 * weights.size)))
+    return [row.tolist() for row in np.split(weights, ends)]
+
+
+def _differences(width: Array) -> Array:
+    """Returns the matrix that takes weights to differences of density between neighbor cells."""
+    i, j = np.tril_indices(width.size)
+    area = width[i] * width[j] * np.where(i == j, 0.5, 1.0)
+    number = np.full((width.size + 1, width.size + 1), -1)
+    number[i, j] = np.arange(i.size)
+    pairs = [
+        (cell, neighbor)
+        for cell in range(i.size)
+        for neighbor in (number[i[cell] + 1, j[cell]], number[i[cell], j[cell] + 1])
+        if neighbor >= 0
+    ]
+    matrix = np.zeros((len(pairs), i.size))
+    for row, (cell, neighbor) in zip(matrix, pairs, strict=True):
+        row[cell], row[neighbor] = 1 / area[cell], -1 / area[neighbor]
+    return matrix

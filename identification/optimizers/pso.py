@@ -1,0 +1,159 @@
+"""The basic particle swarm, of Li et al. 2022, section 4.1, and of Kao and Fung 2009, eq. (3)-(4).
+
+The two differ in coefficients and in what is drawn once per particle or once per dimension:
+`pso(objective, bounds)` is the first, `pso(objective, bounds, **KAO_FUNG)` the second.
+"""
+
+import math
+from typing import Literal, TypedDict, Unpack
+
+import numpy as np
+from scipy.optimize import OptimizeResult
+
+from ...errors import InputError
+from .swarm import Bounds, Callback, Objective, Swarm, SwarmOptions
+
+Inertia = Literal["tanh", "linear"] | float
+TANH_RANGE = (0.95, 0.4)  # from the first move to the last
+LINEAR_RANGE = (0.9, 0.4)
+LEARNING_FACTOR = 2.0  # c1 = c2 of Li et al. 2022
+
+
+class Coefficients(TypedDict):
+    """The options of `pso` in which the two papers differ."""
+
+    inertia: Inertia
+    cognitive: float
+    social: float
+    per_dimension: bool
+
+
+# The numbers of Kao and Fung 2009, section 4.4; their eq. (4) is inertia="linear".
+KAO_FUNG = Coefficients(inertia=0.65, cognitive=0.7, social=2.05, per_dimension=True)
+
+
+def tanh_inertia(iteration: int, iterations: int) -> float:
+    """Inertia falling along a tanh from 0.95 to 0.4, eq. (10) of Li et al. 2022."""
+    first, last = TANH_RANGE
+    mean, half = (first + last) / 2, (first - last) / 2
+    return math.tanh(-5 + 10 * (iterations - iteration) / iterations) * half + mean
+
+
+def linear_inertia(iteration: int, iterations: int) -> float:
+    """Inertia falling from 0.9 to 0.4: eq. (13) of Li et al. 2022, (4) of Kao and Fung 2009."""
+    first, last = LINEAR_RANGE
+    return first - (first - last) * iteration / iterations
+
+
+class PSO(Swarm):
+    """The basic swarm as an ask/tell core.
+
+    Args:
+        bounds: see `pso`.
+        inertia: see `pso`.
+        cognitive: see `pso`.
+        social: see `pso`.
+        per_dimension: see `pso`.
+        **common: see `pso`.
+
+    Raises:
+        InputError: bounds, sizes or coefficients are wrong.
+    """
+
+    def __init__(
+        self,
+        bounds: Bounds,
+        *,
+        inertia: Inertia = "tanh",
+        cognitive: float = LEARNING_FACTOR,
+        social: float = LEARNING_FACTOR,
+        per_dimension: bool = False,
+        **common: Unpack[SwarmOptions],
+    ) -> None:
+        super().__init__(bounds, **common)
+        if inertia not in ("tanh", "linear") and not _usable(inertia):
+            raise InputError(f"inertia is {inertia!r}: use 'tanh', 'linear' or a number from 0")
+        for name, value in (("cognitive", cognitive), ("social", social)):
+            if not _usable(value):
+                raise InputError(f"{name} is {value!r}: use a finite number from 0")
+        self._inertia: Inertia = inertia
+        self._cognitive, self._social = cognitive, social
+        if per_dimension:
+            self._draws = (2, *self._position.shape)
+        self._options |= Coefficients(
+            inertia=inertia, cognitive=cognitive, social=social, per_dimension=per_dimension
+        )
+
+    def _coefficients(self) -> tuple[float, float, float]:
+        if self._inertia == "tanh":
+            inertia = tanh_inertia(self.iteration, self._max_iterations)
+        elif self._inertia == "linear":
+            inertia = linear_inertia(self.iteration, self._max_iterations)
+        else:
+            inertia = float(self._inertia)
+        return inertia, self._cognitive, self._social
+
+
+def pso(
+    objective: Objective,
+    bounds: Bounds,
+    *,
+    swarm_size: int = 50,
+    max_iterations: int = 100,
+    velocity_limit: float = 0.2,
+    target: float | None = None,
+    rng: int | np.random.Generator | None = None,
+    callback: Callback | None = None,
+    inertia: Inertia = "tanh",
+    cognitive: float = LEARNING_FACTOR,
+    social: float = LEARNING_FACTOR,
+    per_dimension: bool = False,
+) -> OptimizeResult:
+    """Minimizes with the basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
+
+    `PSO` is the same as an ask/tell core that can be saved and resumed.
+
+    Args:
+        objective: maps positions (n, d) to values (n,); a value that is not finite discards that
+            position.
+        bounds: one pair (low, high) per parameter; a particle beyond is set back to the bound and
+            keeps its velocity.
+        swarm_size: number of particles.
+        max_iterations: number of moves after the first evaluation.
+        velocity_limit: largest move per iteration, as a fraction of each parameter's range; a
+            faster component is set back to it. Both papers leave Vmax open.
+        target: stop once the best value is below (steps 4 and 11 of Li et al. use 1e-3).
+        rng: seed or generator; the same seed gives the same result bit for bit.
+        callback: called with the intermediate result after every iteration; it may raise
+            StopIteration.
+        inertia: "tanh", eq. (10); "linear", from 0.9 to 0.4; or a constant.
+        cognitive: c1, the pull towards a particle's own best.
+        social: c2, the pull towards the best of all.
+        per_dimension: draw the random numbers of eq. (8) for each dimension of each particle, as
+            eq. (3) of Kao and Fung 2009 does, instead of once per particle.
+
+    Returns:
+        `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after each iteration),
+        `discarded`, `population`, `success`, `message`.
+
+    Raises:
+        InputError: bounds, sizes, coefficients or the objective's shape are wrong, or no first
+            value is finite.
+    """
+    swarm = PSO(
+        bounds,
+        inertia=inertia,
+        cognitive=cognitive,
+        social=social,
+        per_dimension=per_dimension,
+        swarm_size=swarm_size,
+        max_iterations=max_iterations,
+        velocity_limit=velocity_limit,
+        target=target,
+        rng=rng,
+    )
+    return swarm.minimize(objective, callback)
+
+
+def _usable(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value) and value >= 0

@@ -1,0 +1,166 @@
+"""Which model to identify: the simplest of those that predict curves they were not fitted to."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..hysteresis.around.asymmetric import Asymmetric
+from ..hysteresis.around.held import Held
+from ..hysteresis.bouc_wen.model import BoucWen
+from ..hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from ..hysteresis.preisach.model import Preisach
+from ..hysteresis.protocol import HysteresisModel
+from ._threads import run_threads
+from .curves import Curve
+from .fits.registry import FITS, Fitted, fit_model, nrmse, torque_errors
+from .objective import InitialTorque
+
+AS_GOOD = 1.1  # times the best score: among those the model with fewest parameters is chosen
+
+
+@dataclass(frozen=True, kw_only=True)
+class Candidate:
+    """One model that `identify` with method "auto" tried.
+
+    Attributes:
+        name: of the model.
+        model: fitted to all curves; None where that failed.
+        initial_torque: the torque with which the curves begin [N·m].
+        parameters: how many numbers the fit chooses.
+        prediction_nrmse: over curves left out of the fit; infinite where it failed.
+        fit_nrmse: on the fitted curves; infinite where it failed.
+        reason: why it failed, as a sentence; empty if it did not.
+    """
+
+    name: str
+    model: HysteresisModel | None = None
+    initial_torque: InitialTorque = 0.0
+    parameters: int = 0
+    prediction_nrmse: float = float("inf")
+    fit_nrmse: float = float("inf")
+    reason: str = ""
+
+
+class Choice(NamedTuple):
+    """The chosen candidate, all that were tried, the best prediction first, and the reason.
+
+    `interrupted` tells whether Ctrl-C ended it before all were tried.
+    """
+
+    chosen: Candidate
+    candidates: tuple[Candidate, ...]
+    why: str
+    interrupted: bool
+
+
+def choose(
+    curves: Sequence[Curve], *, seed: int, workers: int, options: dict[str, dict[str, Any]]
+) -> Choice:
+    """Chooses the model that predicts best, or a simpler one that predicts nearly as well.
+
+    Each candidate is fitted to all curves but one and predicts that one, for each in turn but the
+    one that reaches farthest: no curve tells a model of many weights what lies beyond it, and a
+    score of such a guess would decide against it whatever it does inside. The NRMSE of all these
+    predictions is the score. Of the models within 10 % of the best score the one with fewest
+    parameters is chosen, and fitted to all curves. Everything a prediction uses, the torque at its
+    beginning too, comes from the other curves.
+
+    Args:
+        curves: first-order curves to fit, at least 2, better 3, and 5 or more for the models of
+            many weights.
+        seed: fixes all random numbers.
+        workers: threads, which share the candidates.
+        options: of the candidates' fits, by model.
+
+    Raises:
+        InputError: there are too few curves, or no candidate could be fitted.
+    """
+    if len(curves) < 2:
+        raise InputError(
+            f"the number of curves with role 'fit' is {len(curves)}: a choice among models needs "
+            "at least 2, better 3, so that one can be left out and predicted"
+        )
+    calls = [partial(_candidate, name, curves, seed, options.get(name, {})) for name in FITS]
+    found, interrupted = run_threads(calls, workers)
+    order = list(FITS)
+    tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
+    best = tried[0]
+    if best.model is None:
+        if interrupted:
+            raise KeyboardInterrupt
+        reasons = "; ".join(f"{candidate.name}: {candidate.reason}" for candidate in tried)
+        raise InputError(f"no model could be fitted to these curves ({reasons})")
+    good = [one for one in tried if one.prediction_nrmse <= AS_GOOD * best.prediction_nrmse]
+    chosen = min(good, key=lambda candidate: candidate.parameters)
+    why = _why(chosen, tried)
+    if interrupted:
+        why += f"; interrupted after {len(tried)} of {len(FITS)} models"
+    return Choice(chosen, tuple(tried), why, interrupted)
+
+
+def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str, Any]) -> Candidate:
+    def fitted(some: Sequence[Curve]) -> Fitted:
+        return fit_model(name, some, np.random.default_rng(seed), **options)
+
+    try:
+        errors = []
+        for left_out in _left_out(curves):
+            found = fitted([curve for curve in curves if curve is not left_out])
+            errors.append(torque_errors(found.model, found.initial_torque, [left_out]))
+        found = fitted(curves)
+        on_fit = torque_errors(found.model, found.initial_torque, curves)
+    except InputError as error:
+        return Candidate(name=name, reason=str(error))
+    return Candidate(
+        name=name,
+        model=found.model,
+        initial_torque=found.initial_torque,
+        parameters=_parameters(found.model),
+        prediction_nrmse=nrmse(np.concatenate(errors), curves),
+        fit_nrmse=nrmse(on_fit, curves),
+    )
+
+
+def _left_out(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves that the others can predict without extrapolation."""
+    reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]
+    farthest = int(np.argmax(reach))
+    return [*curves[:farthest], *curves[farthest + 1 :]]
+
+
+def _parameters(model: HysteresisModel) -> int:
+    """Returns how many numbers a fit of the model chooses."""
+    match model:
+        case Held(model=inner):
+            return _parameters(inner)
+        case Asymmetric(model=inner, polynomial=polynomial):
+            return _parameters(inner) + len(polynomial)
+        case BoucWen():
+            return 6  # all but A, which is 1
+        case PrandtlIshlinskii(weights=weights):
+            return 2 + len(weights)
+        case Preisach(density=density, elastic=elastic):
+            return len(elastic) + sum(len(row) for row in density)
+    return 5  # Jiles-Atherton
+
+
+def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:
+    best = tried[0]
+    score = f"with NRMSE {chosen.prediction_nrmse:.2%}"
+    if chosen is not best:
+        return (
+            f"{chosen.name} predicts curves left out of its fit {score}, within 10 % of the best "
+            f"({best.name}, {best.prediction_nrmse:.2%}), and has fewer parameters "
+            f"({chosen.parameters} instead of {best.parameters})"
+        )
+    text = f"{chosen.name} predicts curves left out of its fit best, {score}"
+    if len(tried) == 1 or tried[1].model is None:
+        return f"{text}; no other model was fitted"
+    return (
+        f"{text} (next is {tried[1].name}, {tried[1].prediction_nrmse:.2%}), and no model within "
+        f"10 % of that has fewer parameters than its {chosen.parameters}"
+    )

@@ -1,0 +1,1 @@
+"""Studies of the papers' kind: methods compared on joints by many trials."""

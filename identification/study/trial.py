@@ -1,0 +1,288 @@
+"""A study of methods, joints and trials: what to run, one trial of it, and how it is kept.
+
+Everything a trial does follows from the configuration, its key and the curves, so a study gives
+the same numbers on any number of workers and whether or not it was interrupted.
+"""
+
+import hashlib
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...checks import at_least
+from ...errors import InputError, unknown_name
+from ...hysteresis.loops import reversals
+from ..curves import Curve
+from ..fits.certified import certified_fit
+from ..identify import PAPER_BOUNDS
+from ..methods import SWARMS
+from ..objective import CurveObjective
+from ..optimizers.libraries import BASELINES
+
+METHODS = (*SWARMS, "certified", *BASELINES)
+CONVERGED = 1.01  # of the final fitness
+
+
+class TrialKey(NamedTuple):
+    """Which trial of a study."""
+
+    joint: str
+    method: str
+    number: int
+
+    @property
+    def file_name(self) -> str:
+        """The name of its file; no method has a dot in it, so no two keys share one."""
+        return f"{self.joint}.{self.method}.{self.number:04d}.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyConfig:
+    """What a study runs. Converts to JSON and back without loss.
+
+    Attributes:
+        methods: names from `METHODS`.
+        joints: a fingerprint of the curves by joint name.
+        trials: independent runs of each method on each joint.
+        seed: fixes all random numbers.
+        swarm_size: particles of a swarm.
+        iterations: moves of a swarm; other methods but "certified" get as many evaluations.
+
+    Raises:
+        InputError: a name is unknown or there twice, nothing is left to do, or a number is too
+            small.
+    """
+
+    methods: tuple[str, ...]
+    joints: dict[str, str]
+    trials: int = 30
+    seed: int = 0
+    swarm_size: int = 50
+    iterations: int = 100
+
+    def __post_init__(self) -> None:
+        if not self.methods or not self.joints:
+            raise InputError("the study has no method or no joint: name at least one of each")
+        for method in self.methods:
+            if method not in METHODS:
+                raise unknown_name("method", method, METHODS)
+            if self.methods.count(method) > 1:
+                raise InputError(f"method {method!r} is there twice: name each method once")
+        at_least("trials", self.trials, 1)
+        at_least("seed", self.seed, 0)
+        at_least("swarm_size", self.swarm_size, 2)
+        at_least("iterations", self.iterations, 1)
+
+    @property
+    def evaluations(self) -> int:
+        """How many models a swarm evaluates in one trial."""
+        return self.swarm_size * (self.iterations + 1)
+
+    @property
+    def keys(self) -> list[TrialKey]:
+        """All trials, in the order of every table."""
+        return [
+            TrialKey(joint, method, number)
+            for joint in self.joints
+            for method in self.methods
+            for number in range(self.trials)
+        ]
+
+    def seed_of(self, key: TrialKey) -> np.random.SeedSequence:
+        """Returns the seed of a trial, which no other method, joint or trial changes."""
+        spawn_key = (*(zlib.crc32(name.encode()) for name in key[:2]), key.number)
+        return np.random.SeedSequence(self.seed, spawn_key=spawn_key)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns plain values for JSON."""
+        return {**asdict(self), "methods": list(self.methods)}
+
+
+class Prediction(NamedTuple):
+    """How far a model is from a curve kept out of the fit; infinite where it meets its pole."""
+
+    largest: float  # |Tc - Tm| [N·m]
+    nrmse: float  # relative to the largest torque of the fitted curves
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyTrial:
+    """What one trial found.
+
+    Attributes:
+        key: which trial.
+        parameters: Ms, a, alpha, c, k in degrees.
+        held: the range [rad] outside which a certified fit needs its torque held, if any.
+        fitness: eq. (7) of Li et al. 2022 on the fitted curves.
+        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        evaluations: how often the model was evaluated on all curves.
+        improvements: (evaluations, best fitness) whenever the best one improved.
+        predictions: the error on each curve with role "predict".
+    """
+
+    key: TrialKey
+    parameters: tuple[float, ...]
+    held: tuple[float, float] | None
+    fitness: float
+    nrmse: float
+    evaluations: int
+    improvements: tuple[tuple[int, float], ...]
+    predictions: dict[str, Prediction]
+
+    def convergence_iteration(self, swarm_size: int) -> int:
+        """Returns the iteration from which the best fitness is within 1 % of the final one.
+
+        An iteration is `swarm_size` evaluations; the first is that of the scattered swarm.
+        """
+        final = self.improvements[-1][1]
+        spent = next(spent for spent, best in self.improvements if best <= CONVERGED * final)
+        return -(-spent // swarm_size)
+
+    def best_after(self, evaluations: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Returns the best fitness, (n,), after each of these numbers of evaluations, (n,)."""
+        spent, best = np.array(self.improvements).T
+        place = np.searchsorted(spent, evaluations, side="right") - 1
+        return np.where(place >= 0, best[place], np.inf)
+
+    def evaluations_to(self, fitness: float) -> float:
+        """Returns after how many evaluations the best fitness was at most `fitness`, or inf."""
+        return next((float(spent) for spent, best in self.improvements if best <= fitness), np.inf)
+
+    def to_json(self) -> str:
+        """Returns strict JSON that gives every number back to the last bit."""
+        content = asdict(self)
+        for name, errors in self.predictions.items():
+            content["predictions"][name] = [e if np.isfinite(e) else None for e in errors]
+        return json.dumps(content, allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Returns the trial that `to_json` wrote.
+
+        Raises:
+            InputError: it did not.
+        """
+        try:
+            content = json.loads(text)
+            content["key"] = TrialKey(*content["key"])
+            content["parameters"] = tuple(content["parameters"])
+            content["held"] = tuple(content["held"]) if content["held"] else None
+            content["improvements"] = tuple(map(tuple, content["improvements"]))
+            content["predictions"] = {
+                name: Prediction(*(np.inf if e is None else e for e in errors))
+                for name, errors in content["predictions"].items()
+            }
+            return cls(**content)
+        except (ValueError, TypeError, KeyError, AttributeError) as error:
+            raise InputError(f"not a finished trial ({error}): delete it") from error
+
+
+def fingerprint(curves: Sequence[Curve]) -> str:
+    """Returns a hash of names, roles, weights and samples, the same wherever the file lies."""
+    total = hashlib.sha256()
+    for curve in curves:
+        total.update(f"{curve.name}\n{curve.role}\n{curve.weight}\n{curve.angle.size}\n".encode())
+        total.update(curve.angle.tobytes() + curve.torque.tobytes())
+    return total.hexdigest()[:16]
+
+
+def fitted(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves with role "fit"."""
+    return [curve for curve in curves if curve.role == "fit"]
+
+
+def held_out(curves: Sequence[Curve]) -> list[Curve]:
+    """Returns the curves with role "predict"."""
+    return [curve for curve in curves if curve.role == "predict"]
+
+
+def is_multi_order(curve: Curve) -> bool:
+    """Returns whether a curve turns more than once, which no first-order one does."""
+    return reversals(curve.angle).size > 1
+
+
+def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> StudyTrial:
+    """Runs one trial on all curves of its joint, those with role "predict" kept out of the fit.
+
+    Raises:
+        InputError: the curves are unusable, or the method's package is not installed.
+    """
+    measured, rng = fitted(curves), np.random.default_rng(config.seed_of(key))
+    final = CurveObjective(measured, loss="paper")
+    held = None
+    if key.method == "certified":
+        fit = certified_fit(measured, rng=rng)
+        parameters, evaluations, held = fit.parameters, fit.evaluations, fit.held
+        fitness = float(final(parameters)[0])
+        improvements = [(spent, best / fit.nrmse * fitness) for spent, best in fit.history]
+    else:
+        recorded = _Recorded(CurveObjective(measured, loss="paper"))
+        parameters = _minimize(recorded, key.method, config, rng)
+        fitness = float(final(parameters)[0])
+        evaluations, improvements = recorded.objective.evaluations, recorded.improvements
+    return StudyTrial(
+        key=key,
+        parameters=tuple(map(float, parameters)),
+        held=held,
+        fitness=fitness,
+        nrmse=float(final.nrmse(parameters)[0]),
+        evaluations=evaluations,
+        improvements=tuple(improvements),
+        predictions={c.name: _prediction(c, parameters, final.peak) for c in held_out(curves)},
+    )
+
+
+def check(config: StudyConfig, families: Mapping[str, Sequence[Curve]]) -> None:
+    """Raises what would stop the trials before any of them has run.
+
+    Raises:
+        InputError: curves are unusable, or a method's package is not installed.
+    """
+    for curves in families.values():
+        CurveObjective(fitted(curves))
+    for method in set(config.methods) & set(BASELINES):
+        BASELINES[method](lambda x: np.square(x).sum(axis=1), [(-1.0, 1.0)] * 2, 2, 0)
+
+
+class _Recorded:
+    """An objective that remembers when its best value improved."""
+
+    def __init__(self, objective: CurveObjective) -> None:
+        self.objective = objective
+        self.improvements: list[tuple[int, float]] = []
+        self._best = np.inf
+
+    def __call__(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        before = self.objective.evaluations
+        values = self.objective(parameters)
+        for i in np.flatnonzero(values < self._best):
+            if values[i] < self._best:
+                self._best = float(values[i])
+                self.improvements.append((before + int(i) + 1, self._best))
+        return values
+
+
+def _minimize(
+    objective: _Recorded, method: str, config: StudyConfig, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    if method in BASELINES:
+        return BASELINES[method](objective, PAPER_BOUNDS, config.evaluations, rng).x
+    return SWARMS[method](
+        objective,
+        PAPER_BOUNDS,
+        swarm_size=config.swarm_size,
+        max_iterations=config.iterations,
+        rng=rng,
+    ).x
+
+
+def _prediction(curve: Curve, parameters: NDArray[np.float64], peak: float) -> Prediction:
+    error = CurveObjective([curve]).responses(parameters)[0] - curve.torque
+    if not np.isfinite(error).all():
+        return Prediction(np.inf, np.inf)
+    return Prediction(float(np.abs(error).max()), float(np.sqrt(np.mean(error**2))) / peak)

@@ -1,0 +1,5 @@
+"""How sure the parameters of an identified Jiles-Atherton model are."""
+
+from .uncertainty import Uncertainty, uncertainty
+
+__all__ = ["Uncertainty", "uncertainty"]

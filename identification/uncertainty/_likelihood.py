@@ -1,0 +1,145 @@
+"""The likelihood of Jiles-Atherton parameters, and walks along its valleys."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import null_space
+from scipy.optimize import brentq, least_squares
+
+from ...arrays import Array
+from ..fits.certified import REJECTED, TINY
+from ..objective import CurveObjective
+
+CONVERGED = 1e-10
+FIRST_STEP, FASTER = 0.5, 2.0  # of a walk, at most; from step to step
+LOST = 100.0  # times the allowed growth: no point to start the next fit from
+WIDEST = 10.0  # distance from the center beyond which no fit goes; extreme models take long
+LEAST_NOISE = 1e-6  # of the peak, which is what curve files resolve
+PRECISE = 1e-3  # of the distance walked
+
+
+class Likelihood:
+    """Least squares over y = log Ms, log a, alpha (Ms/a), log(c-1), log k, initial torque / peak.
+
+    The Ms/a beside alpha is that of the row given; the last coordinate is there only if the initial
+    torque is identified. Rows are those of `CurveObjective`.
+
+    Attributes:
+        objective: the curves.
+        center: the point of the row given.
+        best: the point of least squares near to it.
+        cost: the sum of weighted squares there [(N·m)^2].
+        variance: of the torque at mean weight [(N·m)^2].
+        freedom: how many samples there are beyond the coordinates.
+    """
+
+    def __init__(self, objective: CurveObjective, row: Array) -> None:
+        self.objective = objective
+        self._weight = np.sqrt(objective.weight)
+        Ms, a, alpha, c, k = row[:5].tolist()
+        self._slope = Ms / a
+        first = row[5:] / objective.peak
+        logs = np.log(Ms), np.log(a), alpha * self._slope, np.log(c - 1), np.log(k)
+        self.center = np.array([*logs, *first])
+        self.freedom = objective.torque.size - self.center.size
+        self.best, self.cost = self.minimize(self.center)
+        self.variance = max(self.cost / self.freedom, (LEAST_NOISE * objective.peak) ** 2)
+
+    def row(self, point: NDArray[Any]) -> NDArray[Any]:
+        """Returns the parameters at a point."""
+        log_Ms, log_a, alpha, log_excess, log_k = point[:5]
+        Ms, a, excess, k = np.exp([log_Ms, log_a, log_excess, log_k])
+        first = point[5:] * self.objective.peak
+        return np.array([Ms, a, alpha / self._slope, 1 + excess, k, *first])
+
+    def by_point(self, point: Array) -> Array:
+        """Returns the derivative of each parameter by its own coordinate, shape (n,)."""
+        return np.imag(self.row(point + TINY * 1j)) / TINY
+
+    def residual(self, point: Array) -> Array:
+        """Returns sqrt(w) (Tc - Tm) [N·m], shape (samples,)."""
+        if self.is_extreme(point):
+            return self._weight * REJECTED * self.objective.peak
+        error = self.objective.responses(self.row(point))[0] - self.objective.torque
+        return self._weight * np.where(np.isfinite(error), error, REJECTED * self.objective.peak)
+
+    def is_extreme(self, point: Array) -> bool:
+        """Returns whether a point is too far from the center to be tried."""
+        return bool(np.abs(point - self.center).max() > WIDEST)
+
+    def jacobian(self, point: Array) -> Array:
+        """Returns the derivatives of `residual`, shape (samples, n)."""
+        by_row = self.objective.derivatives(self.row(point)) * self._weight[:, None]
+        return np.where(np.isfinite(by_row), by_row, 0.0) * self.by_point(point)
+
+    def covariance(self, point: Array, prior: float = 0.0) -> Array:
+        """Returns that of the coordinates, linearized at a point, shape (n, n)."""
+        _, singular, directions = np.linalg.svd(self.jacobian(point), full_matrices=False)
+        known = singular**2 / self.variance  # 1 / variance of each direction
+        return (directions.T / (known + prior)) @ directions
+
+    def minimize(self, start: Array, fixed: Array | None = None) -> tuple[Array, float]:
+        """Returns the best point near `start` and its cost.
+
+        Args:
+            start: where to begin (n,).
+            fixed: directions in which not to move (m, n).
+        """
+        if self.is_extreme(start):
+            return start, np.inf
+        ways = np.eye(start.size) if fixed is None else null_space(fixed)
+        result = least_squares(
+            lambda steps: self.residual(start + ways @ steps),
+            np.zeros(ways.shape[1]),
+            jac=lambda steps: self.jacobian(start + ways @ steps) @ ways,  # type: ignore[arg-type]
+            method="lm",
+            x_scale="jac",
+            ftol=CONVERGED,
+            xtol=CONVERGED,
+        )
+        return start + ways @ result.x, 2 * float(result.cost)
+
+    def walk(
+        self, direction: Array, growth: float, farthest: float, fixed: Array | None = None
+    ) -> tuple[Array, bool]:
+        """Walks from `best` in a direction, along the bottom of the valley.
+
+        After each step all but the direction is fitted anew.
+
+        Args:
+            direction: of length 1 (n,).
+            growth: of the cost, at which the walk ends [(N·m)^2].
+            farthest: distance in the direction at which it ends at the latest.
+            fixed: other directions in which not to move (m, n).
+
+        Returns:
+            Where it ends, and whether it is the cost that ended it.
+        """
+        kept = direction[None] if fixed is None else np.vstack([direction, fixed])
+        covariance = self.covariance(self.best, prior=WIDEST**-2)
+        spread = float(direction @ covariance @ direction)
+        valley = covariance @ direction / spread
+
+        @cache
+        def bottom(distance: float) -> tuple[Array, float]:
+            nonlocal valley
+            if distance == 0:
+                return self.best, -1.0
+            point, cost = self.minimize(self.best + distance * valley, kept)
+            if cost - self.cost < LOST * growth:
+                valley = (point - self.best) / distance
+            return point, float(np.sqrt(max(cost - self.cost, 0.0) / growth)) - 1
+
+        def excess(distance: float) -> float:
+            return bottom(distance)[1]
+
+        inside = 0.0
+        outside = min(np.sqrt(spread * growth / self.variance), FIRST_STEP, farthest)
+        while excess(outside) < 0:
+            if outside == farthest:
+                return bottom(farthest)[0], False
+            inside, outside = outside, min(FASTER * outside, farthest)
+        end: Any = brentq(excess, inside, outside, xtol=PRECISE * outside)
+        return bottom(float(end))[0], True

@@ -1,0 +1,1 @@
+"""The commands of `activesuit`, one a file: a function of the file's name."""

@@ -1,0 +1,85 @@
+"""`activesuit bench`: speed as ratios of paired medians measured in one run, and exactness."""
+
+import platform
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from ...checks import at_least
+from ..output import table, to_json
+
+if TYPE_CHECKING:
+    from ..benchmarks.timing import Row
+
+Topic = Literal["all", "hysteresis", "engine", "model", "env", "identify", "oracle"]
+
+
+def bench(
+    topic: Annotated[Topic, tyro.conf.Positional] = "all",
+    /,
+    repeats: int = 9,
+    json: bool = False,
+) -> None:
+    """Measure speed, each row against something else in turn in this very run; or exactness.
+
+    Args:
+        topic: hysteresis, engine, model, env, identify, or all of these; or oracle, which compares
+            the kernels with readable twins, with SciPy and with the engine.
+        repeats: pairs of measurements per row.
+        json: print the result as JSON.
+    """
+    at_least("repeats", repeats, 1)
+    # Not needed by other commands, and slow to import.
+    import mujoco
+
+    from ..benchmarks import effort, engine, env, hysteresis, identify, model, starts
+    from ..benchmarks import exactness as oracle
+
+    if topic == "oracle":
+        oracle.report(json)
+        return
+    topics: dict[str, Callable[[int], list[Row]]] = {
+        "hysteresis": hysteresis.rows,
+        "engine": engine.rows,
+        "model": model.rows,
+        "env": env.rows,
+        "identify": identify.rows,
+    }
+    rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
+    found = starts.random_starts(repeats) if topic in ("identify", "all") else []
+    errors = model.step_errors() if topic in ("model", "all") else []
+    costs = effort.suit_costs() if topic in ("model", "all") else []
+    machine = f"{platform.processor() or platform.machine()}, MuJoCo {mujoco.__version__}"
+    if json:
+        parts = {"rows": rows, "starts": found, "step_errors": errors, "suit_costs": costs}
+        content = {name: [one.to_dict() for one in part] for name, part in parts.items()}
+        print(to_json({"machine": machine, "repeats": repeats, **content}))
+        return
+    table(
+        f"medians of {repeats} pairs; {machine}",
+        ["ours\nagainst", "time", "ratio", "lowest\nhighest", "target"],
+        map(_cells, rows),
+        left=1,
+    )
+    if errors:
+        table("RMS differences from physics steps of 0.125 ms", *model.step_table(errors))
+    if costs:
+        table("effort in a suit over effort without", *effort.cost_table(costs))
+        print(effort.PUBLISHED)
+    if found:
+        table("fits from random starts", *starts.starts_table(found))
+
+
+def _cells(row: "Row") -> Sequence[str]:
+    verdict = "met" if row.met else "NOT met"
+    if row.ratio is None:
+        goal = "-" if row.limit is None else f"<= {row.limit:g} {verdict}"
+        return row.what, f"{row.ours:.3g} {row.unit}", "", "", goal
+    return (
+        f"{row.what}\n{row.against}",
+        f"{row.ours:.3g} {row.unit}\n{row.reference:.3g} {row.unit}",
+        f"{row.ratio:.3g}",
+        f"{row.lowest:.3g}\n{row.highest:.3g}",
+        f">= {row.target:g} {verdict}" if row.target else "-",
+    )

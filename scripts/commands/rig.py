@@ -1,0 +1,120 @@
+"""`activesuit rig`: measures a simulated suit joint as the paper measured a real one."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from ...envs.rig import Record, RigConfig, run_rig
+from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
+from ...envs.rig.figure import records_figure
+from ...errors import InputError
+from ...identification import Curve, save_curves
+from ..output import RunFolder, table, to_json
+
+
+def rig(
+    suit: str = "mock-suit",
+    joint: str = "elbow_flexion",
+    turns: tuple[float, ...] = (),
+    predict: tuple[float, ...] | None = None,
+    start_angle: float | None = None,
+    repeats: int = 1,
+    rate: float = RATE,
+    sample_rate: float = SAMPLE_RATE,
+    noise: float = NOISE,
+    drift: float = 0.0,
+    torque_resolution: float | None = None,
+    angle_resolution: float | None = None,
+    bearing_friction: float = 0.0,
+    seed: int = 0,
+    out: Path = Path("runs/rig"),
+    json: bool = False,
+) -> None:
+    """Measure first-order curves of a suit joint on a simulated rig.
+
+    Args:
+        suit: name of a shipped suit, or a suit file.
+        joint: which joint of the suit.
+        turns: angles at which the curves turn back [rad]; by default those of the paper for
+            shoulder and elbow, fifths of the range for other joints.
+        predict: which of the turns to keep out of a fit, to test it; by default the second,
+            fourth, ... but not the last.
+        start_angle: where the curves begin and end [rad]; by default where the suit's memory does.
+        repeats: how often each curve goes to its turn and back.
+        rate: of the joint [rad/s], from 0.01 to 0.5.
+        sample_rate: of the sensors [Hz], from 1 to 1000.
+        noise: standard deviation of the torque sensor's noise [N·m].
+        drift: of the torque sensor since the beginning of a curve [N·m/s].
+        torque_resolution: step of the torque sensor [N·m]; none by default.
+        angle_resolution: step of the encoder [rad]; none by default.
+        bearing_friction: friction of the bearings [N·m].
+        seed: fixes the noise.
+        out: folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG.
+        json: print the result as JSON.
+    """
+    config = RigConfig(
+        suit=suit,
+        joint=joint,
+        turns=turns,
+        start_angle=start_angle,
+        repeats=repeats,
+        rate=rate,
+        sample_rate=sample_rate,
+        noise=noise,
+        drift=drift,
+        torque_resolution=torque_resolution,
+        angle_resolution=angle_resolution,
+        bearing_friction=bearing_friction,
+        seed=seed,
+    )
+    kept_out = _kept_out(config.turns, predict)
+    _report(config, kept_out, run_rig(config), out, json)
+
+
+def _report(
+    config: RigConfig, kept_out: Sequence[float], records: Sequence[Record], out: Path, json: bool
+) -> None:
+    names = {f"{turn:.2f}" for turn in kept_out}
+    curves = [
+        Curve(one.angle, one.torque, one.name, "predict" if one.name in names else "fit")
+        for one in records
+    ]
+    folder = RunFolder(out)
+    path = folder / f"{config.joint}.csv"
+    title = f"{config.suit}, {config.joint.replace('_', ' ')}"
+    folder.json("config.json", {**asdict(config), "predict": kept_out})
+    folder.figure("loops", records_figure(title, records))
+    save_curves(path, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    measured = [_summary(curve) for curve in curves]
+    if json:
+        print(to_json({"curves": path, "measured": measured}))
+        return
+    header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
+    rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
+    table(title, header, rows)
+    print(f"wrote {path}, config.json, loops.png; next: activesuit identify {path}")
+
+
+def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[float]:
+    """Returns the turns whose curves test a fit."""
+    if predict is None:
+        return sorted(turns)[1:-1:2]
+    listed = ", ".join(f"{turn:g}" for turn in turns)
+    for turn in predict:
+        if turn not in turns:
+            raise InputError(f"predict has {turn:g} rad: give some of the turns, {listed} rad")
+    if set(predict) == set(turns):
+        raise InputError(f"predict has all turns, {listed} rad: leave some of them to be fitted")
+    return list(predict)
+
+
+def _summary(curve: Curve) -> dict[str, str | int | float]:
+    return {
+        "name": curve.name,
+        "role": curve.role,
+        "samples": curve.angle.size,
+        "peak_torque": float(np.abs(curve.torque).max()),
+        "work": float(np.trapezoid(curve.torque, curve.angle)),
+    }

@@ -1,0 +1,197 @@
+"""`activesuit study`: methods compared on joints by many trials, and the paper's claims judged."""
+
+from collections.abc import Sequence
+from json import loads
+from pathlib import Path
+from typing import Any
+
+from ... import __version__
+from ...assets import CURVES, curves_path
+from ...errors import InputError
+from ...files import write_text
+from ...identification import Curve, load_curves
+from ...identification.study.figures import figures
+from ...identification.study.summary import judge, summarize
+from ...identification.study.trial import (
+    StudyConfig,
+    StudyTrial,
+    TrialKey,
+    check,
+    fingerprint,
+    run_trial,
+)
+from ..backends import Backend, check_backend, run_all
+from ..output import RunFolder, progress, table, telling, to_json
+from ..reports.study import report, to_dict
+from ..reports.study_tables import (
+    best_table,
+    multi_order_table,
+    prediction_table,
+    summary_rows,
+    trial_rows,
+    typical_table,
+    verdict_table,
+)
+
+Families = dict[str, list[Curve]]
+
+
+def study(
+    out: Path = Path("runs/study"),
+    methods: tuple[str, ...] = ("sa-pso", "mpso"),
+    joints: tuple[str, ...] = ("shoulder", "elbow"),
+    trials: int = 30,
+    seed: int = 0,
+    swarm_size: int = 50,
+    iterations: int = 100,
+    workers: int = -1,
+    backend: Backend = "threading",
+    json: bool = False,
+) -> None:
+    """Compare identification methods by many trials, and judge the paper's claims.
+
+    Every finished trial is kept at once; the same command again goes on where it stopped. Results
+    do not depend on the workers or the backend.
+
+    Args:
+        out: folder for config.json, the trials, trials.csv, table.csv, report.md and the figures.
+        methods: sa-pso, mpso, pso, rank-distance-mpso, certified, de, dual-annealing, nelder-mead,
+            ga or cma-es.
+        joints: shipped curves, shoulder or elbow, or CSV files; those of their curves with the role
+            predict are kept out of the fits, and may turn more than once.
+        trials: independent runs of each method on each joint.
+        seed: fixes all random numbers.
+        swarm_size: particles of a swarm.
+        iterations: moves of a swarm; other methods but certified get as many evaluations.
+        workers: how many trials run at once; -1 uses all cores, or the whole cluster.
+        backend: threading, loky (processes), or ray or dask: the cluster that RAY_ADDRESS or
+            DASK_SCHEDULER_ADDRESS names, or a new one of this many workers here.
+        json: print the result as JSON.
+    """
+    families = _families(joints)
+    config = StudyConfig(
+        methods=methods,
+        joints={joint: fingerprint(curves) for joint, curves in families.items()},
+        trials=trials,
+        seed=seed,
+        swarm_size=swarm_size,
+        iterations=iterations,
+    )
+    check(config, families)
+    check_backend(backend, workers)
+    folder = _folder(out, config)
+    with telling(lambda: _kept(folder, config)):
+        finished = _run(folder, config, families, backend, workers)
+    summaries = summarize(config, families, finished)
+    judgements = judge(config, summaries)
+    result = to_dict(config, summaries, judgements)
+    folder.json("result.json", result)
+    folder.csv("trials.csv", *trial_rows(config, summaries))
+    folder.csv("table.csv", *summary_rows(summaries))
+    drawn = figures(config, families, summaries)
+    for name, figure in drawn.items():
+        folder.figure(name, figure)
+    folder.text("report.md", report(config, summaries, judgements, list(drawn)))
+    if json:
+        print(to_json(result))
+        return
+    table(f"best of {trials} trials", *best_table(summaries))
+    table("all trials", *typical_table(summaries))
+    table("largest errors on held-out first-order curves", *prediction_table(summaries), left=3)
+    if any(summary.multi_order for summary in summaries):
+        table("held-out motions that turn more than once", *multi_order_table(summaries))
+    if judgements:
+        table("SA-PSO against MPSO, as the paper claims", *verdict_table(judgements), left=2)
+    for reason in dict.fromkeys(judgement.reason for judgement in judgements if judgement.reason):
+        print(f"note: undecidable: {reason}")
+    print(f"report, figures and data: {folder.path}/report.md")
+
+
+def _families(joints: Sequence[str]) -> Families:
+    families: Families = {}
+    for given in joints:
+        path = curves_path(given) if given in CURVES else Path(given)
+        if given not in CURVES and path.suffix.lower() != ".csv":
+            raise InputError(
+                f"joint {given!r}: use shipped curves ({', '.join(sorted(CURVES))}) or a CSV file"
+            )
+        if path.stem in families:
+            raise InputError(f"two joints are named {path.stem!r}: rename one of the files")
+        families[path.stem] = load_curves(path)
+        if given in CURVES:
+            families[path.stem] += load_curves(path.with_stem(f"{given}_multi_order"))
+    return families
+
+
+def _folder(out: Path, config: StudyConfig) -> RunFolder:
+    """Opens the folder of a new study, or of the same one.
+
+    Raises:
+        InputError: it holds another study.
+    """
+    folder = RunFolder(out)
+    wanted = loads(to_json({"version": __version__, **config.to_dict()}))
+    present = _read_config(folder / "config.json")
+    if present is None:
+        folder.json("config.json", wanted)
+    elif present != wanted:
+        different = next(name for name in wanted if present.get(name) != wanted[name])
+        raise InputError(
+            f"{str(out)!r} holds a study whose {different} is {present.get(different)}, not "
+            f"{wanted[different]}: choose another --out, or go on with its own options"
+        )
+    (out / "trials").mkdir(exist_ok=True)
+    return folder
+
+
+def _read_config(path: Path) -> dict[str, Any] | None:
+    try:
+        found = loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{str(path)!r} is not the configuration of a study: choose another --out")
+    return found
+
+
+def _run(
+    folder: RunFolder, config: StudyConfig, families: Families, backend: Backend, workers: int
+) -> list[StudyTrial]:
+    """Returns all trials: those on disk, and the rest, run now and written one by one."""
+    finished = [trial for key in config.keys if (trial := _load(folder, key)) is not None]
+    done = {trial.key for trial in finished}
+    calls = [(config, key, families[key.joint]) for key in config.keys if key not in done]
+    with progress("study", len(config.keys)) as bar:
+        bar.move_to(len(done))
+        for trial in run_all(run_trial, calls, backend, workers):
+            write_text(_path(folder, trial.key), trial.to_json() + "\n")
+            finished.append(trial)
+            bar.advance()
+    return finished
+
+
+def _path(folder: RunFolder, key: TrialKey) -> Path:
+    return folder / "trials" / key.file_name
+
+
+def _load(folder: RunFolder, key: TrialKey) -> StudyTrial | None:
+    path = _path(folder, key)
+    try:
+        trial = StudyTrial.from_json(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    if trial.key != key:
+        raise InputError(f"{path} is the trial {trial.key.file_name}: delete it")
+    return trial
+
+
+def _kept(folder: RunFolder, config: StudyConfig) -> str:
+    done = sum(_path(folder, key).exists() for key in config.keys)
+    return (
+        f"the finished trials ({done} of {len(config.keys)}) are kept in {folder.path}/trials; run "
+        "the same command again for the rest"
+    )

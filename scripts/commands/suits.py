@@ -1,0 +1,179 @@
+"""`activesuit suits`: what suits there are, and what is in one."""
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from ...assets import Suit, SuitJoint, load_suit, save_suit, suit_names
+from ...errors import InputError
+from ...hysteresis import HysteresisModel, PoleError
+from ...hysteresis.certificate import ALL_ANGLES
+from ..output import RunFolder, table, to_json
+from ..reports.tables import parameter_table
+
+
+def suits(
+    suit: Annotated[str | None, tyro.conf.Positional] = None,
+    /,
+    pressure: float | None = None,
+    export: Path | None = None,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """List the shipped suits, or show and check one.
+
+    If it is not safe to simulate, the exit code is 2.
+
+    Args:
+        suit: name of a shipped suit, or a suit file.
+        pressure: show it at this operating pressure [kPa]; by default at its own.
+        export: suit file to write it to, at that pressure.
+        out: folder for the loops of its joints as PNG and SVG.
+        json: print the result as JSON.
+    """
+    if suit is None:
+        for flag, value in (("--pressure", pressure), ("--export", export), ("--out", out)):
+            if value is not None:
+                raise InputError(
+                    f"{flag} is {value}, but of which suit: give one of {', '.join(suit_names())}, "
+                    "or a suit file"
+                )
+        _list(json)
+        return
+    shown = load_suit(suit)
+    if pressure is not None:
+        shown = shown.at_pressure(pressure)
+    if out and not shown.joints:
+        raise InputError(f"--out is {out}, but {shown.name} resists no joint: leave --out away")
+    problems = [f"{joint} {what}" for joint, e in shown.joints.items() if (what := _problem(e))]
+    if json:
+        print(to_json(_content(shown, safe=not problems)))
+    else:
+        _show(shown)
+    written = _write(shown, export, out)
+    if written and not json:
+        print(f"wrote {', '.join(map(str, written))}")
+    if problems:
+        raise InputError(
+            f"{shown.name} is not safe to simulate: {'; '.join(problems)}; identify its curves "
+            "by method certified, or simulate with --allow-uncertified"
+        )
+    if not json:
+        print("Safe to simulate: no motion makes its torque infinite or gets energy out of it.")
+
+
+def _list(json: bool) -> None:
+    shipped = [load_suit(name) for name in suit_names()]
+    if json:
+        told = {"label", "pressure_kpa", "description"}
+        print(
+            to_json(
+                {s.name: {**s.model_dump(include=told), "joints": [*s.joints]} for s in shipped}
+            )
+        )
+        return
+    rows = [
+        [
+            suit.name,
+            suit.label or "-",
+            ", ".join(joint.removesuffix("_flexion").replace("_", " ") for joint in suit.joints),
+            _pressure(suit),
+        ]
+        for suit in shipped
+    ]
+    table("suits", ["name", "label", "joints", "pressure"], rows, left=3)
+    for suit in shipped:
+        print(f"{suit.name}: {suit.description}\n")
+
+
+def _content(suit: Suit, *, safe: bool) -> dict[str, Any]:
+    content = {**suit.model_dump(), "safe": safe}
+    for joint, entry in suit.joints.items():
+        content["joints"][joint]["certificate"] = asdict(entry.model.certificate())
+    return content
+
+
+def _show(suit: Suit) -> None:
+    print(f"{suit.name}: {suit.description}\n")
+    print(f"label: {suit.label or '-'}; pressure: {_pressure(suit)}\n")
+    if not suit.joints:
+        print("It resists no joint.")
+        return
+    names = {joint: joint.replace("_", "\n") for joint in suit.joints}
+    header, rows = parameter_table({names[j]: entry.model for j, entry in suit.joints.items()})
+    columns = [_column(entry) for entry in suit.joints.values()]
+    rows += [[quantity, *(column[quantity] for column in columns)] for quantity in columns[0]]
+    table("models", header, rows, left=1)
+    for joint, entry in suit.joints.items():
+        print(f"{joint}: {entry.source}")
+    print()
+
+
+def _pressure(suit: Suit) -> str:
+    return "unknown" if suit.pressure_kpa is None else f"{suit.pressure_kpa:g} kPa"
+
+
+def _column(entry: SuitJoint) -> dict[str, str]:
+    low, high = entry.range
+    torques = sorted(_end_torque(entry, sample) for sample in entry.samples)
+    return {
+        "grade": entry.grade,
+        "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
+        "range [rad]": f"{low:.2f} .. {high:.2f}",
+        "torque at its end [N·m]": f"{_end_torque(entry, entry.model):.2f}",
+        "samples": str(len(torques)),
+        "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
+        "certificate margin": f"{entry.model.certificate().margin:.3f}",
+        "safe in its range": "yes" if _is_safe(entry.model, entry.range) else "NO",
+        "safe to simulate": "NO" if _problem(entry) else "yes",
+    }
+
+
+def _end_torque(entry: SuitJoint, model: HysteresisModel) -> float:
+    """Returns the resistance [N·m] when first bent to the end of the range."""
+    try:
+        return model.response([entry.start_angle, entry.range[1]], entry.start_torque)[-1]
+    except PoleError:
+        return math.inf
+
+
+def _problem(entry: SuitJoint) -> str | None:
+    """Returns what speaks against simulating a joint."""
+    model = entry.model
+    if not _is_safe(model):
+        certificate = model.certificate()
+        return (
+            f"has certificate margin {certificate.margin:.3g} and dissipative = "
+            f"{certificate.dissipative}, and needs a margin above 0 and True"
+        )
+    if not model.start_is_certified(model.start(entry.start_angle, entry.start_torque)):
+        return (
+            f"begins at {entry.start_angle:g} rad with {entry.start_torque:g} N·m, outside its "
+            "certificate"
+        )
+    return None
+
+
+def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> bool:
+    certificate = model.certificate(span)
+    return certificate.certified and certificate.dissipative
+
+
+def _write(suit: Suit, export: Path | None, out: Path | None) -> list[Path]:
+    """Writes what was asked for; returns the files."""
+    written = []
+    if export:
+        save_suit(suit, export)
+        written.append(export)
+    if out:
+        from ..reports.suit_figure import (
+            suit_figure,  # draws, which takes most of a second to import
+        )
+
+        folder = RunFolder(out)
+        folder.figure("loops", suit_figure(suit))
+        written += [folder / "loops.png", folder / "loops.svg"]
+    return written

@@ -1,0 +1,148 @@
+"""`activesuit view`: the moving arm in a window or a browser, or a picture of it."""
+
+import itertools
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import gymnasium
+import mujoco
+
+from ...checks import at_least
+from ...envs.arm_env import ArmEnv
+from ...envs.evaluation import make_env
+from ...envs.model import ArmConfig, arm_spec, compose
+from ...envs.policies import Policy, make_policy
+from ...envs.rendering import Renderer, RenderingUnavailableError
+from ...errors import InputError, unknown_name
+from ...files import replacing
+from ..options import USUAL, ArmOptions
+
+LARGEST = 4096  # pixels of a side of a snapshot
+VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
+
+
+def view(
+    env: str = "ActiveSuit/ArmTracking-v0",
+    policy: str = "feedforward",
+    suit: str = "mock-suit",
+    gravity: str = "earth",
+    arm: ArmOptions = USUAL,
+    seed: int = 0,
+    web: bool = False,
+    snapshot: Path | None = None,
+    camera: str = "overview",
+    pose: str = "home",
+    width: int = 1280,
+    height: int = 960,
+) -> None:
+    """Watch the assisted arm move, in a window or a browser; or take a picture of it.
+
+    Args:
+        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
+        policy: none, gravity, feedforward, oracle, or the folder of a training run.
+        suit: name of a shipped suit, or a suit file.
+        gravity: earth, mars, moon or microgravity.
+        arm: wearer, coupling and load.
+        seed: fixes the first motion; every next one has the next seed.
+        web: serve to a browser instead of opening a window; to whoever reaches this machine.
+        snapshot: draw one picture into this .png file instead, without a display.
+        camera: overview, front, side, elbow, cuffs or follow; of the snapshot.
+        pose: home or reach; of the snapshot.
+        width: of the snapshot [pixels].
+        height: of the snapshot [pixels].
+    """
+    at_least("seed", seed, 0)
+    options = arm.config(suit, gravity)
+    if snapshot is not None:
+        if web:
+            raise InputError("both web and snapshot are given: use one of them")
+        renderer = Renderer(camera=camera, width=width, height=height)
+        _take_picture(ArmConfig.from_dict(options), snapshot, renderer, pose)
+        return
+    made, simulated = make_env(env, **options, render_mode=None if web else "human")
+    motion = _move(made, make_policy(policy, simulated), seed)
+    with suppress(KeyboardInterrupt):
+        if web:
+            _serve(motion, simulated)
+        else:
+            _open_window(motion)
+    made.close()
+
+
+def _move(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[None]:
+    """Runs episode after episode, for ever; stops after the reset and after every step."""
+    for episode in itertools.count(seed):
+        observation, info = env.reset(seed=episode)
+        policy.reset()
+        ended = False
+        while not ended:
+            yield
+            observation, _, terminated, truncated, info = env.step(policy.act(observation, info))
+            ended = terminated or truncated
+
+
+def _open_window(motion: Iterator[None]) -> None:
+    try:
+        next(motion)
+    except RenderingUnavailableError as error:
+        raise InputError(
+            "no window can be opened here: use --snapshot FILE.png for a picture, or --web for a "
+            "viewer in the browser"
+        ) from error
+    with suppress(RenderingUnavailableError):  # when the window is closed
+        for _ in motion:
+            pass
+
+
+def _serve(motion: Iterator[None], simulated: ArmEnv) -> None:
+    from mujoco.studio import app, launch_web
+
+    shown = _drawing(simulated.config)
+    drawn = mujoco.MjData(shown)
+    # The panels are about a simulation that the viewer itself would step.
+    bare = app.Config(show_options=False, show_inspector=False, show_status_bar=False)
+    with launch_web.launch(plugins=[app.App(bare)]) as viewer:
+        begin = time.monotonic()
+        for step, _ in enumerate(motion):
+            if not viewer.is_running():
+                return
+            drawn.qpos[:] = simulated.data.qpos
+            viewer.sync(shown, drawn)
+            time.sleep(max(0.0, begin + step * simulated.control_dt - time.monotonic()))
+
+
+def _drawing(config: ArmConfig) -> mujoco.MjModel:
+    """Returns the model without engine plugins: MuJoCo in a browser does not know ours."""
+    spec = arm_spec(config)
+    for sensor in spec.sensors:  # MuJoCo deletes the plugin that a sensor reads with it
+        spec.delete(sensor)
+    for plugin in spec.plugins:
+        spec.delete(plugin)
+    visor = spec.material("visor")  # the browser's renderer stops at a cube texture on metal
+    visor.textures = [""] * len(visor.textures)
+    visor.rgba = VISOR
+    return spec.compile()
+
+
+def _take_picture(config: ArmConfig, path: Path, renderer: Renderer, pose: str) -> None:
+    if path.suffix != ".png":
+        raise InputError(f"snapshot is {str(path)!r}: use a name that ends with .png")
+    for name, size in (("width", renderer.width), ("height", renderer.height)):
+        if size > LARGEST:
+            raise InputError(f"{name} is {size}: use 1 to {LARGEST} pixels")
+    model = compose(config)
+    poses = [model.key(i).name for i in range(model.nkey)]
+    if pose not in poses:
+        raise unknown_name("pose", pose, poses)
+    model.vis.global_.offwidth, model.vis.global_.offheight = renderer.width, renderer.height
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
+    mujoco.mj_forward(model, data)
+    with replacing(path) as scratch:
+        from matplotlib.image import imsave
+
+        imsave(scratch, renderer.picture(model, data), format="png")
+    renderer.close()
+    print(f"wrote {path}")

@@ -1,0 +1,1 @@
+"""Tables, figures and reports that several commands share."""

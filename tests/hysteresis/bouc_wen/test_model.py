@@ -1,0 +1,270 @@
+"""The Bouc-Wen model against its equation integrated by SciPy, closed forms and its invariances."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import PoleError
+from activesuit.hysteresis.bouc_wen import kernels
+from activesuit.hysteresis.bouc_wen.model import BoucWen
+from helpers import sweep
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+POWERS = (1.0, 1.05, 1.5, 2.0, 3.7, 20.0)
+SHAPES = ((3, 2), (3, -2), (2, 2), (2, -2), (1, 3))  # beta, gamma
+PARAMETERS = {"elastic": 0.7, "hysteretic": 2.0, "beta": 3.0, "gamma": 1.0, "n": 1.5}
+
+
+def model(**changes) -> BoucWen:
+    return BoucWen(**{**PARAMETERS, **changes})
+
+
+def equation(m: BoucWen, turns, torque):
+    """The readable twin: the equation as printed, by DOP853; z, work and loss at each turn."""
+
+    def slope(t, state, start, delta):
+        z, sign = state[0], np.sign(state[0] * delta)
+        theta = start + delta * t
+        dz = m.A * delta - m.beta * abs(z) ** (m.n - 1) * z - m.gamma * delta * abs(z) ** m.n
+        work = (m.elastic * (theta - m.rest_angle) + m.hysteretic * z) * delta
+        loss = m.hysteretic / m.A * (m.beta + m.gamma * sign) * abs(z) ** (m.n + 1)
+        return [dz, work, loss]
+
+    def zero(t, state, start, delta):
+        return state[0]
+
+    zero.terminal = True
+    states = [[(torque - m.elastic * (turns[0] - m.rest_angle)) / m.hysteretic, 0.0, 0.0]]
+    for start, end in pairwise(turns):
+        delta, t, state = math.copysign(1, end - start), 0.0, states[-1]
+        while t < abs(end - start):  # at z = 0 the equation is not smooth: stop and go on
+            events = zero if state[0] * delta < 0 else None
+            options = {"rtol": 1e-12, "atol": 1e-14, "args": (start, delta), "events": events}
+            solved = solve_ivp(slope, (t, abs(end - start)), state, "DOP853", **options)
+            t, state = solved.t[-1], solved.y[:, -1].tolist()
+            if solved.status == 1:
+                state[0] = 0.0
+        states.append(state)
+    return np.array(states).T
+
+
+def z_along(m: BoucWen, angle, torque):
+    return (torque - m.elastic * (np.asarray(angle) - m.rest_angle)) / m.hysteretic
+
+
+def ledger(m: BoucWen, angle, torque):
+    """Stored and dissipated energy at each angle, taken step by step."""
+    state = m.start(angle[0], torque)
+    energies = [m.energy(state)]
+    for a in angle[1:]:
+        state, _ = m.step(state, a)
+        energies.append(m.energy(state))
+    return np.array(energies).T
+
+
+@pytest.mark.parametrize("n", POWERS)
+def test_agrees_with_the_equation(n):
+    rng = np.random.default_rng(int(10 * n))
+    for beta, gamma in SHAPES:
+        m = model(beta=beta, gamma=gamma, n=n, A=1.3, rest_angle=0.1)
+        turns = np.cumsum(rng.normal(0, 0.6, 9))
+        torque = m.elastic * (turns[0] - m.rest_angle) + m.hysteretic * 0.2
+        z, work, loss = equation(m, turns, torque)
+        response = m.response(turns, torque)
+        np.testing.assert_allclose(z_along(m, turns, response), z, atol=1e-11)
+        stored, dissipated = ledger(m, turns, torque)
+        np.testing.assert_allclose(dissipated, loss, atol=1e-10)
+        np.testing.assert_allclose(stored - stored[0] + dissipated, work, atol=1e-10)
+
+
+def test_closed_forms():
+    x = np.linspace(0, 4, 33)[1:]
+    ends = {"elastic": 0.0, "hysteretic": 1.0}
+
+    def jump(m, start=0.0, sign=1.0):
+        return np.array([m.response([0.0, sign * angle], start)[-1] for angle in x])
+
+    np.testing.assert_allclose(jump(model(n=1, **ends)), (1 - np.exp(-4 * x)) / 4, rtol=1e-13)
+    np.testing.assert_allclose(jump(model(n=2, **ends)), np.tanh(2 * x) / 2, rtol=1e-12)
+    # Hardening: beta + gamma = -4; unloading: beta - gamma = 4 from 0.5, until z = 0.
+    hard = model(n=2, beta=0, gamma=-4, **ends)
+    near = x[x < math.pi / 4 - 0.01]
+    torque = [hard.response([0.0, a])[-1] for a in near]
+    np.testing.assert_allclose(torque, np.tan(2 * near) / 2, rtol=1e-11)
+    soft = model(n=2, beta=4, gamma=0, **ends)
+    passed = math.atan(1.0) / 2
+    expected = np.where(
+        x < passed, np.tan(np.minimum(2 * (passed - x), 1)) / 2, -np.tanh(2 * (x - passed)) / 2
+    )
+    np.testing.assert_allclose(jump(soft, 0.5, -1.0), expected, atol=1e-13)
+    straight = model(beta=1, gamma=1, **ends)  # unloading without a curve
+    assert straight.response([0.0, -0.3], 0.4)[-1] == pytest.approx(0.1, rel=1e-14)
+
+
+@pytest.mark.parametrize("n", POWERS)
+def test_step_is_the_bitwise_twin_of_response(n):
+    m, rng = model(n=n), np.random.default_rng(3)
+    angle = np.cumsum(rng.normal(0, 0.2, 300) * 10 ** rng.uniform(-3, 1, 300))
+    angle[100:110] = angle[100]
+    torque = m.response(angle, initial_torque=0.3)
+    state = m.start(angle[0], 0.3)
+    for i in range(1, angle.size):
+        trial, _ = kernels.move(m.parameter_vector, state.memory, angle[i])
+        state, stepped = m.step(state, angle[i])
+        assert stepped == trial == torque[i] == state.torque
+    assert (torque[100:110] == torque[100]).all()
+
+
+@pytest.mark.parametrize("n", POWERS)
+def test_sampling_does_not_matter(n):
+    m = model(n=n, gamma=-1)
+    for turns in ((0.0, 2.0, -0.5), (0.0, 0.3, 0.1), (0.0, 50.0, 49.9)):
+        ends = [m.response(sweep(*turns, samples=count))[-1] for count in (2, 3, 10, 1000, 20_000)]
+        np.testing.assert_allclose(ends, ends[0], atol=1e-11)
+
+
+@pytest.mark.parametrize("n", POWERS)
+def test_tiny_and_huge_steps(n):
+    m = model(n=n, elastic=0)
+    for torque in (0.4, -0.4, 0.0):
+        here = m.start(0.8, torque)
+        _, after = m.step(here, 0.8 + 1e-12)
+        moved = (0.8 + 1e-12) - 0.8
+        assert after == pytest.approx(torque + moved * m.tangent(here, 1), abs=1e-16)
+    bound = m.hysteretic * m.z_bound
+    for angle in (1e3, -1e9, 1e300):
+        assert m.response([0.0, angle])[-1] == pytest.approx(math.copysign(bound, angle), rel=1e-13)
+    for angle in (math.nan, math.inf, -math.inf):
+        assert math.isnan(kernels.move(m.parameter_vector, here.memory, angle)[0])
+        assert math.isnan(kernels.commit(m.parameter_vector, here.memory.copy(), angle))
+
+
+def test_a_start_far_outside_saturation_comes_back():
+    m = model(n=3, elastic=0, hysteretic=1)
+    # dz/dtheta = -(beta + gamma) z^3 but for 1e-27 of it, then saturation.
+    torque = m.response([0.0, 1e-4, 10.0], 1e9)
+    assert torque[1] == pytest.approx(1 / math.sqrt(2 * 4 * 1e-4), rel=1e-3)
+    assert torque[2] == pytest.approx(m.z_bound, rel=1e-13)
+    assert not m.start_is_certified(m.start(0.0, 1e9))
+
+
+@pytest.mark.parametrize("n", (1.0, 1.5, 2.0))
+def test_tangent_is_the_slope(n):
+    m = model(n=n, gamma=-1.5)
+    for torque in (-0.6, 0.0, 0.5):
+        state = m.start(0.3, torque)
+        for sign in (1.0, -1.0):
+            _, near = m.step(state, 0.3 + sign * 1e-7)
+            slope = (near - torque) / (sign * 1e-7)
+            assert m.tangent(state, sign) == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize("n", (1.0, 1.5, 3.7))
+def test_inverse_round_trip(n):
+    m = model(n=n)
+    angle = sweep(0.2, 0.9, 0.4, 0.7, -0.3, samples=8)
+    torque = m.response(angle, 0.1)
+    np.testing.assert_allclose(m.inverse(torque, 0.2), angle, atol=1e-10)
+    with pytest.raises(InputError, match=r"torque\[1\] is 9 .*reaches it"):
+        replace(m, elastic=0.0).inverse([0.0, 9.0])
+
+
+models = st.builds(
+    BoucWen,
+    elastic=st.floats(0, 10),
+    hysteretic=st.floats(0.1, 10),
+    A=st.floats(0.1, 3),
+    beta=st.floats(0.05, 20),
+    gamma=st.floats(-20, 20),
+    n=st.one_of(st.sampled_from(POWERS), st.floats(1, 12)),
+    rest_angle=st.floats(-1, 1),
+)
+paths = st.lists(
+    st.tuples(st.sampled_from((-1, 1)), st.floats(-9, 3)).map(lambda x: x[0] * 10 ** x[1]),
+    min_size=1,
+    max_size=15,
+)
+
+
+@settings(deadline=None, max_examples=300)
+@given(models, paths, st.floats(-0.99, 0.99))
+def test_z_stays_bounded(m, steps, start):
+    assume(m.beta + m.gamma > 0)
+    assert m.certificate().certified
+    angle = np.cumsum([0.0, *steps])
+    scale = m.elastic * abs(m.rest_angle) + m.hysteretic * m.z_bound
+    state = m.start(0.0, start * m.hysteretic * m.z_bound - m.elastic * m.rest_angle)
+    for a in angle[1:]:
+        state, _ = m.step(state, a)
+        assert abs(state.memory[3]) <= m.z_bound * (1 + 1e-13)
+        span = (min(a, 0.0), max(a, 0.1))
+        assert abs(state.torque) <= m.certificate(span).torque_bound + 1e-12 * scale
+
+
+@settings(deadline=None, max_examples=300)
+@given(models, paths, st.floats(-0.99, 0.99))
+def test_dissipated_energy_never_decreases(m, steps, start):
+    m = replace(m, gamma=max(-1.0, min(m.gamma / 20, 1.0)) * m.beta)
+    assert m.certificate().dissipative and m.certificate().certified
+    angle = np.cumsum([0.0, *steps])
+    stored, dissipated = ledger(m, angle, start * m.hysteretic - m.elastic * m.rest_angle)
+    assert (stored >= 0).all()
+    assert (np.diff(dissipated) >= 0).all()
+
+
+@settings(deadline=None, max_examples=25)
+@given(models, st.lists(st.floats(-1, 1), min_size=1, max_size=4))
+def test_work_is_stored_or_dissipated(m, angles):
+    assume(m.beta + m.gamma >= 0 and min(map(abs, np.diff([0.0, *angles]))) > 1e-6)
+    turns = np.array([0.0, *angles])
+    fine = sweep(*turns, samples=4001)
+    start = -m.elastic * m.rest_angle  # z = 0
+    torque = m.response(fine, start)
+    # Simpson's rule over every two samples.
+    step = (fine[2::2] - fine[:-2:2]) / 6
+    work = np.sum(step * (torque[:-2:2] + 4 * torque[1::2] + torque[2::2]))
+    stored, dissipated = ledger(m, turns, start)
+    size = stored.max() + abs(dissipated).max() + 1
+    assert stored[-1] - stored[0] + dissipated[-1] == pytest.approx(work, abs=2e-6 * size)
+
+
+def test_poles_are_found_where_they_are():
+    hard = model(n=2, beta=1, gamma=-5, elastic=0)  # z = tan(2 theta) / 2
+    assert hard.certificate().margin == pytest.approx(-4 / 6)
+    assert hard.response([0.0, math.pi / 4 * (1 - 1e-9)])[-1] > 1e8
+    for angle in (math.pi / 4 * (1 + 1e-9), 1e9):
+        with pytest.raises(PoleError, match=r"margin is -0\.667"):
+            hard.response([0.0, angle])
+    # beta < 0: the way back from saturation leads away.
+    active = model(n=3, beta=-1, gamma=2)
+    assert active.certificate().margin < 0
+    with pytest.raises(PoleError, match=r"sample 2"):
+        active.response([0.0, 5.0, -5.0])
+    with pytest.raises(PoleError):
+        active.step(active.start(0.0, 2.8), -5.0)
+    assert math.isinf(model(n=1, beta=1, gamma=-5).certificate().memory_bound)
+    assert model(n=1, beta=1, gamma=-5).response([0.0, 1.0])[-1] < math.inf
+
+
+def test_certificate():
+    certificate = model(n=2).certificate((-0.5, 1.0))
+    assert (certificate.margin, certificate.dissipative) == (1.0, True)
+    assert certificate.memory_bound == pytest.approx(2 * math.sqrt(1 / 4))
+    assert certificate.torque_bound == pytest.approx(0.7 + certificate.memory_bound)
+    assert math.isinf(model().certificate().torque_bound)
+    assert math.isfinite(model(elastic=0).certificate().torque_bound)
+    for gamma, dissipative in ((3.0, True), (-3.0, True), (3.01, False), (-3.01, False)):
+        assert model(gamma=gamma).certificate().dissipative == dissipative
+        assert not model(gamma=gamma, hysteretic=-2).certificate().dissipative
+    assert model(beta=-3, hysteretic=-2).certificate().dissipative
+    assert math.isinf(model(n=1, beta=-1, gamma=2).z_bound)
+    m = model()
+    saturated, _ = m.step(m.start(0.0), 1e4)
+    assert m.start_is_certified(saturated)
+    with pytest.raises(InputError, match="ascending"):
+        m.certificate((1.0, 0.0))

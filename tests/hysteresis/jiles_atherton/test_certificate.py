@@ -1,0 +1,195 @@
+"""What the certificate promises, attacked by random motions."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import JilesAtherton, PoleError, nearest_certified
+from activesuit.hysteresis.jiles_atherton import kernels
+from activesuit.hysteresis.jiles_atherton._envelope import field_at
+from activesuit.hysteresis.jiles_atherton.langevin import langevin
+from helpers import TABLE_2, sweep
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def test_margins_of_table_2(table_2):
+    steepness = {name: 1 - model.certificate().margin for name, model in table_2.items()}
+    assert steepness["shoulder-mpso"] == pytest.approx(1.36, abs=0.005)
+    assert steepness["shoulder-sa-pso"] == pytest.approx(1.24, abs=0.005)
+    assert steepness["elbow-mpso"] == pytest.approx(0.86, abs=0.005)
+    assert table_2["elbow-sa-pso"].certificate().certified
+    assert not table_2["shoulder-sa-pso"].certificate().certified
+
+
+@st.composite
+def certified_models(draw):
+    steepness = draw(st.floats(-1.9, 0.99))
+    Ms = 10 ** draw(st.floats(0, 2))
+    a = 10 ** draw(st.floats(-1, 3.7))
+    c = 1 + 10 ** draw(st.floats(-2, 1))
+    k = 10 ** draw(st.floats(0, 3.3))
+    alpha = steepness * 3 * a / ((2 * c - 1) * Ms)
+    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+
+
+angles = st.lists(st.floats(-400, 400), min_size=2, max_size=40)
+
+
+@settings(max_examples=400, deadline=None)
+@given(model=certified_models(), degrees=angles, lag=st.floats(-1, 1), field=st.floats(-3, 3))
+def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees, lag, field):
+    certificate = model.certificate()
+    assert certificate.certified
+    assert certificate.dissipative
+    # A start anywhere inside the memory bound, up to its edge.
+    Ms, a, alpha = model.parameter_vector[:3]
+    torque = Ms * langevin(field)[0] + lag * certificate.memory_bound
+    state = model.start(field * a - alpha * torque, torque)
+    for angle in np.radians(degrees):
+        state, torque = model.step(state, angle)
+        assert abs(torque) <= certificate.torque_bound * (1 + 1e-9)
+        lag = abs(torque - model.anhysteretic(state))
+        assert lag <= certificate.memory_bound * (1 + 1e-6) + 1e-9 * model.Ms
+
+
+@settings(max_examples=200, deadline=None)
+@given(model=certified_models(), degrees=angles)
+def test_dissipated_energy_never_decreases(model, degrees):
+    state, dissipated = model.start(0.0), 0.0
+    scale = model.Ms * model.parameter_vector[4] * model.c
+    for target in np.radians(degrees):
+        state, _ = model.step(state, target)
+        now = model.energy(state).dissipated
+        assert now >= dissipated - 1e-7 * scale
+        dissipated = max(dissipated, now)
+
+
+def test_work_is_stored_plus_dissipated_energy(elbow):
+    angle = np.concatenate([np.linspace(0.3, 1.5, 4000), np.linspace(1.5, 0.6, 4000)])
+    work = np.trapezoid(elbow.response(angle), angle)
+    first = last = elbow.start(0.3)
+    for target in angle:
+        last, _ = elbow.step(last, target)
+    change = np.subtract(elbow.energy(last), elbow.energy(first)).sum()
+    assert work == pytest.approx(change, rel=1e-6)
+
+
+def test_recoverable_energy_is_what_turning_back_returns(elbow):
+    state = elbow.start(0.5)
+    state, _ = elbow.step(state, 1.3)
+    p, s = elbow.parameter_vector, state.memory
+    claimed = kernels.recoverable(p, s[0], s[1])
+    returned = [-kernels.move(p, s, target)[1] for target in np.linspace(1.3, 0.3, 4001)]
+    assert claimed == pytest.approx(max(returned), rel=1e-5)
+    assert claimed > 0
+
+
+RANGE = {"shoulder": (0.35, 1.22), "elbow": (0.52, 1.57)}
+
+
+@pytest.mark.parametrize("name", TABLE_2)
+def test_published_sets_are_safe_where_they_were_identified(table_2, name):
+    model = table_2[name]
+    low, high = RANGE[name.split("-")[0]]
+    certificate = model.certificate((low, high))
+    assert certificate.certified
+    assert certificate.dissipative
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        torque = model.response(np.concatenate([[low], rng.uniform(low, high, 60)]))
+        assert np.abs(torque).max() <= certificate.torque_bound
+
+
+def test_the_range_certificate_is_tight(shoulder):
+    # The published shoulder meets its pole on the way back from 90 degrees, not from 70.
+    assert shoulder.certificate((0.0, 1.22)).margin < shoulder.certificate((0.35, 1.22)).margin
+    assert not shoulder.certificate((0.0, np.pi / 2)).certified
+    with pytest.raises(PoleError):
+        shoulder.response([0.0, np.pi / 2, 0.0])
+    highs = np.linspace(1.0, 1.9, 91)
+    certified = max(h for h in highs if shoulder.certificate((0.35, h)).certified)
+    meets = min(h for h in highs if not swings(shoulder, 0.35, h))
+    assert 0 <= meets - certified < 0.5
+
+
+def swings(model, low, high):
+    try:
+        model.response([low, high, low, high, low])
+    except PoleError:
+        return False
+    return True
+
+
+@st.composite
+def models_and_ranges(draw):
+    Ms = 10 ** draw(st.floats(0, 2))
+    a = 10 ** draw(st.floats(-1, 3.5))
+    c = 1 + 10 ** draw(st.floats(-2, 1))
+    k = 10 ** draw(st.floats(0, 3))
+    alpha = draw(st.floats(-6, 3)) * 3 * a / ((2 * c - 1) * Ms)
+    low, width = draw(st.floats(-100, 100)), 10 ** draw(st.floats(-1, 2.3))
+    model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+    return model, (math.radians(low), math.radians(low + width))
+
+
+@settings(max_examples=1500, deadline=None)
+@given(
+    pair=models_and_ranges(),
+    parts=st.lists(st.floats(0, 1), min_size=2, max_size=30),
+    lag=st.floats(-1, 1),
+)
+def test_no_motion_in_a_certified_range_meets_the_pole(pair, parts, lag):
+    model, (low, high) = pair
+    certificate = model.certificate((low, high))
+    if not certificate.certified:
+        return
+    angles = low + (high - low) * np.array(parts)
+    Ms, a, alpha = model.parameter_vector[:3]
+    lag *= certificate.memory_bound  # any start that is covered
+    field = field_at(angles[0], lag, Ms, a, alpha)
+    state = model.start(angles[0], Ms * langevin(field / a)[0] + lag)
+    for angle in angles:
+        state, torque = model.step(state, angle)
+        assert abs(torque) <= certificate.torque_bound * (1 + 1e-9)
+
+
+def test_nearest_certified_set(shoulder, elbow):
+    near, change = nearest_certified(shoulder)
+    assert near.certificate().certified
+    assert near.certificate().dissipative
+    assert 0.005 < change < 0.02
+    angle = sweep(0.0, 0.5, -0.5, 0.5)
+    moved = near.response(angle) - shoulder.response(angle)
+    assert np.sqrt(np.mean(moved**2)) / np.abs(shoulder.response(angle)).max() < 0.02
+    assert nearest_certified(elbow) == (elbow, 0.0)
+
+
+def test_the_nearest_of_a_clamped_or_driving_model_is_certified():
+    base = JilesAtherton(Ms=1, a=1, alpha=0, c=2, k=1)
+    for change in (
+        {"clamp": "irreversible"},
+        {"clamp": "jiles", "c": 0.5, "allow_active": True},
+        {"form": "original", "c": 0.5, "allow_active": True},
+    ):
+        near, _ = nearest_certified(replace(base, **change))
+        assert near.certificate().certified
+        assert near.certificate().dissipative
+    with pytest.raises(InputError, match="give a JilesAtherton model"):
+        nearest_certified(None)
+
+
+def test_a_start_outside_the_certificate_is_named():
+    model = JilesAtherton(Ms=41.2445, a=28.63447, alpha=-0.073931, c=2.645412, k=0.125618)
+    assert model.certificate().certified
+    assert not model.start_is_certified(model.start(6.596))
+    with pytest.raises(PoleError, match="began outside the model's certificate, further than"):
+        model.response([6.596, 0])
+
+
+def test_range_must_ascend(elbow):
+    for bad in ((1.0, 1.0), (1.0, 0.5), (math.nan, 1.0), "ab", 3.0, (1, 2, 3)):
+        with pytest.raises(InputError, match=r"angle_range is .*two ascending angles"):
+            elbow.certificate(bad)

@@ -1,0 +1,188 @@
+"""The model against eq. (4) integrated by SciPy, its invariances, and its borders."""
+
+import json
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import JilesAtherton, PoleError, model_from_dict
+from activesuit.hysteresis.jiles_atherton import kernels
+from helpers import TABLE_2, sweep
+from scipy.integrate import solve_ivp
+
+
+def eq_4(model: JilesAtherton, turns, initial=0.0):
+    """The readable twin: eq. (4) as printed, in degrees, by DOP853; torque at each turn."""
+    Ms, a, alpha, c, k = (getattr(model, name) for name in ("Ms", "a", "alpha", "c", "k"))
+
+    def slope(H, M, delta):
+        He = H + alpha * M[0]
+        x = He / a
+        Man = Ms * (1 / math.tanh(x) - 1 / x) if abs(x) > 1e-2 else Ms * (x / 3 - x**3 / 45)
+        dMan = (
+            Ms / a * (1 / x**2 - 1 / math.sinh(x) ** 2)
+            if abs(x) > 1e-2
+            else Ms / a * (1 / 3 - x**2 / 15)
+        )
+        numerator = Man - M[0] + c * delta * k * dMan
+        return [numerator / (delta * k - alpha * numerator)]
+
+    torque = [initial]
+    degrees = np.degrees(turns)
+    for start, end in pairwise(degrees):
+        delta = math.copysign(1, end - start)
+        solved = solve_ivp(
+            slope, (start, end), [torque[-1]], "DOP853", rtol=1e-12, atol=1e-13, args=(delta,)
+        )
+        torque.append(solved.y[0, -1])
+    return np.array(torque)
+
+
+@pytest.mark.parametrize("name", TABLE_2)
+def test_agrees_with_the_equation(table_2, name):
+    turns = (0.4, 1.1, 0.5, 0.9, 0.45, 1.2, 0.35)
+    expected = eq_4(table_2[name], turns)
+    samples = 40
+    torque = table_2[name].response(sweep(*turns, samples=samples))[:: samples - 1]
+    np.testing.assert_allclose(torque, expected, atol=2e-8)
+    # The steps are exact enough to take each branch at once.
+    np.testing.assert_allclose(table_2[name].response(turns), expected, atol=2e-7)
+
+
+def test_published_turning_torques(shoulder):
+    # Independent computation with RK4 (rounded): no clamp, 0.35-1.22 rad, torque at the turns.
+    torque = shoulder.response([0.35, *(1.22, 0.35) * 3])
+    np.testing.assert_allclose(torque[1:], [9.76, -6.35, 8.76, -6.42, 8.75, -6.42], atol=0.01)
+
+
+def test_work_of_a_cycle_has_the_sign_of_c_minus_1(elbow):
+    def work(c):
+        model = replace(elbow, c=c, allow_active=True)
+        angle = sweep(0.5, *(1.5, 0.5) * 6, samples=400)
+        torque = model.response(angle)
+        last = slice(-799, None)
+        return np.trapezoid(torque[last], angle[last])
+
+    assert work(0.5) < -1e-3
+    assert abs(work(1.0)) < 1e-6
+    assert work(2.0) > 1e-3
+
+
+def test_step_is_the_bitwise_twin_of_response(elbow):
+    rng = np.random.default_rng(3)
+    angle = np.cumsum(rng.normal(0, 0.2, 500))
+    angle[100:110] = angle[100]
+    torque = elbow.response(angle, initial_torque=0.3)
+    state = elbow.start(angle[0], 0.3)
+    for i in range(1, angle.size):
+        state, stepped = elbow.step(state, angle[i])
+        assert stepped == torque[i] == state.torque
+
+
+def test_first_sample_holds_and_repeats(elbow):
+    torque = elbow.response([0.5, 0.5, 0.9, 0.9, 0.9, 0.6], initial_torque=0.25)
+    assert torque[0] == torque[1] == 0.25
+    assert torque[2] == torque[3] == torque[4]
+    without = elbow.response([0.5, 0.9, 0.6], initial_torque=0.25)
+    assert torque[-1] == without[-1]
+    assert elbow.response([1.0]).tolist() == [0.0]
+
+
+def test_sampling_does_not_matter(elbow):
+    ends = [elbow.response(sweep(0.5, 1.5, 0.7, samples=count))[-1] for count in (2, 3, 10, 1000)]
+    np.testing.assert_allclose(ends, ends[-1], atol=1e-7)
+
+
+def test_tiny_and_huge_steps(elbow):
+    here = elbow.start(0.8, 1.0)
+    _, torque = elbow.step(here, 0.8 + 1e-12)
+    assert torque == pytest.approx(1.0 + 1e-12 * elbow.tangent(here, 1), abs=1e-13)
+    far = math.radians(10_000)
+    torque = elbow.response([0.0, far])[-1]
+    fine = elbow.response(np.linspace(0, far, 20_000))[-1]
+    assert torque == pytest.approx(fine, abs=1e-6)
+    assert torque < elbow.Ms
+
+
+@pytest.mark.parametrize("angle", [1e7, 1e300, -1e9])
+def test_any_finite_angle_is_reached_at_once(table_2, angle):
+    for model in table_2.values():
+        if model.certificate().certified:
+            assert abs(model.response([0.0, angle])[-1]) <= model.certificate().torque_bound
+    sharp = JilesAtherton(Ms=1, a=1e-85, alpha=0, c=2, k=1)
+    assert sharp.response([0.0, 0.1])[-1] == pytest.approx(1 + math.exp(-0.1), rel=1e-6)
+
+
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
+def test_the_kernel_returns_nan_where_there_is_no_motion(elbow, angle):
+    assert math.isnan(kernels.move(elbow.parameter_vector, elbow.start(0.0).memory, angle)[0])
+
+
+def test_tangent_is_the_slope(elbow):
+    state = elbow.start(0.9, 2.0)
+    for direction in (1, -1):
+        step = 1e-6 * direction
+        slope = (elbow.step(state, 0.9 + step)[1] - 2.0) / step
+        assert elbow.tangent(state, direction) == pytest.approx(slope, rel=1e-5)
+
+
+def test_torque_scaling_is_exact(shoulder):
+    angle = sweep(0.35, 1.2, 0.5, 1.0)
+    scaled = shoulder.scaled(torque=1.35).response(angle)
+    np.testing.assert_allclose(scaled, 1.35 * shoulder.response(angle), atol=1e-11)
+
+
+def test_angle_unit_does_not_matter(elbow):
+    angle = sweep(0.35, 1.2, 0.5, 1.0)
+    radians = elbow.in_unit("rad")
+    assert radians.a == pytest.approx(math.radians(elbow.a))
+    np.testing.assert_allclose(radians.response(angle), elbow.response(angle), atol=1e-11)
+    assert model_from_dict(json.loads(json.dumps(elbow.to_dict()))) == elbow
+
+
+def test_pole_is_an_error_that_says_where(shoulder):
+    with pytest.raises(PoleError, match=r"infinite between 1\.57.* rad .*margin is -0\.24"):
+        shoulder.response(sweep(0.0, math.pi / 2, 0.0))
+    state = shoulder.start(0.0)
+    state, _ = shoulder.step(state, math.pi / 2)
+    with pytest.raises(PoleError):
+        shoulder.step(state, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"Ms": 0.0}, "Ms is 0.0: it must be above 0"),
+        ({"a": -1.0}, "a is -1.0: it must be above 0"),
+        ({"k": 0.0}, "k is 0.0: it must be above 0"),
+        ({"alpha": math.nan}, "alpha is nan: give a finite number"),
+        ({"k": math.inf}, "k is inf: give a finite number"),
+        ({"c": 0.5}, "c is 0.5: below 1 .* allow_active=True"),
+        ({"Ms": "big"}, "Ms is 'big': give a number"),
+        ({"angle_unit": "grad"}, "angle_unit is 'grad': use 'rad' or 'deg'"),
+    ],
+)
+def test_bad_parameters(elbow, change, message):
+    with pytest.raises(InputError, match=message):
+        replace(elbow, **change)
+
+
+def test_c_below_1_is_possible_on_request(elbow):
+    assert replace(elbow, c=0.5, allow_active=True).c == 0.5
+
+
+@pytest.mark.parametrize("angle", [[], [[0.1, 0.2]], [0.1, math.nan]])
+def test_bad_angles(elbow, angle):
+    with pytest.raises(InputError, match="angle"):
+        elbow.response(angle)
+    with pytest.raises(InputError):
+        elbow.start(math.inf)
+    with pytest.raises(InputError):
+        elbow.response([0.0, 1.0], initial_torque=math.nan)
+    with pytest.raises(InputError):
+        elbow.step(elbow.start(0.0), math.nan)
+    with pytest.raises(InputError):
+        elbow.scaled(torque=0.0)

@@ -1,0 +1,349 @@
+"""The model against single relays, its memory and energy laws, and its borders."""
+
+import json
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import PoleError
+from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from activesuit.hysteresis.preisach import kernels
+from activesuit.hysteresis.preisach.model import Preisach
+from helpers import sweep
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+angles = st.floats(-0.2, 2.2)
+paths = st.lists(angles, min_size=2, max_size=25)
+seeds = st.integers(0, 2**31)
+
+
+def random_model(seed, segments=6):
+    rng = np.random.default_rng(seed)
+    steps = rng.uniform(0.2, 1, segments)
+    levels = 2 * np.concatenate([[0], np.cumsum(steps) / steps.sum()])
+    density = [rng.uniform(0, 2, i + 1) for i in range(segments)]
+    return Preisach(levels=levels, density=density, elastic=rng.uniform(-2, 9, segments))
+
+
+def uniform_model(elastic=5.0):
+    """A density of 3 N·m per square radian on 0 to 2 rad."""
+    density = [[0.75] * i + [0.375] for i in range(4)]
+    return Preisach(levels=np.linspace(0, 2, 5), density=density, elastic=[elastic] * 4)
+
+
+def elastic_torque(model, angle):
+    """The elastic part from the lowest level, by hand."""
+    ends = [-math.inf, *model.levels[1:-1], math.inf]
+    pieces = zip(model.elastic, ends[:-1], ends[1:], strict=True)
+    return sum(k * (min(max(angle, a), b) - max(a, model.levels[0])) for k, a, b in pieces)
+
+
+def relays(model, path, initial=0.0):
+    """The twin: one relay for each patch between all angles that matter; torque and loss.
+
+    No angle of the path is inside a patch, so that its relays switch as one, exactly.
+    """
+    levels = np.array(model.levels)
+    grid = np.unique([*np.clip(path, levels[0], levels[-1]), *levels])
+    middle, width = (grid[1:] + grid[:-1]) / 2, np.diff(grid)
+    cell = np.searchsorted(levels, middle) - 1
+    share = width / np.diff(levels)[cell]
+    i, j = np.tril_indices(width.size)
+    weight = np.array([model.density[a][b] for a, b in zip(cell[i], cell[j], strict=True)])
+    # A cell on the diagonal is a triangle, and so is a patch there.
+    weight *= share[i] * share[j] * np.where(cell[i] == cell[j], 2, 1) * np.where(i == j, 0.5, 1)
+    up_at = middle[i] + np.where(i == j, width[i] / 6, 0)
+    down_at = middle[j] - np.where(i == j, width[i] / 6, 0)
+    up = up_at <= path[0]
+    offset = initial - elastic_torque(model, path[0]) + weight @ up
+    torque, loss = [initial], [0.0]
+    for before, angle in pairwise(path):
+        after = (up | (up_at <= angle)) if angle > before else (up & (down_at <= angle))
+        loss.append(loss[-1] + (weight * (up_at - down_at) / 2) @ (after != up))
+        up = after
+        torque.append(offset + elastic_torque(model, angle) - weight @ up)
+    return np.array(torque), np.array(loss)
+
+
+def work(model, state, angle, turns=()):
+    """Work of a motion, exactly: Simpson's rule on pieces along which the torque is quadratic."""
+    low, high = sorted((state.angle, angle))
+    pieces = sorted({low, high, *(x for x in (*model.levels, *turns) if low < x < high)})
+    total = 0.0
+    for a, b in pairwise(pieces):
+        ends = [model.step(state, x)[1] for x in (a, (a + b) / 2, b)]
+        total += (b - a) * (ends[0] + 4 * ends[1] + ends[2]) / 6
+    return math.copysign(total, total * (angle - state.angle))
+
+
+def ledger(model, path, initial=0.0):
+    """Work, stored and dissipated energy after each motion of a path."""
+    state, done = model.start(path[0], initial), 0.0
+    rows = [(done, *model.energy(state))]
+    for angle in path[1:]:
+        done += work(model, state, angle, path)
+        state, _ = model.step(state, angle)
+        rows.append((done, *model.energy(state)))
+    return np.array(rows).T
+
+
+@given(path=paths, seed=seeds)
+@settings(deadline=None, max_examples=60)
+def test_agrees_with_single_relays(path, seed):
+    model = random_model(seed)
+    torque, loss = relays(model, path, 0.7)
+    np.testing.assert_allclose(model.response(path, 0.7), torque, atol=1e-11)
+    np.testing.assert_allclose(ledger(model, path, 0.7)[2], loss, atol=1e-11)
+
+
+def assert_balanced(model, path):
+    done, stored, dissipated = ledger(model, path, 0.7)
+    np.testing.assert_allclose(done, stored - stored[0] + dissipated, atol=1e-11)
+    assert np.diff(dissipated).min() >= -1e-13
+
+
+@given(path=paths, seed=seeds)
+@settings(deadline=None, max_examples=60)
+def test_work_is_stored_or_dissipated(path, seed):
+    assert_balanced(random_model(seed), path)
+
+
+def test_a_closed_loop_stores_nothing():
+    done, stored, dissipated = ledger(random_model(2), [0.1, 1.8, 0.4, 1.5, 0.4, 1.5])
+    assert stored[5] == pytest.approx(stored[3], abs=1e-13)
+    assert done[5] - done[3] == pytest.approx(dissipated[5] - dissipated[3], abs=1e-13)
+    assert dissipated[5] - dissipated[3] > 0.1
+
+
+@given(path=paths)
+@settings(deadline=None)
+def test_step_is_the_bitwise_twin_of_response(path):
+    model = random_model(3)
+    torque = model.response(path, 0.3)
+    state = model.start(path[0], 0.3)
+    for i in range(1, len(path)):
+        tried, _ = kernels.move(model.parameter_vector, state.memory, path[i])
+        state, stepped = model.step(state, path[i])
+        assert tried == stepped == torque[i] == state.torque
+
+
+@given(path=paths, turn=angles, inner=st.lists(st.floats(0, 1), max_size=12), tail=paths)
+@settings(deadline=None)
+def test_a_closed_loop_leaves_no_trace(path, turn, inner, tail):
+    model = random_model(4)
+    loop = [min(max(path[-1] + x * (turn - path[-1]), -0.2), 2.2) for x in inner]
+    loop = [min(max(x, min(path[-1], turn)), max(path[-1], turn)) for x in loop]
+    plain = model.response([*path, turn, *tail])
+    wiped = model.response([*path, turn, *loop, turn, *tail])
+    assert plain[len(path) :].tolist() == wiped[len(path) + len(loop) + 1 :].tolist()
+
+
+@given(path=paths, other=paths, low=angles, high=angles)
+@settings(deadline=None)
+def test_loops_between_the_same_angles_are_congruent(path, other, low, high):
+    model = random_model(5)
+    loop = sweep(low, high, low, samples=9) if low != high else np.full(3, low)
+    one = model.response([*path, high, low, *loop])[len(path) + 1 :]
+    two = model.response([*other, high, low, *loop])[len(other) + 1 :]
+    np.testing.assert_allclose(one - one[0], two - two[0], atol=1e-12)
+
+
+@given(path=paths, shares=st.lists(st.floats(0, 1), min_size=1, max_size=5))
+@settings(deadline=None)
+def test_samples_on_the_way_do_not_matter(path, shares):
+    model = random_model(6)
+    dense = [path[0]]
+    for start, end in pairwise(path):
+        low, high = sorted((start, end))
+        dense += [min(max(start + x * (end - start), low), high) for x in sorted(shares)]
+        dense.append(end)
+    torque = model.response(dense)[:: len(shares) + 1]
+    assert torque[1:].tolist() == model.response(path)[1:].tolist()
+
+
+def test_uniform_density_in_closed_form():
+    # E(alpha, beta) = weight (alpha - beta)^2 / 2, loss = weight (alpha - beta)^3 / 12.
+    model = uniform_model()
+    turn, back = 1.7, np.linspace(1.7, 0.0, 40)
+    torque = model.response([0.0, turn, *back[1:]])[1:]
+    expected = 5 * back - 3 / 2 * (turn**2 - (turn - back) ** 2)
+    np.testing.assert_allclose(torque, expected, atol=1e-13)
+    loss = ledger(model, [0.0, turn])[2]
+    assert loss[1] == pytest.approx(3 * turn**3 / 12, rel=1e-13)
+
+
+def test_first_order_curves_give_the_density_back():
+    # Mayergoyz: the density is the mixed second difference of the first-order curves.
+    model = random_model(7)
+    relaxed = replace(model, elastic=())
+    everett = np.zeros((7, 7))
+    for i, turn in enumerate(model.levels):
+        torque = relaxed.response([0.0, turn, *model.levels[i::-1]])
+        everett[i, : i + 1] = (torque[2:] - torque[1])[::-1]
+    found = -np.diff(np.diff(everett, axis=0), axis=1)
+    for i, row in enumerate(model.density):
+        np.testing.assert_allclose(found[i, : i + 1], row, atol=1e-12)
+
+
+def test_a_thin_line_of_relays_is_a_stop():
+    # A stop of threshold r holds relays with alpha - beta = 2 r only (Brokate and Sprekels 1996).
+    step = 0.01
+    model = Preisach(
+        levels=step * np.arange(201),
+        density=[row[: i + 1] for i, row in enumerate(3 * step * np.eye(200, k=-60))],
+        elastic=[3.0] * 200,
+    )
+    stop = PrandtlIshlinskii(stiffness=0.0, thresholds=[30 * step], weights=[3.0])
+    path = np.concatenate([[0.0, 2.0], np.random.default_rng(0).uniform(0, 2, 50)])
+    torque, expected = model.response(path)[1:], stop.response(path)[1:]
+    np.testing.assert_allclose(torque - torque[0], expected - expected[0], atol=2 * 3 * step)
+
+
+def assert_tangents(model, state):
+    for way in (1e-8, -1e-8):
+        slope = (model.step(state, state.angle + way)[1] - state.torque) / way
+        assert model.tangent(state, way) == pytest.approx(slope, abs=1e-4)
+
+
+@given(path=paths, seed=seeds)
+@settings(deadline=None)
+def test_tangent_is_the_slope(path, seed):
+    model, path = random_model(seed), np.round(path, 3)
+    for last in (path[-1], model.levels[0], model.levels[3], model.levels[-1]):
+        state = model.start(path[0])
+        for angle in (*path[1:], last):
+            state, _ = model.step(state, angle)
+        assert_tangents(model, state)
+
+
+def test_deeper_loops_than_the_stack_holds():
+    model = random_model(8)
+    path = [0.0, *(x for k in range(60) for x in (1.9 - 0.01 * k, 0.1 + 0.01 * k))]
+    assert_balanced(model, path)
+    state = model.start(0.0)
+    for angle in path[1:]:
+        state, _ = model.step(state, angle)
+    assert state.memory[kernels.COUNT] == kernels.CAPACITY
+    np.testing.assert_allclose(model.response(path)[:64], relays(model, path)[0][:64], atol=1e-12)
+    # Continuous on the way out, and right again outside the loop that was not remembered.
+    for out in (sweep(path[-1], 2.1, samples=20_000), sweep(path[-1], -0.1, samples=20_000)):
+        torque = model.response([*path[:-1], *out])[len(path) - 1 :]
+        assert np.abs(np.diff(torque)).max() < 40 * abs(out[1] - out[0])
+        end = [*path, out[-1], 1.0]
+        assert model.response(end)[-1] == pytest.approx(relays(model, end)[0][-1], abs=1e-12)
+        assert_balanced(model, end)
+    assert_tangents(model, state)
+
+
+def test_jumps_far_outside_the_levels():
+    model = random_model(9)
+    first, last = model.elastic[0], model.elastic[-1]
+    torque = model.response([0.5, 1e9, 2.5, -1e9, -0.5, 3.0, 2.5])
+    assert torque[1] - torque[2] == pytest.approx(last * (1e9 - 2.5), rel=1e-12)
+    assert torque[4] - torque[3] == pytest.approx(first * (1e9 - 0.5), rel=1e-12)
+    assert torque[6] == torque[2]
+    flat = replace(model, elastic=())
+    torque = flat.response([-1.0, 1e300, -1e300, 1.0])
+    assert torque[1] == pytest.approx(-sum(map(sum, flat.density)), rel=1e-14)
+    assert torque[2] == 0.0
+    with pytest.raises(PoleError, match="infinite"):
+        model.response([0.0, 1.7e308])
+
+
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
+def test_the_kernels_return_nan_where_there_is_no_motion(angle):
+    model = random_model(1)
+    p, s = model.parameter_vector, model.start(0.5, 1.0).memory.copy()
+    before = s.copy()
+    assert math.isnan(kernels.move(p, s, angle)[0])
+    assert math.isnan(kernels.commit(p, s, angle))
+    assert np.array_equal(s, before)
+    torque = np.empty(4)
+    kernels.response(p, s, np.array([0.5, 0.7, angle, 0.6]), torque)
+    assert np.isnan(torque).tolist() == [False, False, True, True]
+    assert math.isnan(kernels.begin(p, s, angle, 0.0))
+
+
+@pytest.mark.parametrize("count", [-5.0, 3.7, 64, 65, 1e300, math.nan, math.inf, -math.inf])
+def test_garbage_in_the_memory_stays_inside(count):
+    model = random_model(1)
+    rng = np.random.default_rng(0)
+    for junk in (rng.uniform(-1, 3, 400), rng.normal(0, 1e200, 400), np.full(400, math.nan)):
+        guarded = np.full(kernels.MEMORY_SIZE + 200, 12345.0)
+        s = guarded[100:-100]
+        s[:] = junk[: s.size]
+        s[kernels.COUNT] = count
+        p = model.parameter_vector
+        for angle in rng.uniform(-1, 3, 200):
+            kernels.move(p, s, angle)
+            kernels.stiffness(p, s, angle, 0.0, rng.choice([-1.0, 1.0]))
+            kernels.energy(p, s, angle, 0.0, 0.0)
+            kernels.commit(p, s, angle)
+        assert (guarded[:100] == 12345).all()
+        assert (guarded[-100:] == 12345).all()
+
+
+def test_inverse():
+    model = uniform_model(elastic=9.0)
+    angle = np.random.default_rng(1).uniform(-0.2, 2.2, 60)
+    torque = model.response(angle, 0.4)
+    found = model.inverse(torque, angle[0])
+    np.testing.assert_allclose(found, angle, atol=1e-11)
+    np.testing.assert_allclose(model.response(found, 0.4), torque, atol=1e-11)
+
+
+@given(path=paths, seed=seeds)
+@settings(deadline=None)
+def test_torque_keeps_its_bound(path, seed):
+    model = random_model(seed)
+    certificate = model.certificate((min(path) - 0.01, max(path)))
+    assert certificate.certified and certificate.dissipative
+    assert np.abs(model.response(path)).max() <= certificate.torque_bound + 1e-12
+
+
+def test_certificate():
+    model = uniform_model()
+    assert model.certificate().torque_bound == math.inf
+    assert model.certificate((0, 2)).torque_bound == pytest.approx(5 * 2 + 3 * 2**2 / 2)
+    # Relays that go up between 0.5 and 1 rad, wherever they go down.
+    assert model.certificate((0.5, 1)).torque_bound == pytest.approx(5 / 2 + 3 * (1 - 0.5**2) / 2)
+    free = Preisach(levels=[0, 1], density=[[2]])
+    assert free.certificate().torque_bound == 2
+    assert not Preisach(levels=[0, 1], density=[[-2]]).certificate().dissipative
+    with pytest.raises(InputError, match="angle_range"):
+        model.certificate((1, 0))
+
+
+def test_dictionary_and_scales():
+    model = random_model(10)
+    content = json.loads(json.dumps(model.to_dict()))
+    assert content.pop("model") == "preisach"
+    assert Preisach(**content) == model
+    path = np.random.default_rng(0).uniform(0, 2, 30)
+    scaled = model.scaled(torque=3, angle=0.5)
+    np.testing.assert_allclose(scaled.response(path / 2), 3 * model.response(path), atol=1e-12)
+    with pytest.raises(InputError, match="torque scale is 0"):
+        model.scaled(torque=0)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"levels": [1.0]}, "give at least 2 angles"),
+        ({"levels": [0, 1, 1]}, r"levels\[2\] is 1.0 rad: it must be above 1.0"),
+        ({"levels": [0, 1, math.nan]}, r"levels\[2\] is nan: give finite numbers"),
+        ({"levels": "012"}, "levels is '012': give at least one number"),
+        ({"density": [[1]]}, "density has 1 rows: give 2; the 3 levels have 2 segments"),
+        ({"density": [[1], [1]]}, r"density\[1\] has 1 weights: give 2"),
+        ({"density": [[1], [1, "x"]]}, r"density\[1\] is \[1, 'x'\]: give at least one number"),
+        ({"elastic": [1]}, "elastic has 1 slopes: give 2"),
+    ],
+)
+def test_bad_parameters(change, sentence):
+    good = {"levels": [0, 1, 2], "density": [[1], [1, 1]], "elastic": [1, 1]}
+    with pytest.raises(InputError, match=sentence):
+        Preisach(**(good | change))

@@ -1,0 +1,124 @@
+"""Our own fit: exact derivatives, what the curves begin with, and what it counts."""
+
+import warnings
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import Held, JilesAtherton
+from activesuit.identification import Curve, CurveObjective, certified_fit
+from activesuit.identification.fits.certified import _Search
+from helpers import sweep
+
+NOISE = 0.05
+
+
+def family(model, first, seed=0, turns=(0.87, 1.22, 1.57), start=0.52, weights=(1.0, 1.0, 1.0)):
+    rng = np.random.default_rng(seed)
+    curves = []
+    for turn, weight in zip(turns, weights, strict=True):
+        angle = sweep(start, turn, start, samples=60)
+        torque = model.response(angle, first) + NOISE * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn}", weight=weight))
+    return curves
+
+
+def response(fit, curve):
+    return fit.model.response(curve.angle, fit.initial_torque)
+
+
+@pytest.mark.parametrize("initial_torque", [0.0, 0.3, "measured", "identified"])
+def test_derivatives_are_those_of_the_residuals(elbow, initial_torque):
+    search = _Search(family(elbow, 0.3), initial_torque, budget=1000)
+    for point in search.screened(0)[:8]:
+        expected = []
+        for step in 1e-4 * np.eye(point.size):
+            rise = search.residual(point + step) - search.residual(point - step)
+            expected.append(rise / 2e-4)
+        found = search.jacobian(point)
+        scale = np.abs(expected).max()
+        np.testing.assert_allclose(found.T[:, :-1], np.array(expected)[:, :-1], atol=1e-5 * scale)
+
+
+@pytest.mark.parametrize("name", ["elbow", "shoulder"])
+@pytest.mark.parametrize("first", [1.0, -0.6])
+def test_the_torque_at_the_beginning_is_given_or_identified(name, first, request):
+    truth = request.getfixturevalue(name)
+    curves = family(truth, first)
+    given = certified_fit(curves, rng=0, initial_torque=first)
+    found = certified_fit(curves, rng=0, initial_torque="identified")
+    peak = CurveObjective(curves).peak
+    for fit in (given, found):
+        assert fit.nrmse * peak == pytest.approx(NOISE, rel=0.05)
+        assert fit.model.certificate().certified
+        state = fit.model.start(curves[0].angle[0], fit.initial_torque)
+        assert fit.model.start_is_certified(state)
+        errors = np.concatenate([response(fit, curve) - curve.torque for curve in curves])
+        assert np.sqrt(np.mean(errors**2)) / peak == pytest.approx(fit.nrmse, rel=1e-9)
+    assert given.initial_torque == first
+    assert found.initial_torque == pytest.approx(first, abs=0.03)
+
+
+def test_curves_that_begin_apart_begin_as_measured(elbow):
+    curves = [*family(elbow, 0.5, turns=(1.57,), weights=(1.0,))]
+    curves += family(elbow, -1.0, seed=1, turns=(0.6,), start=1.4, weights=(1.0,))
+    fit = certified_fit(curves, rng=0, initial_torque="measured")
+    assert fit.initial_torque is None
+    for curve in curves:
+        predicted = fit.model.response(curve.angle, curve.torque[0])
+        assert np.sqrt(np.mean((predicted - curve.torque) ** 2)) < 2 * NOISE
+
+
+def test_bad_input(elbow):
+    curves = family(elbow, 0.0)
+    with pytest.raises(InputError, match="guessed"):
+        certified_fit(curves, initial_torque="guessed")  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="nan"):
+        certified_fit(curves, initial_torque=np.nan)
+    with pytest.raises(InputError, match="budget is 32: use at least 33"):
+        certified_fit(curves, budget=32)
+
+
+def test_a_heavy_curve_is_fitted_better(elbow):
+    # No model fits both of two curves that disagree.
+    curves = family(elbow, 0.0, turns=(1.57, 1.57), weights=(1.0, 1.0))
+    disagreeing = [curves[0], Curve(curves[1].angle, 1.2 * curves[1].torque, "other")]
+    heavier = [disagreeing[0], Curve(curves[1].angle, 1.2 * curves[1].torque, "other", weight=50)]
+
+    def error(fitted):
+        fit = certified_fit(fitted, rng=0)
+        return np.sqrt(np.mean((response(fit, fitted[1]) - fitted[1].torque) ** 2))
+
+    assert error(heavier) < 1.5 * NOISE < error(disagreeing) / 2
+
+
+def test_history_and_model(elbow, shoulder):
+    fit = certified_fit(family(elbow, 0.0), rng=0)
+    spent, best = np.array(fit.history).T
+    assert (np.diff(spent) >= 0).all()
+    assert (np.diff(best) < 0).all()
+    assert best[-1] == fit.nrmse
+    assert 32 <= spent[0] <= spent[-1] <= fit.evaluations <= 200
+    assert fit.model.in_unit("deg").Ms == fit.parameters[0]
+    held = certified_fit(family(shoulder, 0.0), rng=0)
+    assert isinstance(held.model, Held)
+    assert held.model.angle_range == held.held == (0.52, 1.57)
+
+
+def test_two_searches_that_end_in_one_wrong_optimum_are_not_the_end():
+    truth = JilesAtherton(Ms=2.12, a=21.2, alpha=1.17, c=8.37, k=334, angle_unit="deg")
+    curves = family(truth, 0.0)
+    for seed in (1, 2):  # the first two searches end at 6.6 times the noise
+        fit = certified_fit(curves, rng=seed)
+        assert fit.evaluations <= 200
+        assert fit.nrmse * CurveObjective(curves).peak < 1.1 * NOISE
+
+
+def test_curves_that_drive_the_joint_end_in_a_model_of_no_torque(elbow):
+    driven = [Curve(c.angle, -c.torque, c.name) for c in family(elbow, 0.0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for seed in range(5):
+            fit = certified_fit(driven, rng=seed)
+            assert fit.model.certificate().certified
+            assert np.abs(response(fit, driven[0])).max() < 1e-3

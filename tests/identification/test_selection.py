@@ -1,0 +1,235 @@
+"""The choice among models: four truths, and what is said about it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisach
+from activesuit.identification import Curve, identify
+from activesuit.identification import selection as auto
+from activesuit.identification.fits import registry as own_fits
+from activesuit.identification.fits.registry import FITS, common_torque
+from helpers import sweep
+
+START = 0.52
+THREE, SIX = (0.87, 1.22, 1.57), (0.7, 0.87, 1.05, 1.22, 1.4, 1.57)
+UNSEEN = (0.78, 1.0, 1.13, 1.3, 1.48)
+NAMES = {"jiles-atherton", "asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"}
+
+
+def known_preisach():
+    rng = np.random.default_rng(1)
+    return Preisach(
+        levels=np.linspace(0.4, 1.6, 9),
+        density=[rng.uniform(0, 0.3, i + 1) for i in range(8)],
+        elastic=rng.uniform(10, 15, 8),
+    )
+
+
+@pytest.fixture(scope="module")
+def truths(elbow):
+    return {
+        "jiles-atherton": elbow,
+        "bouc-wen": BoucWen(
+            elastic=2.0, hysteretic=15.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=START
+        ),
+        "prandtl-ishlinskii": PrandtlIshlinskii(
+            stiffness=2.0,
+            thresholds=[0.05, 0.1, 0.2, 0.35],
+            weights=[20.0, 8.0, 4.0, 5.0],
+            rest_angle=START,
+        ),
+        "preisach": known_preisach(),
+        "asymmetric preisach": Asymmetric(model=known_preisach(), polynomial=[0.0, 1.5, -2.0, 1.5]),
+    }
+
+
+def peak(model):
+    return np.abs(model.response(sweep(START, SIX[-1], START))).max()
+
+
+def family(model, turns, noise=0.0, seed=0, start=0.0):
+    rng = np.random.default_rng(seed)
+    curves = []
+    for turn in turns:
+        angle = sweep(START, turn, START, samples=60)
+        torque = model.response(angle, start)
+        torque = torque + noise * peak(model) * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn}"))
+    return curves
+
+
+def held_out(candidate, truth, noise):
+    """NRMSE on noisy curves with unseen turns."""
+    curves = family(truth, UNSEEN, noise, seed=100)
+    torques = [candidate.model.response(curve.angle, candidate.initial_torque) for curve in curves]
+    errors = [torque - curve.torque for torque, curve in zip(torques, curves, strict=True)]
+    return np.sqrt(np.mean(np.concatenate(errors) ** 2)) / peak(truth)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("name", "turns"),
+    [
+        ("jiles-atherton", THREE),
+        ("bouc-wen", THREE),
+        ("prandtl-ishlinskii", THREE),
+        ("preisach", SIX),
+    ],
+)
+def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed):
+    noise, truth = 0.01, truths[name]
+    fit = identify(family(truth, turns, noise, seed), method="auto", seed=seed)
+    found = held_out(fit, truth, noise)
+    assert found <= 1.5 * noise
+    table = {candidate.name: candidate for candidate in fit.candidates}
+    assert set(table) == NAMES
+    assert fit.model_name == name or found <= 1.1 * held_out(table[name], truth, noise)
+    assert fit.model.certificate().certified
+    assert fit.model.certificate().dissipative
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_truth_of_another_kind_is_predicted(truths, seed):
+    noise, truth = 0.02, truths["asymmetric preisach"]
+    fit = identify(family(truth, SIX, noise, seed), method="auto", seed=seed)
+    assert held_out(fit, truth, noise) <= 1.3 * noise
+
+
+def test_the_choice_follows_its_rule_and_says_so(truths):
+    fit = identify(family(truths["jiles-atherton"], THREE, 0.01), method="auto")
+    scores = [candidate.prediction_nrmse for candidate in fit.candidates]
+    assert scores == sorted(scores)
+    good = [one for one in fit.candidates if one.prediction_nrmse <= 1.1 * scores[0]]
+    assert len(good) > 1
+    simplest = min(good, key=lambda one: one.parameters)
+    assert fit.model_name == simplest.name == "jiles-atherton"
+    assert fit.model == simplest.model
+    assert fit.nrmse == pytest.approx(simplest.fit_nrmse)
+    assert [trial.model for trial in fit.trials] == [fit.model]
+    assert "jiles-atherton predicts curves left out of its fit" in fit.why
+    parameters = {candidate.name: candidate.parameters for candidate in fit.candidates}
+    assert parameters == {
+        "jiles-atherton": 5,
+        "bouc-wen": 6,
+        "asymmetric": 9,
+        "prandtl-ishlinskii": 22,
+        "preisach": 230,
+    }
+
+
+def test_a_simpler_model_within_a_tenth_is_preferred(monkeypatch):
+    truth = PrandtlIshlinskii(stiffness=9.0, thresholds=[1.0], weights=[0.0], rest_angle=START)
+    curves = [Curve(c.angle, c.torque + 0.1, c.name) for c in family(truth, THREE)]
+    # Their errors grow with the stiffness; the bent one has four parameters more.
+    models = {
+        "bent": Asymmetric(model=truth, polynomial=[0.0, 0.0, 0.0, 0.0]),
+        "simple": truth.scaled(torque=0.999),
+        "far": truth.scaled(torque=0.5),
+    }
+    fits = {name: lambda curves, model=model: model for name, model in models.items()}
+    for module in (auto, own_fits):
+        monkeypatch.setattr(module, "FITS", fits)
+    monkeypatch.setattr(own_fits, "common_torque", lambda model, curves: 0.0)
+    fit = identify(curves, method="auto")
+    assert [one.name for one in fit.candidates] == ["bent", "simple", "far"]
+    assert fit.model_name == "simple"
+    assert "within 10 % of the best (bent," in fit.why
+    assert "fewer parameters (3 instead of 7)" in fit.why
+
+
+def test_a_candidate_that_fails_is_listed(truths, monkeypatch):
+    def unusable(curves, rng=None):
+        raise InputError("nothing fits: measure again")
+
+    monkeypatch.setitem(FITS, "bouc-wen", unusable)
+    curves = family(truths["jiles-atherton"], THREE, 0.01)
+    last = identify(curves, method="auto").candidates[-1]
+    assert (last.name, last.reason, last.model) == ("bouc-wen", "nothing fits: measure again", None)
+    for name in NAMES:
+        monkeypatch.setitem(FITS, name, unusable)
+    with pytest.raises(InputError, match=r"no model could be fitted .*preisach: nothing fits"):
+        identify(curves, method="auto")
+
+
+def test_the_first_torque_is_known_better_than_its_sample(truths):
+    truth = truths["preisach"]
+    errors = []
+    for seed in range(20):
+        curves = family(truth, THREE, 0.01, seed, start=0.4)
+        errors.append(common_torque(truth, curves) - 0.4)
+    assert np.std(errors) < 0.2 * 0.01 * peak(truth)
+
+
+def test_a_model_never_begins_outside_its_certificate(elbow):
+    angle = sweep(START, 1.2, START)
+    curve = Curve(angle, elbow.response(angle, 8.0), "A")
+    torque = common_torque(elbow, [curve])
+    assert torque < 8
+    assert elbow.start_is_certified(elbow.start(START, torque))
+    assert not elbow.start_is_certified(elbow.start(START, torque + 0.02))
+
+
+def test_a_seed_fixes_the_result_and_neither_workers_nor_other_roles_count(truths):
+    curves = family(truths["bouc-wen"], THREE, 0.01)
+    wrong = Curve(curves[0].angle, -curves[0].torque, "wrong", "predict")
+    one = identify(curves, method="auto", seed=5)
+    two = identify([*curves, wrong], method="auto", seed=5, workers=1)
+    assert two.candidates == one.candidates
+    assert two.prediction_errors["wrong"] > 1
+    assert replace(two, prediction_errors={}) == one
+
+
+def test_curves_that_begin_with_some_torque(truths):
+    # Only when asked to does Jiles-Atherton begin elsewhere than at zero.
+    curves = family(truths["jiles-atherton"], THREE, 0.005, start=0.6)
+    scores = {}
+    for option in (None, "identified"):
+        fit = identify(curves, method="auto", initial_torque=option)
+        scores[option] = {one.name: one.prediction_nrmse for one in fit.candidates}
+    assert scores["identified"]["jiles-atherton"] < 0.5 * scores[None]["jiles-atherton"]
+    assert scores["identified"]["bouc-wen"] == scores[None]["bouc-wen"]
+
+
+def test_bad_input(truths):
+    curves = family(truths["bouc-wen"], THREE)
+    with pytest.raises(
+        InputError, match=r"the number of curves with role 'fit' is 1: .* at least 2"
+    ):
+        identify(curves[:1], method="auto")
+    with pytest.raises(InputError, match="seed is -1"):
+        identify(curves, method="auto", seed=-1)
+
+
+def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
+    def interrupt(curves, rng=None):
+        raise KeyboardInterrupt
+
+    curves = family(truths["jiles-atherton"], THREE, 0.01)
+    whole = identify(curves, method="auto")
+    assert not whole.interrupted
+    monkeypatch.setitem(FITS, "bouc-wen", interrupt)
+    fit = identify(curves, method="auto", workers=1)
+    assert fit.interrupted
+    assert {one.name for one in fit.candidates} < set(NAMES)
+    assert fit.model == whole.model  # the first that is tried
+    assert "interrupted after" in fit.why
+    monkeypatch.setitem(FITS, "jiles-atherton", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        identify(curves, method="auto", workers=1)
+
+
+def test_outliers_stop_no_fit(truths):
+    """Where a pole or a model that cannot begin as measured is met on the way."""
+    curves = family(truths["jiles-atherton"], THREE, 0.01)
+    rng = np.random.default_rng(0)
+    spoiled = []
+    for curve in curves:
+        torque = curve.torque.copy()
+        torque[rng.integers(0, torque.size, 5)] += 50 * rng.choice([-1, 1], 5)
+        torque[0] = -25
+        spoiled.append(Curve(curve.angle, torque, curve.name))
+    fit = identify(spoiled, method="auto")
+    assert all(one.model or "cannot begin" in one.reason for one in fit.candidates)
+    assert np.isfinite(fit.nrmse)

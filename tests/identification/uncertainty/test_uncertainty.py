@@ -1,0 +1,205 @@
+"""What curves tell about parameters: textbook formulas, Monte Carlo, and honest intervals."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import BoucWen, Held, JilesAtherton
+from activesuit.identification import Curve, certified_fit
+from activesuit.identification.fits.certified import refined
+from activesuit.identification.objective import CurveObjective
+from activesuit.identification.uncertainty import uncertainty
+from activesuit.identification.uncertainty._likelihood import Likelihood
+from activesuit.identification.uncertainty._sloppy import sloppy_directions
+from helpers import TABLE_2, sweep
+from scipy.stats import binom
+
+NAMES = ("Ms", "a", "alpha", "c", "k")
+TURNS = (0.87, 1.22, 1.57)
+
+
+def family(model, noise, seed=0, first=0.0, samples=60, **options):
+    rng = np.random.default_rng(seed)
+    curves = []
+    for turn in TURNS:
+        angle = sweep(0.52, turn, 0.52, samples=samples)
+        torque = model.response(angle, first) + noise * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn}", **options))
+    return curves
+
+
+def parameters(model):
+    inner = model.model if isinstance(model, Held) else model
+    return np.array([getattr(inner, name) for name in NAMES])
+
+
+def jacobian(model, curves):
+    """Central differences of the torque by Ms, a, alpha, c, k."""
+    columns = []
+    for name in NAMES:
+        step = 1e-3 * abs(getattr(model, name))
+        high, low = (replace(model, **{name: getattr(model, name) + s * step}) for s in (1, -1))
+        rise = [high.response(one.angle) - low.response(one.angle) for one in curves]
+        columns.append(np.concatenate(rise) / (2 * step))
+    return np.column_stack(columns)
+
+
+@pytest.mark.parametrize("angle_unit", ["deg", "rad"])
+def test_covariance_is_the_textbook_formula(elbow, angle_unit):
+    truth = elbow.in_unit(angle_unit)
+    curves = family(truth, 0.05)
+    fit = refined(curves, parameters(elbow)).model.in_unit(angle_unit)
+    found = uncertainty(fit, curves)
+    J = jacobian(fit, curves)
+    residual = np.concatenate([fit.response(one.angle) - one.torque for one in curves])
+    expected = residual @ residual / (residual.size - 5) * np.linalg.inv(J.T @ J)
+    np.testing.assert_allclose(found.standard_errors, np.sqrt(np.diag(expected)), rtol=1e-3)
+    np.testing.assert_allclose(found.covariance, expected, rtol=2e-3)
+    np.testing.assert_allclose(np.diag(found.correlation), np.ones(5))
+    assert found.names == NAMES
+    np.testing.assert_allclose(found.values, parameters(fit))
+    assert found.noise == pytest.approx(0.05, rel=0.1)
+
+
+def test_standard_errors_are_those_of_many_noisy_fits(elbow):
+    noise, trials = 0.01, 150
+    fits = [refined(family(elbow, noise, seed), parameters(elbow)) for seed in range(trials)]
+    spread = np.std([fit.parameters for fit in fits], axis=0, ddof=1)
+    told = uncertainty(elbow, family(elbow, noise)).standard_errors
+    # The deviation of a standard deviation is 1 / sqrt(2 n) of it, 6 % here.
+    np.testing.assert_allclose(spread, told, rtol=0.25)
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say(elbow):
+    trials, inside = 60, np.zeros(5)
+    truth = parameters(elbow)
+    for seed in range(trials):
+        low, high = uncertainty(elbow, family(elbow, 0.05, seed)).intervals.T
+        inside += (low <= truth) & (truth <= high)
+    least = binom.ppf(0.001, trials, 0.95)
+    assert (inside >= least).all()
+    assert inside.mean() < trials  # they are not simply wide
+
+
+def test_intervals_without_curvature_are_those_of_t(elbow):
+    found = uncertainty(elbow, family(elbow, 1e-4))
+    half = np.diff(found.intervals).ravel() / 2
+    np.testing.assert_allclose(half, 1.96 * found.standard_errors, rtol=0.02)
+    assert found.sloppy == ()
+
+
+def test_published_sets_are_poorly_known():
+    condition = {}
+    for name, row in TABLE_2.items():
+        model = JilesAtherton(**dict(zip(NAMES, row, strict=True)), angle_unit="deg")
+        condition[name] = uncertainty(model, family(model, 0.05)).condition
+    assert all(100 < value < 1e6 for value in condition.values())
+    assert max(condition.values()) > 1e4
+
+
+def test_what_has_no_end_is_told(table_2):
+    # Far below saturation Man is a straight line, and only its slope Ms / (3a) acts.
+    model = table_2["elbow-mpso"]
+    found = uncertainty(model, family(model, 0.05))
+    assert (found.intervals[:2, 1] == np.inf).all()
+    assert (found.intervals[:2, 0] > 0).all()
+    assert np.isfinite(found.intervals[2:]).all()
+    text = "\n".join(found.sloppy)
+    assert re.search(r"Ms \+1..%, a \+1..%.* together raise the error by less than 1%", text)
+    assert "hardly more than Ms/a is known" in text
+    assert "no upper limit to Ms" in text
+
+
+def test_a_sloppy_direction_keeps_its_word(elbow):
+    curves = family(elbow, 0.05)
+    likelihood = Likelihood(CurveObjective(curves), parameters(elbow))
+    growth = (1.01**2 - 1) * likelihood.cost
+    _, _, directions = np.linalg.svd(likelihood.jacobian(likelihood.best), full_matrices=False)
+    end, limited = likelihood.walk(directions[-1], growth, 5.0)
+    assert limited
+    error = np.sum(np.square(likelihood.residual(end)))
+    assert np.sqrt(error / likelihood.cost) == pytest.approx(1.01, abs=1e-4)
+    assert (end - likelihood.best) @ directions[-1] > 0.1
+    assert list(sloppy_directions(likelihood, np.ones(5), [""] * 5))
+
+
+def test_a_model_beside_the_best_is_told(elbow):
+    other = replace(elbow, k=1.2 * elbow.k)
+    assert "less, certified or not" in uncertainty(other, family(elbow, 0.05)).sloppy[0]
+
+
+@pytest.mark.parametrize("name", ["elbow", "shoulder"])
+def test_samples_are_certified_seeded_and_predict(name, request):
+    truth = request.getfixturevalue(name)
+    curves = family(truth, 0.05)
+    fit = certified_fit(curves, rng=0)
+    found = uncertainty(fit.model, curves, samples=20, seed=3)
+    again = uncertainty(fit.model, curves, samples=20, seed=3)
+    assert found.samples == again.samples
+    assert len(set(found.samples)) == 20
+    assert found.samples[0] != uncertainty(fit.model, curves, samples=1, seed=4).samples[0]
+    assert all(one.certificate().certified for one in found.samples)
+    assert all(one.certificate().dissipative for one in found.samples)
+    angle = sweep(0.52, 1.4, 0.52)
+    predicted = np.array([one.response(angle) for one in found.samples])
+    errors = np.sqrt(np.mean((predicted - truth.response(angle)) ** 2, axis=1))
+    assert errors.max() < 0.05  # the noise
+    spread = np.std([parameters(one) for one in found.samples], axis=0, ddof=1)
+    assert (spread > found.standard_errors / 3).all()
+    assert (spread < found.standard_errors * 3).all()
+
+
+def test_the_torque_at_the_beginning_is_one_parameter_more(elbow):
+    curves = family(elbow, 0.05, first=0.8)
+    fit = certified_fit(curves, rng=0, initial_torque="identified")
+    found = uncertainty(fit.model, curves, initial_torque="identified", samples=2)
+    assert found.names == (*NAMES, "initial_torque")
+    assert found.values[5] == pytest.approx(fit.initial_torque, abs=1e-3)
+    low, high = found.intervals[5]
+    assert low < 0.8 < high
+    given = uncertainty(fit.model, curves, initial_torque=0.8)
+    assert (given.standard_errors <= 1.01 * found.standard_errors[:5]).all()
+
+
+def test_weights_count_like_repetitions(elbow):
+    once = family(elbow, 0.05)
+    heavy = [replace(once[0], weight=3.0), *once[1:]]
+    thrice = [*(replace(once[0], name=f"{i}") for i in range(3)), *once[1:]]
+    weighted, repeated = (uncertainty(elbow, curves) for curves in (heavy, thrice))
+    few, many = (sum(one.torque.size for one in curves) for curves in (heavy, thrice))
+    # Repetitions pretend to be more samples, and the noise to be better known.
+    expected = repeated.covariance * (many - 5) / (few - 5)
+    np.testing.assert_allclose(weighted.covariance, expected, rtol=1e-6)
+
+
+def test_a_held_model_is_asked_in_its_range(elbow):
+    held = Held(model=elbow, angle_range=(0.52, 1.0))
+    curves = family(held, 0.05)
+    assert uncertainty(held, curves).noise == pytest.approx(0.05, rel=0.1)
+    assert uncertainty(elbow, curves).noise > 0.1
+
+
+def test_curves_kept_out_do_not_count(elbow):
+    curves = family(elbow, 0.05)
+    far = Curve(curves[0].angle, 2 * curves[0].torque, "other", "predict")
+    alone, beside = uncertainty(elbow, curves), uncertainty(elbow, [*curves, far])
+    np.testing.assert_array_equal(alone.intervals, beside.intervals)
+
+
+def test_bad_input(elbow):
+    curves = family(elbow, 0.05)
+    stops = BoucWen(elastic=1.0, hysteretic=1.0, beta=1.0, gamma=0.5, n=1.0)
+    for model in (stops, replace(elbow, c=1.0), replace(elbow, form="original", allow_active=True)):
+        with pytest.raises(InputError, match="Jiles-Atherton models only"):
+            uncertainty(model, curves)
+    with pytest.raises(InputError, match="samples is -1"):
+        uncertainty(elbow, curves, samples=-1)
+    with pytest.raises(InputError, match="no curve to fit"):
+        uncertainty(elbow, [])
+    with pytest.raises(InputError, match="more than the 5 parameters"):
+        uncertainty(elbow, [Curve(curves[0].angle[:5], curves[0].torque[:5], "short")])
+    with pytest.raises(InputError, match="meets its pole"):
+        pole = JilesAtherton(Ms=22.0, a=30.0, alpha=9.0, c=6.0, k=20.0, angle_unit="deg")
+        uncertainty(pole, curves)

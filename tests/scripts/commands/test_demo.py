@@ -1,0 +1,141 @@
+"""The demo: one command from loops to report."""
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from activesuit.assets import load_suit
+from activesuit.scripts.commands import demo as demo_module
+from activesuit.scripts.commands.demo import demo
+from activesuit.scripts.main import main
+from activesuit.scripts.output import Bar
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("demo")
+    demo(out=path, trials=2, episodes=1)
+    return path
+
+
+def test_report_shows_every_figure(folder):
+    report = (folder / "report.md").read_text()
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", report)
+    assert len(pictures) >= 8
+    for picture in pictures:
+        assert (folder / picture).stat().st_size > 10_000
+        if picture != "arm.png":
+            assert (folder / picture).with_suffix(".svg").exists()
+    assert "synthetic" in report
+
+
+def test_numbers_are_there(folder):
+    fits = json.loads((folder / "fits.json").read_text())
+    for joint in ("shoulder", "elbow"):
+        assert set(fits[joint]) == {"sa-pso", "mpso", "certified"}
+        assert fits[joint]["certified"]["certificate"]["certified"]
+        assert len(fits[joint]["mpso"]["prediction_max_error"]) == 2
+    scores = json.loads((folder / "evaluation.json").read_text())
+    for gravity in ("earth", "microgravity"):
+        named = {score["policy"]: score for score in scores[gravity]}
+        for joint, value in named["oracle"]["reduction"].items():
+            assert named["feedforward"]["reduction"][joint] >= 0.6 * value > 0
+    assert set(load_suit(str(folder / "suit.json")).joints) == set(load_suit("mock-suit").joints)
+    trace = np.genfromtxt(folder / "trace-earth-none.csv", delimiter=",", names=True)
+    assert trace.size == 1000
+    assert json.loads((folder / "config.json").read_text())["seed"] == 0
+
+
+def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch):
+    drawn, draw = [], demo_module.convergence_figure
+
+    def keep(histories):
+        drawn.append(histories)
+        return draw(histories)
+
+    monkeypatch.setattr(demo_module, "convergence_figure", keep)
+    demo(out=tmp_path, trials=1, episodes=1)
+    fits = json.loads((tmp_path / "fits.json").read_text())
+    for joint, methods in drawn[0].items():
+        for method, (history,) in methods.items():
+            assert history[-1] == pytest.approx(fits[joint][method]["fitness"], rel=1e-9)
+
+
+def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
+    from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+
+    def unavailable(self, model, data):
+        raise RenderingUnavailableError("no OpenGL context")
+
+    monkeypatch.setattr(Renderer, "picture", unavailable)
+    demo(out=tmp_path, trials=1, episodes=1)
+    assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
+    assert not (tmp_path / "arm.png").exists()
+    assert "arm.png" not in (tmp_path / "report.md").read_text()
+
+
+def interrupted(capsys, out, *more) -> str:
+    """Runs a demo that must be interrupted; returns what it says at the end."""
+    with pytest.raises(SystemExit) as stop:
+        main(["demo", "--trials", "1", "--episodes", "1", "--out", str(out), *more])
+    assert stop.value.code == 2
+    message = capsys.readouterr().err.strip().splitlines()[-1]
+    assert message.startswith("activesuit: interrupted: ")
+    return message
+
+
+def interrupting_call(monkeypatch, owner, name, number=1):
+    """Makes the call with that number, from 1, raise KeyboardInterrupt."""
+    real, calls = getattr(owner, name), []
+
+    def interrupt(*arguments, **options):
+        calls.append(name)
+        if len(calls) == number:
+            raise KeyboardInterrupt
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(owner, name, interrupt)
+
+
+def test_interrupt_keeps_the_finished_fits(tmp_path, monkeypatch, capsys):
+    interrupting_call(monkeypatch, Bar, "advance", 2)
+    message = interrupted(capsys, tmp_path)
+    assert f"the finished fits (2 of 6) are kept in {tmp_path}/fits.json and trials.csv" in message
+    assert "sa-pso" in json.loads((tmp_path / "fits.json").read_text())["shoulder"]
+    assert len((tmp_path / "trials.csv").read_text().splitlines()) == 3  # header and two
+
+
+def test_interrupt_before_the_first_fit(tmp_path, monkeypatch, capsys):
+    interrupting_call(monkeypatch, demo_module, "identify")
+    assert "the finished fits (0 of 6) are kept" in interrupted(capsys, tmp_path)
+    assert json.loads((tmp_path / "fits.json").read_text()) == {"shoulder": {}, "elbow": {}}
+
+
+@pytest.mark.parametrize(
+    ("part", "number"), [("loops_figure", 1), ("evaluate", 2), ("trajectory_figure", 1)]
+)
+def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsys, part, number):
+    interrupting_call(monkeypatch, demo_module, part, number)
+    message = interrupted(capsys, tmp_path, "--seed", "3")
+    assert f"fits.json, trials.csv and suit.json are kept in {tmp_path}; go on with: " in message
+    fits = json.loads((tmp_path / "fits.json").read_text())
+    assert all(set(fits[joint]) == {"sa-pso", "mpso", "certified"} for joint in fits)
+    assert not (tmp_path / "report.md").exists()
+    command = message.split("go on with: activesuit ")[1]
+    assert command == f"validate {tmp_path}/suit.json --episodes 1 --seed 3"
+    main(command.split())  # what it says can be done
+    assert "of the oracle's reduction" in capsys.readouterr().out
+
+
+def test_needs_no_torch(tmp_path):
+    code = (
+        "import sys\n"
+        "from activesuit.scripts.main import main\n"
+        f"main(['demo', '--trials', '1', '--episodes', '1', '--out', {str(tmp_path)!r}])\n"
+        "assert not {'torch', 'stable_baselines3'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+    assert (tmp_path / "report.md").exists()

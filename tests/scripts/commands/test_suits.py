@@ -1,0 +1,170 @@
+"""`activesuit suits`: lists, shows, checks, draws and exports suits."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
+from activesuit.hysteresis import JilesAtherton
+from activesuit.scripts.main import main
+from activesuit.scripts.reports.suit_figure import TURNS, first_order_loops, suit_figure
+from helpers import sweep
+
+RISKY = JilesAtherton(Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg")
+SAFE = load_suit("mock-suit").joints["elbow_flexion"].model
+
+
+def entry_of(model, **changes):
+    given = {"range": (0.0, 1.5), "start_angle": 0.0, "grade": "assumed", "source": "a test"}
+    return SuitJoint(model=model, **(given | changes))
+
+
+def run(capsys, *arguments) -> str:
+    main(["suits", *map(str, arguments)])
+    return capsys.readouterr().out
+
+
+def fails(capsys, *arguments) -> tuple[str, str]:
+    """What a command prints that must end with exit code 2, and its sentence."""
+    with pytest.raises(SystemExit) as stop:
+        main(["suits", *map(str, arguments)])
+    assert stop.value.code == 2
+    shown, message = capsys.readouterr()
+    assert message.startswith("activesuit: error: ")
+    assert message.count("\n") == 1
+    return shown, message
+
+
+def test_the_list_tells_label_pressure_and_joints(capsys):
+    listed = json.loads(run(capsys, "--json"))
+    assert [*listed] == suit_names()
+    shown = run(capsys)
+    for name, told in listed.items():
+        suit = load_suit(name)
+        assert told == {
+            "label": suit.label,
+            "pressure_kpa": suit.pressure_kpa,
+            "description": suit.description,
+            "joints": [*suit.joints],
+        }
+        assert name in shown
+        assert suit.label in shown
+        assert suit.description in shown
+    assert "29.6 kPa" in shown
+
+
+@pytest.mark.parametrize("name", ["mock-suit", "emu-like", "exploration-56kpa"])
+def test_a_safe_suit_is_shown(capsys, name):
+    shown = run(capsys, name)
+    assert "Safe to simulate" in shown
+    assert "NO" not in shown.replace("NRMSE", "").split()
+    content = json.loads(run(capsys, name, "--json"))
+    assert content["safe"]
+    for joint in JOINTS:
+        assert content["joints"][joint]["certificate"]["margin"] > 0
+
+
+def test_an_unsafe_suit_is_shown_and_ends_with_exit_code_2(capsys, tmp_path):
+    shown, message = fails(capsys, "published-2022", "--out", tmp_path)
+    assert "NO" in shown
+    assert "22.23" in shown
+    assert f"wrote {tmp_path}/loops.png" in shown
+    assert "Safe to simulate" not in shown
+    assert "shoulder_flexion has certificate margin -0.245" in message
+    assert "elbow" not in message
+    shown, _ = fails(capsys, "published-2022", "--json")
+    content = json.loads(shown)
+    assert not content["safe"]
+    margin = content["joints"]["shoulder_flexion"]["certificate"]["margin"]
+    assert margin == pytest.approx(-0.2447, abs=1e-4)
+
+
+def test_a_start_outside_the_certificate_is_found(capsys, tmp_path):
+    joint = entry_of(SAFE, start_torque=12.0)
+    save_suit(
+        Suit(name="far", description="", joints={"elbow_flexion": joint}), tmp_path / "s.json"
+    )
+    _, message = fails(capsys, tmp_path / "s.json")
+    assert "elbow_flexion begins at 0 rad with 12 N·m, outside its certificate" in message
+
+
+def test_samples_are_shown(capsys, tmp_path):
+    joint = entry_of(SAFE, samples=[SAFE.scaled(torque=factor) for factor in (0.8, 1.2, 1.1)])
+    suit = Suit(name="many", description="", joints={"elbow_flexion": joint})
+    save_suit(suit, tmp_path / "s.json")
+    torque = SAFE.response([0, 1.5])[-1]
+    assert f"{0.8 * torque:.2f} .. {1.2 * torque:.2f}" in run(capsys, tmp_path / "s.json")
+    axes = suit_figure(suit).axes[0]
+    assert len(axes.lines) == 4 * TURNS + 1  # and the line at zero
+
+
+def test_export_at_another_pressure(capsys, tmp_path):
+    path = tmp_path / "mine.json"
+    shown = run(capsys, "emu-like", "--pressure", 40, "--export", path)
+    assert f"wrote {path}" in shown
+    assert "extrapolated" in shown
+    assert load_suit(path) == load_suit("emu-like").at_pressure(40)
+    again = json.loads(run(capsys, "emu-like", "--pressure", 40, "--json"))
+    assert again["pressure_kpa"] == 40
+    run(capsys, "mock-suit", "--export", path)
+    assert load_suit(path) == load_suit("mock-suit")
+
+
+def test_a_suit_without_pressure_resists_nothing(capsys, tmp_path):
+    shown = run(capsys, "emu-like", "--pressure", 0, "--export", tmp_path / "s.json")
+    assert "It resists no joint." in shown
+    assert load_suit(tmp_path / "s.json").joints == {}
+
+
+def test_loops_begin_at_the_lower_end_and_come_back():
+    entry = entry_of(SAFE, start_angle=0.5)
+    loops = first_order_loops(entry, SAFE)
+    assert [*loops] == ["0.30", "0.60", "0.90", "1.20", "1.50"]
+    for turn, (angle, torque) in loops.items():
+        assert angle[[0, -1]] == pytest.approx([0, 0])
+        assert angle.max() == pytest.approx(float(turn))
+        assert torque.argmax() == angle.argmax()
+        expected = SAFE.response(sweep(0.5, 0.0, angle.max(), 0.0))[-1]
+        assert torque[-1] == pytest.approx(expected, abs=1e-5)
+    angle, torque = loops["1.50"]
+    assert np.trapezoid(torque, angle) > 0
+
+
+def test_a_loop_that_meets_the_pole_is_left_out_and_told():
+    entry = entry_of(RISKY, range=(0.0, 2.5))
+    loops = first_order_loops(entry, RISKY)
+    assert 0 < len(loops) < TURNS
+    figure = suit_figure(Suit(name="risky", description="", joints={"elbow_flexion": entry}))
+    assert any("infinite torque" in text.get_text() for text in figure.axes[0].texts)
+
+
+@pytest.mark.parametrize("name", suit_names())
+def test_the_figure_has_a_panel_for_every_joint(name, tmp_path):
+    suit = load_suit(name)
+    figure = suit_figure(suit)
+    assert [ax.get_title(loc="left") for ax in figure.axes] == [
+        joint.replace("_", " ") for joint in suit.joints
+    ]
+    assert suit.label in figure.get_suptitle()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["emulike"], "unknown suit 'emulike'.*did you mean 'emu-like'"),
+        (["emu-like", "--pressure", "-5"], "pressure is -5 kPa: give 0 to 110 kPa"),
+        (["emu-like", "--pressure", "29600"], "pressure is 29600 kPa: give 0 to 110"),
+        (["mock-suit", "--pressure", "40"], "'mock-suit' does not tell at which.*leave pressure"),
+        (["--pressure", "40"], "--pressure is 40.0, but of which suit: give one of emu-like, "),
+        (["--export", "a.json"], "--export is a.json, but of which suit"),
+        (["--out", "figures"], "--out is figures, but of which suit"),
+        (["emu-like", "--export", "{folder}/none/a.json"], "cannot write .*choose a folder"),
+        (["emu-like", "--pressure", "0", "--out", "a"], "resists no joint: leave --out away"),
+        (["emu-like", "--out", "{folder}/file"], "cannot make the folder .* choose another --out"),
+    ],
+)
+def test_mistakes(capsys, tmp_path, arguments, message):
+    (tmp_path / "file").touch()
+    _, sentence = fails(capsys, *(text.format(folder=tmp_path) for text in arguments))
+    assert re.search(message, sentence)
