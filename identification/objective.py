@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import number
 from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton import kernels
-from ..hysteresis.jiles_atherton._sensitivity import response_and_derivatives
+from ..hysteresis.jiles_atherton.sensitivity import response_and_derivatives
 from .curves import Curve, noise_floor
 
 Loss = Literal["nrmse", "paper", "sse", "robust"]

@@ -7,7 +7,7 @@ from numba import njit
 from ..bouc_wen import kernels as bouc_wen
 from ..certificate import ROUNDING
 from ..jiles_atherton import kernels as jiles_atherton
-from ..jiles_atherton._envelope import margin_in_range
+from ..jiles_atherton.margins import margin_in_range
 from ..prandtl_ishlinskii import kernels as prandtl_ishlinskii
 from ..preisach import kernels as preisach
 from ..preisach._tables import parameter_size

@@ -232,16 +232,6 @@ def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
 
 
 @njit(cache=True, error_model="numpy")
-def certificate(Ms, a, alpha, c, k):
-    """Returns the certificate's margin and its bound on |M - Man| (`JilesAtherton.certificate`)."""
-    chi = Ms / (3 * a)
-    spread = abs(c - 1)
-    steepest = (spread + max(c, 0.0)) * chi
-    most_negative = -(spread + max(-c, 0.0)) * chi
-    return 1 - max(alpha * steepest, alpha * most_negative), k * spread * chi
-
-
-@njit(cache=True, error_model="numpy")
 def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
     """Returns the part of the past `loss` that a motion from (H, M) could still get back.
 

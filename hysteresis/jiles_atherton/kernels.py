@@ -14,6 +14,7 @@ from ..certificate import ROUNDING
 from . import _bulk as bulk
 from . import _forms as forms
 from .langevin import langevin, log_sinhc
+from .margins import margin_everywhere
 
 MS, A, ALPHA, C, K, STEP_LIMIT, FORM, CLAMP, PER_A, PER_K, TOLERANCE = range(11)
 PARAMETER_SIZE = 11
@@ -27,14 +28,14 @@ def begin(p, s, angle, torque):
     """Starts anywhere; inside is how much nearer to Man than the certificate's bound."""
     remember(p, s, angle, torque)
     s[LOSS] = recoverable(p, angle, torque)
-    _, bound = bulk.certificate(p[MS], p[A], p[ALPHA], p[C], p[K])
+    _, bound = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return bound - abs(s[LAG])
 
 
 @njit(cache=True, error_model="numpy")
 def is_certified(p):
     """Returns whether no motion whatever meets the pole or gains energy."""
-    margin, _ = bulk.certificate(p[MS], p[A], p[ALPHA], p[C], p[K])
+    margin, _ = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return is_exact(p) and p[C] >= 1 and margin > ROUNDING
 
 

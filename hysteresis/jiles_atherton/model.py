@@ -13,9 +13,8 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
 from ..protocol import HysteresisModel, State, read_only
 from . import kernels
-from ._bulk import certificate
-from ._envelope import margin_in_range
 from ._forms import CLAMPS, FORMS
+from .margins import margin_everywhere, margin_in_range
 
 AngleUnit = Literal["rad", "deg"]
 Form = Literal["bulk", "original", "derivative", "jiles-1992"]
@@ -142,7 +141,7 @@ class JilesAtherton(HysteresisModel):
         """
         low, high = checked_range(angle_range)
         Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()
-        margin, memory_bound = certificate(Ms, a, alpha, c, k)
+        margin, memory_bound = margin_everywhere(Ms, a, alpha, c, k)
         largest = memory_bound
         if not kernels.is_exact(self.parameter_vector):
             margin = -math.inf

@@ -9,9 +9,8 @@ from ...errors import InputError
 from ...hysteresis.around.asymmetric import LARGEST_DEGREE, Asymmetric
 from ...hysteresis.around.held import Held
 from ...hysteresis.jiles_atherton import kernels
-from ...hysteresis.jiles_atherton._bulk import certificate
-from ...hysteresis.jiles_atherton._envelope import margin_in_range
 from ...hysteresis.jiles_atherton.langevin import langevin
+from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ..curves import Curve
 from .certified import MARGIN, search_box, unit_parameters
@@ -106,7 +105,7 @@ class _UnitModels:
         """Returns by how much the margin falls short, or the lag of the beginning exceeds."""
         row, first = _unit(point)
         if everywhere:
-            margin, bound = certificate(*row)
+            margin, bound = margin_everywhere(*row)
         else:
             margin, bound, _ = margin_in_range(*self.range, *row)
         _, a, alpha, _, _ = row

@@ -11,9 +11,8 @@ from scipy.optimize import least_squares
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.held import Held
-from ...hysteresis.jiles_atherton._bulk import certificate
-from ...hysteresis.jiles_atherton._envelope import margin_in_range
 from ...hysteresis.jiles_atherton.langevin import langevin
+from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ..curves import Curve, noise_floor
 from ..objective import CurveObjective, InitialTorque
@@ -249,7 +248,7 @@ class _Search:
         """Returns by how much the margin falls short; an unsafe start counts as MARGIN / 2."""
         Ms, a, alpha, c, k = row[:5].tolist()
         if everywhere:
-            margin, bound = certificate(Ms, a, alpha, c, k)
+            margin, bound = margin_everywhere(Ms, a, alpha, c, k)
         else:
             low, high = self.low_angle, self.high_angle
             margin, bound, _ = margin_in_range(low, high, Ms, a, alpha, c, k)

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from activesuit.hysteresis.jiles_atherton._sensitivity import response_and_derivatives
+from activesuit.hysteresis.jiles_atherton.sensitivity import response_and_derivatives
 from activesuit.hysteresis.jiles_atherton.kernels import population_response
 from helpers import TABLE_2, sweep
 

@@ -1,4 +1,4 @@
-"""The certificate of the Jiles-Atherton model for angles in a finite range.
+"""The certificate of the Jiles-Atherton model: its margin for all angles and for a finite range.
 
 In the effective field x the lag u = M - Man obeys du/dx = -u/(delta k) + (c-1) Man'. Say that every
 start has |u| <= B, and c >= 1. Let U run to the right from the state u = B at the lowest angle,
@@ -17,7 +17,7 @@ import math
 
 from numba import njit
 
-from ._bulk import certificate, step_field
+from ._bulk import step_field
 from .langevin import langevin
 
 CELL = 0.02  # of min(a, k)
@@ -27,13 +27,26 @@ BISECTIONS = 200
 
 
 @njit(cache=True, error_model="numpy")
+def margin_everywhere(Ms, a, alpha, c, k):
+    """Returns the certificate's margin for all angles, and its bound on |M - Man|.
+
+    The proof is in `JilesAtherton.certificate`.
+    """
+    chi = Ms / (3 * a)
+    spread = abs(c - 1)
+    steepest = (spread + max(c, 0.0)) * chi
+    most_negative = -(spread + max(-c, 0.0)) * chi
+    return 1 - max(alpha * steepest, alpha * most_negative), k * spread * chi
+
+
+@njit(cache=True, error_model="numpy")
 def margin_in_range(low, high, Ms, a, alpha, c, k):
     """Returns (margin, B, largest |u|) for angles between low and high.
 
     B covers every start without torque.
     """
     if c < 1 or alpha * Ms >= 3 * a:  # the latter: several fields belong to one angle and lag
-        margin, bound = certificate(Ms, a, alpha, c, k)
+        margin, bound = margin_everywhere(Ms, a, alpha, c, k)
         return margin, bound, bound
     start = Ms * langevin(max(abs(low), abs(high)) / a)[0]
     worst_right, up = run(low, high, start, Ms, a, alpha, c, k)
