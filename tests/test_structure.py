@@ -1,0 +1,189 @@
+"""The structure of the source tree: who imports whom, what is private, where names are listed."""
+
+import ast
+import re
+import tomllib
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PACKAGES = PYPROJECT["tool"]["setuptools"]["packages"]
+
+# Which part may import which; everything may import the modules of the root.
+ALLOWED = {
+    "assets": {"hysteresis"},
+    "hysteresis": set(),
+    "identification": {"hysteresis", "assets"},
+    "envs": {"hysteresis", "assets"},
+    "scripts": {"assets", "hysteresis", "identification", "envs"},
+}
+ROOT_MODULES = {"arrays", "checks", "errors", "files", "__init__"}
+
+Name = tuple[str, ...]  # a module below `activesuit`: ("hysteresis", "registry")
+
+
+@dataclass(frozen=True)
+class Import:
+    """One `from ... import` of our own code.
+
+    Attributes:
+        target: the module that is imported; its `__init__` where a package is.
+        name: the imported name; None where it is the module itself.
+        early: whether it runs when the importing module is imported.
+        line: where it stands.
+    """
+
+    target: Name
+    name: str | None
+    early: bool
+    line: int
+
+
+@cache
+def sources() -> dict[Name, Path]:
+    """Returns the files of the package by the module they are."""
+    paths = [
+        *ROOT.glob("*.py"),
+        *(path for part in ALLOWED for path in (ROOT / part).rglob("*.py")),
+    ]
+    return {path.relative_to(ROOT).with_suffix("").parts: path for path in sorted(paths)}
+
+
+@cache
+def imports(path: Path) -> tuple[Import, ...]:
+    """Returns the imports of our own modules in a source file or a test."""
+    return tuple(_imports(ast.parse(path.read_text(encoding="utf-8")), path.relative_to(ROOT)))
+
+
+def _imports(tree: ast.AST, path: Path, early: bool = True) -> Iterator[Import]:
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.ImportFrom) and (base := _base(node, path)) is not None:
+            for alias in node.names:
+                inside = _module((*base, alias.name))
+                target, name = (inside, None) if inside else (_module(base), alias.name)
+                assert target, f"{path}:{node.lineno} imports {base}, which does not exist"
+                yield Import(target, name, early, node.lineno)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.startswith("activesuit."):
+                    target = _module(tuple(alias.name.split(".")[1:]))
+                    assert target, f"{path}:{node.lineno} imports {alias.name}"
+                    yield Import(target, None, early, node.lineno)
+        elif isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            yield from _imports(node, path, early=False)
+        else:
+            later = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
+            yield from _imports(node, path, early and not later)
+
+
+def _base(node: ast.ImportFrom, path: Path) -> Name | None:
+    """Returns the module after `from`, or None if it is not ours."""
+    named = tuple(node.module.split(".")) if node.module else ()
+    if node.level:
+        package = path.parent.parts
+        return (*package[: len(package) - node.level + 1], *named)
+    return named[1:] if named[:1] == ("activesuit",) else None
+
+
+def _module(name: Name) -> Name | None:
+    return next((one for one in (name, (*name, "__init__")) if one in sources()), None)
+
+
+def circles(graph: dict[str, set[str]]) -> list[str]:
+    """Returns the names along a circle of a graph; nothing if it has none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return error.args[1]
+    return []
+
+
+def test_no_circle_between_modules():
+    graph = {
+        ".".join(name): {".".join(one.target) for one in imports(path) if one.early}
+        for name, path in sources().items()
+    }
+    assert not circles(graph)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_circle_between_the_parts_of_a_package(package):
+    # Files and subfolders of one folder; its __init__ stands before them and imports them all.
+    folder = tuple(package.split(".")[1:])
+    graph = defaultdict(set)
+    for name, path in sources().items():
+        if name[: len(folder)] != folder or name[len(folder)] == "__init__":
+            continue
+        for one in imports(path):
+            if one.target[: len(folder)] == folder and one.target[len(folder)] != "__init__":
+                graph[name[len(folder)]].add(one.target[len(folder)])
+    assert not circles({part: targets - {part} for part, targets in graph.items()})
+
+
+@pytest.mark.parametrize("part", ALLOWED)
+def test_no_arrow_up(part):
+    allowed = ALLOWED[part] | {part} | ROOT_MODULES
+    up = [
+        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
+        for name, path in sources().items()
+        if name[0] == part
+        for one in imports(path)
+        if one.target[0] not in allowed
+    ]
+    assert not up
+
+
+@pytest.mark.parametrize("part", ["hysteresis", "identification"])
+def test_only_the_engine_knows_mujoco(part):
+    for path in sorted((ROOT / part).rglob("*.py")):
+        if "engine" not in path.parts:
+            assert "mujoco" not in re.findall(r"^\s*(?:import|from) (\w+)", path.read_text(), re.M)
+
+
+def test_underscores_are_private_to_their_folder():
+    tests = sorted((ROOT / "tests").rglob("*.py"))
+    opened = {
+        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
+        + (f": {one.name}" if _is_private(one.name or "") else "")
+        for path in (*sources().values(), *tests)
+        for one in imports(path)
+        if (_is_private(one.target[-1]) or _is_private(one.name or ""))
+        and not path.is_relative_to(ROOT.joinpath(*one.target[:-1]))
+    }
+    assert not opened, "\n".join(sorted(opened))
+
+
+def _is_private(name: str) -> bool:
+    return name.startswith("_") and not name.startswith("__")
+
+
+def test_choices_of_the_command_line_come_from_registries():
+    import gymnasium
+    from activesuit.assets import JOINTS, suit_names
+    from activesuit.envs.model.config import GRAVITY
+    from activesuit.envs.policies import POLICIES
+    from activesuit.hysteresis import MODELS
+    from activesuit.identification.methods import METHODS
+
+    environments = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
+    known = {*MODELS, *METHODS, *POLICIES, *environments, *suit_names(), *GRAVITY, *JOINTS}
+    for name, path in sources().items():
+        if name[0] != "scripts":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Subscript) and ast.unparse(node.value).endswith("Literal"):
+                listed = {one.value for one in ast.walk(node) if isinstance(one, ast.Constant)}
+                assert not listed & (known - {"none"}), f"{path}:{node.lineno}"
+
+
+def test_every_folder_is_packaged():
+    folders = {".".join(("activesuit", *name[:-1])) for name in sources()}
+    assert sorted(folders) == sorted(PACKAGES)
+    assert all(_module(tuple(package.split(".")[1:])) for package in PACKAGES)
