@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 # Tables keep their width: on a narrow terminal lines wrap, but nothing is left out.
 console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
+Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 

@@ -15,12 +15,11 @@ from scipy import optimize
 
 from ...assets import curves_path
 from ...identification import Curve, CurveObjective, certified_fit, identify, load_curves
-from ...identification.identify import PAPER_BOUNDS
 from ...identification.optimizers.mpso import mpso
 from ...identification.optimizers.pso import pso
 from ...identification.optimizers.rank_distance_mpso import rank_distance_mpso
 from ...identification.optimizers.sa_pso import sa_pso
-from ..commands.study import study
+from ...published import LI_BOUNDS
 from ..output import messages
 from .hysteresis import textbook_rk4
 from .timing import Row, Work, compare, seconds
@@ -33,9 +32,14 @@ STUDY_LIMIT = 20.0  # s
 SWARMS = {"PSO": pso, "SA-PSO": sa_pso, "MPSO": mpso, "rank-distance MPSO": rank_distance_mpso}
 
 
-def rows(repeats: int) -> list[Row]:
-    """Times a certified fit of the elbow against one SA-PSO trial, and every optimizer's self."""
-    curves = [curve for curve in load_curves(curves_path("elbow")) if curve.role == "fit"]
+def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
+    """Times the identification of the elbow, the whole study, and the optimizers' own work.
+
+    Args:
+        repeats: Number of pairs of measurements of each row.
+        study: Command that runs the whole study and writes its report into a folder.
+    """
+    curves = load_curves(curves_path("elbow")).fitted()
     return [
         compare(
             "certified fit, elbow",
@@ -47,9 +51,9 @@ def rows(repeats: int) -> list[Row]:
         ),
         compare(
             "one SA-PSO trial of the study, elbow",
-            lambda: sa_pso(CurveObjective(curves, loss="paper"), PAPER_BOUNDS, rng=0),
+            lambda: sa_pso(CurveObjective(curves, loss="paper"), LI_BOUNDS, rng=0),
             "with the usual RK4 loop",
-            lambda: sa_pso(_by_rk4(curves), PAPER_BOUNDS, rng=0),
+            lambda: sa_pso(_by_rk4(curves), LI_BOUNDS, rng=0),
             repeats=min(repeats, 3),
             unit="ms",
             target=8.0,
@@ -57,14 +61,16 @@ def rows(repeats: int) -> list[Row]:
         Row(
             what="the whole study, 2 joints x 2 methods x 30 trials, its report included",
             unit="s",
-            ours=statistics.median(seconds(_whole_study) for _ in range(min(repeats, 3))),
+            ours=statistics.median(
+                seconds(lambda: _quietly(study)) for _ in range(min(repeats, 3))
+            ),
             limit=STUDY_LIMIT,
         ),
         *swarm_rows(repeats),
     ]
 
 
-def _whole_study() -> None:
+def _quietly(study: Callable[[Path], None]) -> None:
     with (
         tempfile.TemporaryDirectory() as folder,
         contextlib.redirect_stdout(io.StringIO()),

@@ -12,12 +12,11 @@ from ...identification import load_curves
 from ...identification.study.summary import Summary, summarize
 from ...identification.study.trial import StudyConfig, run_trial
 from ..backends import run_all
-from ..output import messages, progress
-from ..reports.tables import Rows
+from ..output import Rows, messages, progress
 from .timing import seconds
 
 STARTS, STARTS_PER_REPEAT = 200, 25  # at most; fewer for a hurried benchmark
-METHODS = ("certified", "cma-es", "de", "sa-pso", "mpso")
+STARTED_METHODS = ("certified", "cma-es", "de", "sa-pso", "mpso")
 # Of a certified fit: model runs and milliseconds at most, share of successful starts at least.
 RUNS_LIMIT, TIME_LIMIT, SUCCESS_LIMIT = 200, 50.0, 0.95
 
@@ -62,10 +61,10 @@ def random_starts(repeats: int) -> list[Starts]:
     There are 25 starts per repeat and 200 at most.
     The swarms and their rivals get the paper's budget, 50 x 101 model runs.
     """
-    methods = METHODS
+    methods = STARTED_METHODS
     if importlib.util.find_spec("cma") is None:
         messages.print("CMA-ES is left out: the package cma is not installed")
-        methods = tuple(method for method in METHODS if method != "cma-es")
+        methods = tuple(method for method in STARTED_METHODS if method != "cma-es")
     families = {name: load_curves(curves_path(name)) for name in CURVES}
     config = StudyConfig(
         methods=methods,

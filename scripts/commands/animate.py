@@ -17,7 +17,8 @@ from ...envs.policies import Policy, make_policy
 from ...envs.reference import minimum_jerk
 from ...errors import InputError
 from ...files import replacing
-from ..options import USUAL, ArmOptions
+from ..arm_options import USUAL, ArmOptions
+from ..options import Gravity, PolicyName, SuitName
 from ..output import Bar, progress
 
 Picture = NDArray[np.uint8]
@@ -38,21 +39,17 @@ TURNS = {
 
 def animate(
     out: Path = Path("motion.gif"),
-    policy: str = "feedforward",
-    suit: str = "mock-suit",
-    gravity: str = "microgravity",
+    policy: PolicyName = "feedforward",
+    suit: SuitName = "mock-suit",
+    gravity: Gravity = "microgravity",
     arm: ArmOptions = USUAL,
     camera: str = "overview",
 ) -> None:
     """Draw an assisted motion and its torque-angle loops as a looping animation.
 
     Args:
-        out: the file to write, .gif or .mp4.
-        policy: none, gravity, feedforward, oracle, or the folder of a training run.
-        suit: name of a shipped suit, or a suit file.
-        gravity: earth, mars, moon or microgravity.
-        arm: wearer, coupling and load.
-        camera: overview, front, side, elbow, cuffs or follow.
+        out: Name of the film, ending with .gif or .mp4.
+        camera: Camera of the film: overview, front, side, elbow, cuffs or follow.
     """
     write = _writer(out)
     env = _Reaching(

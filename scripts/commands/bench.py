@@ -2,49 +2,50 @@
 
 import platform
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from ...checks import at_least
+from ..options import Json
 from ..output import table, to_json
 
 if TYPE_CHECKING:
     from ..benchmarks.timing import Row
 
-Topic = Literal["all", "hysteresis", "engine", "model", "env", "identify", "oracle"]
+Topic = Literal["all", "hysteresis", "engine", "model", "env", "identify", "exactness"]
 
 
 def bench(
     topic: Annotated[Topic, tyro.conf.Positional] = "all",
     /,
     repeats: int = 9,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
-    """Measure speed, each row against something else in turn in this very run; or exactness.
+    """Measure speed, each row against something else in turn in this very run.
 
     Args:
-        topic: hysteresis, engine, model, env, identify, or all of these; or oracle, which compares
-            the kernels with readable twins, with SciPy and with the engine.
-        repeats: pairs of measurements per row.
-        json: print the result as JSON.
+        topic: Part whose speed is measured, or all of them; or exactness, which compares the
+            kernels with their readable references, with SciPy and with the engine.
+        repeats: Number of pairs of measurements of each row.
     """
     at_least("repeats", repeats, 1)
     # Not needed by other commands, and slow to import.
     import mujoco
 
-    from ..benchmarks import effort, engine, env, hysteresis, identify, model, starts
-    from ..benchmarks import exactness as oracle
+    from ..benchmarks import effort, engine, env, exactness, hysteresis, identify, model, starts
+    from .study import study
 
-    if topic == "oracle":
-        oracle.report(json)
+    if topic == "exactness":
+        exactness.report(json)
         return
     topics: dict[str, Callable[[int], list[Row]]] = {
         "hysteresis": hysteresis.rows,
         "engine": engine.rows,
         "model": model.rows,
         "env": env.rows,
-        "identify": identify.rows,
+        "identify": partial(identify.rows, study=study),
     }
     rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
     found = starts.random_starts(repeats) if topic in ("identify", "all") else []

@@ -13,13 +13,14 @@ from ...envs.policies import POLICIES
 from ...envs.rendering import RenderingUnavailableError
 from ...identification import Curve, Fit, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
-from ..output import RunFolder, markdown_table, progress, table, telling
-from ..reports.tables import Rows, parameter_table, quality_table, score_table
+from ..options import Seed
+from ..output import Rows, RunFolder, markdown_table, progress, table, telling
+from ..reports.fits import fit_summary, quality_table, write_trials
+from ..reports.motions import score_table, write_trace
+from ..reports.parameters import parameter_table
 from ..suit_export import fitted_joint
-from .identify import fit_summary, write_trials
-from .simulate import write_trace
 
-METHODS = ("sa-pso", "mpso", "certified")
+COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
 PLANT = "mock-suit"
 GRAVITIES = ("earth", "microgravity")
@@ -28,23 +29,24 @@ PICTURE_STEP = 150  # control periods into the motion
 Fits = dict[str, dict[str, Fit]]
 
 
-def demo(out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, seed: int = 0) -> None:
+def demo(
+    out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, seed: Seed = 0
+) -> None:
     """Do the whole job once: identify, simulate, compensate, report.
 
     The curves are synthetic, made from the published parameters; see the README.
 
     Args:
-        out: folder for config, tables, suit file, figures and report.md.
-        trials: runs of each swarm, of which the best counts (30 in the paper).
-        episodes: simulated motions per policy.
-        seed: fixes all random numbers.
+        out: Folder for the configuration, tables, suit file, figures and report.md.
+        trials: Number of runs of each swarm, of which the best counts; the paper has 30.
+        episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     folder = RunFolder(out)
     config = {"trials": trials, "episodes": episodes, "seed": seed, "env": ENV, "plant": PLANT}
-    folder.json("config.json", {**config, "methods": METHODS, "gravities": GRAVITIES})
+    folder.json("config.json", {**config, "methods": COMPARED, "gravities": GRAVITIES})
 
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
@@ -77,7 +79,7 @@ def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int
             bar.advance()
 
         for name, family in curves.items():
-            for method in METHODS:
+            for method in COMPARED:
                 fits[name][method] = identify(
                     family,
                     method=method,
@@ -91,7 +93,7 @@ def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int
 
 
 def _kept_fits(folder: RunFolder, fits: Fits) -> str:
-    done, planned = sum(map(len, fits.values())), len(METHODS) * len(fits)
+    done, planned = sum(map(len, fits.values())), len(COMPARED) * len(fits)
     return (
         f"the finished fits ({done} of {planned}) are kept in {folder.path}/fits.json and "
         "trials.csv; run the demo again for the rest"

@@ -1,41 +1,38 @@
 """`activesuit evaluate`: policies side by side on the same motions."""
 
 from pathlib import Path
+from typing import Annotated
 
 from ...checks import at_least
 from ...envs.evaluation import Score, Trace, make_env
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.policies import POLICIES, make_policy
 from ...envs.policies.trained import training_config
-from ..options import USUAL, ArmOptions
+from ..arm_options import USUAL, ArmOptions
+from ..options import Gravity, Json, PolicyName, Seed, SuitName, choice, environments
 from ..output import RunFolder, conclude, progress
-from ..reports.tables import cuff_remarks, effort_table, score_table
+from ..reports.motions import cuff_remarks, effort_table, score_table
 
 
 def evaluate(
-    env: str | None = None,
-    policies: tuple[str, ...] = POLICIES,
+    env: Annotated[str | None, choice(environments)] = None,
+    policies: tuple[PolicyName, ...] = tuple(POLICIES),
     episodes: int = 5,
-    seed: int = 0,
-    suit: str = "mock-suit",
-    gravity: str = "earth",
+    seed: Seed = 0,
+    suit: SuitName = "mock-suit",
+    gravity: Gravity = "earth",
     out: Path | None = None,
     arm: ArmOptions = USUAL,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Compare assist policies by what the wearer has to do.
 
     Args:
-        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0; by default what the
-            first trained policy was trained on, else ArmTracking.
-        policies: none, gravity, feedforward, oracle, or folders of training runs.
-        episodes: motions per policy; the same for all.
-        seed: fixes the motions.
-        suit: name of a shipped suit, or a suit file.
-        gravity: earth, mars, moon or microgravity.
-        out: folder for result.json.
-        arm: wearer, coupling and load.
-        json: print the result as JSON.
+        env: Id of the environment to simulate; by default the one that the first trained policy
+            was trained on, else ActiveSuit/ArmTracking-v0.
+        policies: Names of policies, or folders of training runs.
+        episodes: Number of motions of each policy; all policies get the same motions.
+        out: Folder for result.json.
     """
     env = env or _trained_on(policies) or "ActiveSuit/ArmTracking-v0"
     options = arm.config(suit, gravity)

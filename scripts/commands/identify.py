@@ -1,56 +1,51 @@
 """`activesuit identify`: a model from a file of measured curves."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, get_args
 
 import tyro
 
 from ...assets import Suit, load_suit, save_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Candidate, Curve, Fit, Trial, load_curves
+from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
-from ...identification.objective import InitialTorque
+from ...identification.fits.registry import FITS
+from ...identification.objective import InitialTorque, Loss, Normalize
+from ...identification.options import METHODS
 from ...identification.uncertainty.uncertainty import Uncertainty, uncertainty
+from ..options import Json, Seed, choice, joints, suits
 from ..output import RunFolder, progress, table, to_json
-from ..reports.tables import candidate_table, parameter_table, quality_table, uncertainty_table
+from ..reports.fits import (
+    candidate_table,
+    fit_summary,
+    quality_table,
+    uncertainty_summary,
+    uncertainty_table,
+    write_trials,
+)
+from ..reports.parameters import parameter_table
 from ..suit_export import fitted_joint, joint_of
-
-Model = Literal["jiles-atherton", "asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"]
-Method = Literal[
-    "certified",
-    "auto",
-    "sa-pso",
-    "mpso",
-    "pso",
-    "rank-distance-mpso",
-    "de",
-    "dual-annealing",
-    "nelder-mead",
-    "ga",
-    "cma-es",
-]
 
 
 def identify(
     curves: Annotated[Path, tyro.conf.Positional],
     /,
-    model: Model | None = None,
-    method: Method = "certified",
-    objective: Literal["nrmse", "paper", "sse", "robust"] | None = None,
-    normalize: Literal["family", "curve"] | None = None,
-    initial_torque: float | Literal["measured", "identified"] | None = None,
+    model: Annotated[str | None, choice(lambda: FITS)] = None,
+    method: Annotated[str, choice(lambda: METHODS)] = "certified",
+    objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
+    normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
+    initial_torque: InitialTorque | None = None,
     trials: int | None = None,
-    seed: int = 0,
+    seed: Seed = 0,
     workers: int = -1,
     samples: int = 0,
-    joint: str | None = None,
-    base: str | None = None,
+    joint: Annotated[str | None, choice(joints)] = None,
+    base: Annotated[str | None, choice(suits)] = None,
     out: Path | None = None,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Identify a hysteresis model from measured angle-torque curves.
 
@@ -59,29 +54,29 @@ def identify(
     Args:
         curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
             optionally role (fit or predict).
-        model: jiles-atherton (by default), asymmetric (the same beside a polynomial), bouc-wen,
-            prandtl-ishlinskii or preisach; all but the first by method certified only.
-        method: certified (a model that is safe to simulate), auto (the simplest of all models that
-            predicts curves left out of its fit), a swarm of the papers, or another library's
-            optimizer (ga and cma-es need the extra `compare`).
-        objective: what a swarm or optimizer minimizes: nrmse (by default), paper (eq. 7 of Li et
-            al. 2022), sse, or robust (against outliers).
-        normalize: of the objective: errors over the largest torque of the family (by default) or
-            of each curve.
-        initial_torque: with which each curve begins: a number in N·m (by default 0), measured (its
-            first sample) or identified (one for all). The fits of other models than jiles-atherton
-            always identify it.
-        trials: independent runs, of which the best counts; by default 1 for certified, 30 for
-            swarms and optimizers.
-        seed: fixes all random numbers.
-        workers: threads; -1 uses all cores.
-        samples: how many models that the curves also allow go into suit.json, to randomize with;
-            also shows how sure the parameters are (jiles-atherton only).
-        joint: which joint the curves belong to: shoulder_abduction, shoulder_flexion,
-            elbow_flexion or wrist_flexion; by default the file name tells (elbow.csv).
-        base: suit whose other joints suit.json takes over; by default it has this one only.
-        out: folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
-        json: print the result as JSON.
+        model: Hysteresis model to fit, jiles-atherton by default; asymmetric is the same beside a
+            polynomial. The method certified has all models, the other methods only jiles-atherton.
+        method: Method of the fit: certified finds a model that is safe to simulate; auto finds the
+            simplest of all models that predicts curves left out of its fit; the others are the
+            papers' swarms and optimizers of other libraries (ga and cma-es need the extra
+            `compare`).
+        objective: Quantity that a swarm or optimizer minimizes: nrmse (by default), paper (eq. 7
+            of Li et al. 2022), sse, or robust (against outliers).
+        normalize: Torque that divides the errors of the objective: the largest one of the family
+            (by default) or of each curve.
+        initial_torque: Torque with which each curve begins: a number in N·m (by default 0),
+            measured (the first sample of the curve) or identified (one number for all curves).
+            Only jiles-atherton has this choice; the fits of other models identify it.
+        trials: Number of independent runs, of which the best counts; by default 1 for certified
+            and 30 for swarms and optimizers.
+        workers: Number of threads; -1 uses all cores.
+        samples: Number of further models in suit.json that the curves allow too, to randomize the
+            simulation with; the uncertainty of the parameters is shown as well (jiles-atherton
+            only).
+        joint: Joint on which the curves were measured; by default the file name tells it
+            (elbow.csv).
+        base: Suit whose other joints suit.json takes over; by default it has this joint only.
+        out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
     """
     family = load_curves(curves)
     if base and not out:
@@ -112,7 +107,7 @@ def identify(
     summary = fit_summary(fit, seed)
     found = _uncertainty(fit, family, initial_torque or 0.0, samples, seed) if samples else None
     if found:
-        summary["uncertainty"] = _uncertainty_summary(found)
+        summary["uncertainty"] = uncertainty_summary(found)
     if json:
         print(to_json(summary))
     else:
@@ -133,7 +128,7 @@ def identify(
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
 
 
-def _check_samples(samples: int, method: Method, model: Model | None) -> None:
+def _check_samples(samples: int, method: str, model: str | None) -> None:
     at_least("samples", samples, 0)
     if samples and (method not in ("certified", "auto") or model not in (None, "jiles-atherton")):
         raise InputError(
@@ -153,7 +148,7 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if found:
         table("how sure the parameters are", *uncertainty_table(found), left=1)
-    for remark in (*fit.remarks, *(found.sloppy if found else ())):
+    for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
         print(f"note: {remark}")
 
 
@@ -175,28 +170,6 @@ def _write(folder: RunFolder, joint: str, family: Sequence[Curve], fit: Fit) -> 
     folder.figure("loops", loops_figure({joint: family}, {joint: {fit.model_name: fit}}))
 
 
-def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
-    """Returns a fit as plain values for JSON."""
-    certificate = fit.model.certificate()
-    return {
-        "method": fit.method,
-        "seed": seed,
-        "model_name": fit.model_name,
-        "model": fit.model.to_dict(),
-        "initial_torque": fit.initial_torque,
-        "fitness": fit.fitness,
-        "nrmse": fit.nrmse,
-        "prediction_max_error": fit.prediction_errors,
-        "evaluations": fit.evaluations,
-        "trials": len(fit.trials),
-        "interrupted": fit.interrupted,
-        "remarks": fit.remarks,
-        "certificate": {**asdict(certificate), "certified": certificate.certified},
-        "why": fit.why,
-        "candidates": [_candidate_summary(one) for one in fit.candidates],
-    }
-
-
 def _uncertainty(
     fit: Fit, curves: Sequence[Curve], initial_torque: InitialTorque, samples: int, seed: int
 ) -> Uncertainty:
@@ -206,57 +179,3 @@ def _uncertainty(
             "drawn of jiles-atherton only; leave it out"
         )
     return uncertainty(fit.model, curves, initial_torque=initial_torque, samples=samples, seed=seed)
-
-
-def _uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
-    return {
-        "names": found.names,
-        "values": found.values,
-        "standard_errors": found.standard_errors,
-        "intervals": found.intervals,
-        "condition": found.condition,
-        "sloppy": found.sloppy,
-        "samples": [sample.to_dict() for sample in found.samples],
-    }
-
-
-def _candidate_summary(one: Candidate) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "parameters": one.parameters,
-        "prediction_nrmse": one.prediction_nrmse,
-        "fit_nrmse": one.fit_nrmse,
-        "failed": one.reason or None,
-    }
-
-
-def write_trials(folder: RunFolder, name: str, fits: Mapping[str, Mapping[str, Fit]]) -> None:
-    """Writes every trial of every fit as one CSV row, angles of Jiles-Atherton in degrees."""
-    rows = [
-        {
-            "curves": curves,
-            "method": method,
-            "trial": trial.index,
-            "nrmse": trial.nrmse,
-            "evaluations": trial.evaluations,
-            "initial_torque": trial.initial_torque,
-            **dict(_numbers("", trial.model.to_dict())),
-        }
-        for curves, methods in fits.items()
-        for method, fit in methods.items()
-        for trial in fit.trials
-    ]
-    header = list(dict.fromkeys(name for row in rows for name in row))
-    folder.csv(name, header, ([row.get(column) for column in header] for row in rows))
-
-
-def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
-    """Yields the numbers in a model's dictionary by name, those in lists as name[i]."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _numbers(key, item)
-    elif isinstance(value, (list, tuple)):
-        for i, item in enumerate(value):
-            yield from _numbers(f"{name}[{i}]", item)
-    elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield name, value

@@ -11,14 +11,12 @@ from ...checks import at_least
 from ...identification.benchmarks.dispatch import (
     OPTIMUM,
     RELAXED_OPTIMUM,
-    TABLE_1,
     CostTrial,
     cost_trials,
 )
 from ...identification.benchmarks.figures import convergence_figure, cost_figure, error_figure
-from ...identification.benchmarks.scott_russell import NAMES, TABLE_2, UNITS, steady_cycle
+from ...identification.benchmarks.scott_russell import NAMES, UNITS, steady_cycle
 from ...identification.benchmarks.scott_russell_fit import (
-    METHODS,
     TRUTH,
     Measurement,
     MechanismFit,
@@ -26,6 +24,9 @@ from ...identification.benchmarks.scott_russell_fit import (
     regenerate,
     squared_errors,
 )
+from ...identification.optimizers.registry import KAO_FUNG_SWARMS
+from ...published import KAO_TABLE_1, KAO_TABLE_2
+from ..options import Json, Seed
 from ..output import RunFolder, progress, table, to_json
 
 CASES = {"n = 1": False, "n free": True}
@@ -36,21 +37,19 @@ Fits = dict[str, dict[str, MechanismFit]]
 
 def kao_fung(
     out: Path | None = None,
-    seed: int = 0,
+    seed: Seed = 0,
     population: int = 10_000,
     iterations: int = 100,
     trials: int = 100,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Repeat Kao and Fung (2009): the cost benchmark, and the piezo mechanism on regenerated data.
 
     Args:
-        out: folder for result.json, the tables as CSV and the figures 6, 7, 8 as PNG and SVG.
-        seed: fixes all random numbers.
-        population: particles of the identification; the paper has 10,000.
-        iterations: of the identification.
-        trials: runs of each method on the cost benchmark; the paper has 100.
-        json: print the result as JSON.
+        out: Folder for result.json, the tables as CSV and the figures 6, 7 and 8 as PNG and SVG.
+        population: Number of particles of the identification; the paper has 10,000.
+        iterations: Number of iterations of the identification.
+        trials: Number of runs of each method on the cost benchmark; the paper has 100.
     """
     for name, value, least in (
         ("seed", seed, 0),
@@ -86,9 +85,9 @@ def kao_fung(
 
 def _run_costs(trials: int, seed: int) -> Costs:
     costs: Costs = {False: {}, True: {}}
-    with progress("cost benchmark", 2 * len(METHODS) * trials) as bar:
+    with progress("cost benchmark", 2 * len(KAO_FUNG_SWARMS) * trials) as bar:
         for relaxed, methods in costs.items():
-            for method in METHODS:
+            for method in KAO_FUNG_SWARMS:
                 methods[method] = []
                 for trial in cost_trials(
                     method, trials=trials, relax_slack_bound=relaxed, seed=seed
@@ -103,10 +102,10 @@ def _run_fits(
 ) -> tuple[Fits, dict[str, dict[str, float]]]:
     fits: Fits = {}
     seconds: dict[str, dict[str, float]] = {}
-    with progress("identification", len(CASES) * len(METHODS) * iterations) as bar:
+    with progress("identification", len(CASES) * len(KAO_FUNG_SWARMS) * iterations) as bar:
         for case, free in CASES.items():
             fits[case], seconds[case] = {}, {}
-            for method in METHODS:
+            for method in KAO_FUNG_SWARMS:
                 start = time.perf_counter()
                 fits[case][method] = identify_mechanism(
                     measurement,
@@ -139,7 +138,7 @@ def _cost_summary(costs: Costs) -> list[dict[str, Any]]:
                     "reached": sum(trial.reached for trial in trials),
                     "iterations": np.mean([trial.converged for trial in trials]),
                     "seconds": np.mean([trial.seconds for trial in trials]),
-                    "published": asdict(TABLE_1[method]),
+                    "published": asdict(KAO_TABLE_1[method]),
                 }
             )
     return rows
@@ -163,7 +162,7 @@ def _fit_summary(fits: Fits, seconds: dict[str, dict[str, float]]) -> list[dict[
 
 
 def _remarks(costs: Costs, fits: Fits, floor: float) -> list[str]:
-    printed = TABLE_1["rank-distance-mpso"].best
+    printed = KAO_TABLE_1["rank-distance-mpso"].best
     remarks = [
         f"The printed best cost, {printed}, is the optimum {RELAXED_OPTIMUM:.4f} of the three-unit "
         f"case with unit 2 beyond its limit; within all limits the optimum is {OPTIMUM:.4f}. The "
@@ -172,7 +171,7 @@ def _remarks(costs: Costs, fits: Fits, floor: float) -> list[str]:
     for relaxed, methods in costs.items():
         average = {m: np.mean([trial.cost for trial in runs]) for m, runs in methods.items()}
         reached = {m: sum(trial.reached for trial in runs) for m, runs in methods.items()}
-        pso, mpso = METHODS
+        pso, mpso = KAO_FUNG_SWARMS
         better = "lower" if average[mpso] < average[pso] else "not lower"
         remarks.append(
             f"Limit of unit 2 {'ignored' if relaxed else 'kept'}: the average cost of {mpso} is "
@@ -199,7 +198,7 @@ def _print(result: dict[str, Any]) -> None:
     for row in result["cost"]:
         limit = "ignored" if row["relax_slack_bound"] else "kept"
         rows.append([limit, row["method"], *_cost_cells(row, row["trials"])])
-    rows += [["Table 1", m, *_cost_cells(asdict(known), 100)] for m, known in TABLE_1.items()]
+    rows += [["Table 1", m, *_cost_cells(asdict(known), 100)] for m, known in KAO_TABLE_1.items()]
     table("cost of the three-unit dispatch [$/h]; limit of unit 2 kept or ignored", header, rows)
     found = result["identification"]
     ours = {"truth": [*TRUTH, 1.0]}
@@ -212,7 +211,7 @@ def _print(result: dict[str, Any]) -> None:
     quality[1] += [f"{row['sse'] * 1e12:.5f}" for row in found]
     noise = f"{result['noise'] * 1e9:g} nm noise"
     table(f"identified from x with {noise}", *_columns(ours, quality), left=1)
-    published = {_heading(*key): list(values) for key, values in TABLE_2.items()}
+    published = {_heading(*key): list(values) for key, values in KAO_TABLE_2.items()}
     table("Table 2 in our simulation, all with n = 1", *_columns(published, []), left=1)
     for remark in result["remarks"]:
         print(f"note: {remark}")

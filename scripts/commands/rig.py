@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -11,12 +12,13 @@ from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
 from ...envs.rig.figure import records_figure
 from ...errors import InputError
 from ...identification import Curve, save_curves
+from ..options import Json, Seed, SuitName, choice, joints
 from ..output import RunFolder, table, to_json
 
 
 def rig(
-    suit: str = "mock-suit",
-    joint: str = "elbow_flexion",
+    suit: SuitName = "mock-suit",
+    joint: Annotated[str, choice(joints)] = "elbow_flexion",
     turns: tuple[float, ...] = (),
     predict: tuple[float, ...] | None = None,
     start_angle: float | None = None,
@@ -28,31 +30,29 @@ def rig(
     torque_resolution: float | None = None,
     angle_resolution: float | None = None,
     bearing_friction: float = 0.0,
-    seed: int = 0,
+    seed: Seed = 0,
     out: Path = Path("runs/rig"),
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Measure first-order curves of a suit joint on a simulated rig.
 
     Args:
-        suit: name of a shipped suit, or a suit file.
-        joint: which joint of the suit.
-        turns: angles at which the curves turn back [rad]; by default those of the paper for
-            shoulder and elbow, fifths of the range for other joints.
-        predict: which of the turns to keep out of a fit, to test it; by default the second,
-            fourth, ... but not the last.
-        start_angle: where the curves begin and end [rad]; by default where the suit's memory does.
-        repeats: how often each curve goes to its turn and back.
-        rate: of the joint [rad/s], from 0.01 to 0.5.
-        sample_rate: of the sensors [Hz], from 1 to 1000.
-        noise: standard deviation of the torque sensor's noise [N·m].
-        drift: of the torque sensor since the beginning of a curve [N·m/s].
-        torque_resolution: step of the torque sensor [N·m]; none by default.
-        angle_resolution: step of the encoder [rad]; none by default.
-        bearing_friction: friction of the bearings [N·m].
-        seed: fixes the noise.
-        out: folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG.
-        json: print the result as JSON.
+        joint: Joint of the suit that is measured.
+        turns: Angles at which the curves turn back [rad]; by default those of the paper for
+            shoulder and elbow, and fifths of the range for other joints.
+        predict: Turns [rad] whose curves are kept out of a fit, to test it; by default the second,
+            the fourth, ... but not the last.
+        start_angle: Angle at which the curves begin and end [rad]; by default the one at which the
+            suit's memory begins.
+        repeats: Number of times that each curve goes to its turn and back.
+        rate: Speed of the joint [rad/s], from 0.01 to 0.5.
+        sample_rate: Sampling rate of the sensors [Hz], from 1 to 1000.
+        noise: Standard deviation of the torque sensor's noise [N·m].
+        drift: Drift of the torque sensor since the beginning of a curve [N·m/s].
+        torque_resolution: Resolution of the torque sensor [N·m]; by default it has no steps.
+        angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
+        bearing_friction: Friction of the bearings [N·m].
+        out: Folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG.
     """
     config = RigConfig(
         suit=suit,

@@ -3,16 +3,17 @@
 from collections.abc import Sequence
 from json import loads
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from ... import __version__
 from ...assets import CURVES, curves_path
 from ...errors import InputError
 from ...files import write_text
-from ...identification import Curve, load_curves
+from ...identification import Curves, load_curves
 from ...identification.study.figures import figures
 from ...identification.study.summary import judge, summarize
 from ...identification.study.trial import (
+    STUDY_METHODS,
     StudyConfig,
     StudyTrial,
     TrialKey,
@@ -21,6 +22,7 @@ from ...identification.study.trial import (
     run_trial,
 )
 from ..backends import Backend, check_backend, run_all
+from ..options import Json, Seed, choice
 from ..output import RunFolder, progress, table, telling, to_json
 from ..reports.study import report, to_dict
 from ..reports.study_tables import (
@@ -33,20 +35,25 @@ from ..reports.study_tables import (
     verdict_table,
 )
 
-Families = dict[str, list[Curve]]
+Method = Annotated[str, choice(lambda: STUDY_METHODS)]
+CurvesName = Annotated[str, choice(lambda: [*CURVES, "FILE.csv"])]
+Families = dict[str, Curves]
 
 
 def study(
     out: Path = Path("runs/study"),
-    methods: tuple[str, ...] = ("sa-pso", "mpso"),
-    joints: tuple[str, ...] = ("shoulder", "elbow"),
+    methods: tuple[Annotated[str, choice(lambda: STUDY_METHODS)], ...] = ("sa-pso", "mpso"),
+    joints: tuple[Annotated[str, choice(lambda: [*CURVES, "FILE.csv"])], ...] = (
+        "shoulder",
+        "elbow",
+    ),
     trials: int = 30,
-    seed: int = 0,
+    seed: Seed = 0,
     swarm_size: int = 50,
     iterations: int = 100,
     workers: int = -1,
     backend: Backend = "threading",
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Compare identification methods by many trials, and judge the paper's claims.
 
@@ -54,19 +61,18 @@ def study(
     do not depend on the workers or the backend.
 
     Args:
-        out: folder for config.json, the trials, trials.csv, table.csv, report.md and the figures.
-        methods: sa-pso, mpso, pso, rank-distance-mpso, certified, de, dual-annealing, nelder-mead,
-            ga or cma-es.
-        joints: shipped curves, shoulder or elbow, or CSV files; those of their curves with the role
-            predict are kept out of the fits, and may turn more than once.
-        trials: independent runs of each method on each joint.
-        seed: fixes all random numbers.
-        swarm_size: particles of a swarm.
-        iterations: moves of a swarm; other methods but certified get as many evaluations.
-        workers: how many trials run at once; -1 uses all cores, or the whole cluster.
-        backend: threading, loky (processes), or ray or dask: the cluster that RAY_ADDRESS or
-            DASK_SCHEDULER_ADDRESS names, or a new one of this many workers here.
-        json: print the result as JSON.
+        out: Folder for config.json, the trials, trials.csv, table.csv, report.md and the figures.
+        methods: Names of the methods to compare.
+        joints: Names of shipped curves, or CSV files; curves with the role predict are kept out of
+            the fits, and may turn more than once.
+        trials: Number of independent runs of each method on each joint.
+        swarm_size: Number of particles of a swarm.
+        iterations: Number of moves of a swarm; every other method except certified may evaluate
+            the model as often as a swarm does.
+        workers: Number of trials that run at once; -1 uses all cores, or the whole cluster.
+        backend: Place where the trials run: threads or processes (loky) of this machine, or a
+            cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names; without that
+            address a new one of this many workers starts here.
     """
     families = _families(joints)
     config = StudyConfig(
@@ -119,7 +125,8 @@ def _families(joints: Sequence[str]) -> Families:
             raise InputError(f"two joints are named {path.stem!r}: rename one of the files")
         families[path.stem] = load_curves(path)
         if given in CURVES:
-            families[path.stem] += load_curves(path.with_stem(f"{given}_multi_order"))
+            multi_order = load_curves(path.with_stem(f"{given}_multi_order"))
+            families[path.stem] = Curves([*families[path.stem], *multi_order])
     return families
 
 

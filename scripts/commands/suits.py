@@ -11,28 +11,30 @@ from ...assets import Suit, SuitJoint, load_suit, save_suit, suit_names
 from ...errors import InputError
 from ...hysteresis import HysteresisModel, PoleError
 from ...hysteresis.certificate import ALL_ANGLES
+from ..options import Json, choice
+from ..options import suits as known_suits
 from ..output import RunFolder, table, to_json
-from ..reports.tables import parameter_table
+from ..reports.parameters import parameter_table
 
 
 def suits(
-    suit: Annotated[str | None, tyro.conf.Positional] = None,
+    suit: Annotated[str | None, choice(known_suits), tyro.conf.Positional] = None,
     /,
     pressure: float | None = None,
     export: Path | None = None,
     out: Path | None = None,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """List the shipped suits, or show and check one.
 
     If it is not safe to simulate, the exit code is 2.
 
     Args:
-        suit: name of a shipped suit, or a suit file.
-        pressure: show it at this operating pressure [kPa]; by default at its own.
-        export: suit file to write it to, at that pressure.
-        out: folder for the loops of its joints as PNG and SVG.
-        json: print the result as JSON.
+        suit: Name of a shipped suit, or path of a suit file; by default all shipped suits are
+            listed.
+        pressure: Operating pressure at which the suit is shown [kPa]; by default its own.
+        export: Path of a new suit file that holds the suit at that pressure.
+        out: Folder for the torque-angle loops of its joints, as PNG and SVG.
     """
     if suit is None:
         for flag, value in (("--pressure", pressure), ("--export", export), ("--out", out)):

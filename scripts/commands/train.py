@@ -10,7 +10,8 @@ from ...envs.evaluation import make_env
 from ...envs.policies.trained import algorithm_class, load_network
 from ...errors import InputError
 from ...files import replacing
-from ..options import USUAL, ArmOptions
+from ..arm_options import USUAL, ArmOptions
+from ..options import Env, Gravity, Seed, SuitName
 from ..output import Bar, RunFolder, progress, telling
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
@@ -29,12 +30,12 @@ CHECKPOINTS = 10  # per run
 
 
 def train(
-    env: str = "ActiveSuit/ElbowFlexion-v0",
+    env: Env = "ActiveSuit/ElbowFlexion-v0",
     algo: Literal["ppo", "sac"] = "ppo",
     steps: int = 100_000,
-    seed: int = 0,
-    suit: str = "mock-suit",
-    gravity: str = "earth",
+    seed: Seed = 0,
+    suit: SuitName = "mock-suit",
+    gravity: Gravity = "earth",
     arm: ArmOptions = USUAL,
     out: Path = Path("runs/train"),
     resume: bool = False,
@@ -45,16 +46,11 @@ def train(
     Ctrl-C keeps what was learned; --resume goes on from there.
 
     Args:
-        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
-        algo: ppo or sac.
-        steps: environment steps in total, including those before a resume; PPO rounds up to whole
-            updates of 2048.
-        seed: fixes initial networks and motions.
-        suit: name of a shipped suit, or a suit file.
-        gravity: earth, mars, moon or microgravity.
-        arm: wearer, coupling and load.
-        out: folder of the run.
-        resume: go on with the run in that folder.
+        algo: Learning algorithm, PPO or SAC of Stable-Baselines3.
+        steps: Number of environment steps in total, including those before a resume; PPO rounds it
+            up to whole updates of 2048.
+        out: Folder of the run.
+        resume: Go on with the run in that folder.
     """
     at_least("steps", steps, 1)
     at_least("seed", seed, 0)

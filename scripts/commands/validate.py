@@ -7,39 +7,37 @@ import tyro
 
 from ...assets import load_suit
 from ...envs.evaluation import make_env, share_of_oracle
-from ..options import USUAL, ArmOptions
+from ..arm_options import USUAL, ArmOptions
+from ..options import Env, Gravity, Json, Seed, choice, suits
 from ..output import RunFolder, conclude
-from ..reports.tables import cuff_remarks, score_table
+from ..reports.motions import cuff_remarks, score_table
 from .evaluate import run
 
 
 def validate(
-    suit: Annotated[str, tyro.conf.Positional],
+    suit: Annotated[str, choice(suits), tyro.conf.Positional],
     /,
-    plant: str = "mock-suit",
-    env: str = "ActiveSuit/ArmTracking-v0",
-    gravity: str = "microgravity",
+    plant: Annotated[str, choice(suits)] = "mock-suit",
+    env: Env = "ActiveSuit/ArmTracking-v0",
+    gravity: Gravity = "microgravity",
     episodes: int = 5,
-    seed: int = 0,
+    seed: Seed = 0,
     out: Path | None = None,
     arm: ArmOptions = USUAL,
-    json: bool = False,
+    json: Json = False,
 ) -> None:
     """Validate an identified suit model in closed loop.
 
-    The controller's feed-forward believes SUIT, the simulation wears PLANT. The score is how much
-    of the oracle's relief, which knows the plant's true torque, the model achieves.
+    The controller cancels the torque that its model of the suit predicts, while the simulated arm
+    wears the suit PLANT. The score compares the wearer's relief with that of the oracle, a policy
+    that knows the true torque of PLANT. By default there is no gravity, so that only the suit's
+    torque remains.
 
     Args:
-        suit: the identified suit: a name, or a suit file.
-        plant: the simulated suit: a name, or a suit file.
-        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
-        gravity: earth, mars, moon or microgravity; without gravity the suit is what remains.
-        episodes: motions per policy.
-        seed: fixes the motions.
-        out: folder for result.json.
-        arm: wearer, coupling and load.
-        json: print the result as JSON.
+        suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
+        plant: Suit that is simulated: name of a shipped one, or path of a suit file.
+        episodes: Number of motions of each policy; all policies get the same motions.
+        out: Folder for result.json.
     """
     load_suit(suit)
     worn = load_suit(plant)

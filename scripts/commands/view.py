@@ -17,19 +17,20 @@ from ...envs.policies import Policy, make_policy
 from ...envs.rendering import Renderer, RenderingUnavailableError
 from ...errors import InputError, unknown_name
 from ...files import replacing
-from ..options import USUAL, ArmOptions
+from ..arm_options import USUAL, ArmOptions
+from ..options import Env, Gravity, PolicyName, Seed, SuitName
 
 LARGEST = 4096  # pixels of a side of a snapshot
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
 def view(
-    env: str = "ActiveSuit/ArmTracking-v0",
-    policy: str = "feedforward",
-    suit: str = "mock-suit",
-    gravity: str = "earth",
+    env: Env = "ActiveSuit/ArmTracking-v0",
+    policy: PolicyName = "feedforward",
+    suit: SuitName = "mock-suit",
+    gravity: Gravity = "earth",
     arm: ArmOptions = USUAL,
-    seed: int = 0,
+    seed: Seed = 0,
     web: bool = False,
     snapshot: Path | None = None,
     camera: str = "overview",
@@ -39,19 +40,16 @@ def view(
 ) -> None:
     """Watch the assisted arm move, in a window or a browser; or take a picture of it.
 
+    Each next motion has the next seed.
+
     Args:
-        env: ActiveSuit/ShoulderFlexion-v0, ElbowFlexion-v0 or ArmTracking-v0.
-        policy: none, gravity, feedforward, oracle, or the folder of a training run.
-        suit: name of a shipped suit, or a suit file.
-        gravity: earth, mars, moon or microgravity.
-        arm: wearer, coupling and load.
-        seed: fixes the first motion; every next one has the next seed.
-        web: serve to a browser instead of opening a window; to whoever reaches this machine.
-        snapshot: draw one picture into this .png file instead, without a display.
-        camera: overview, front, side, elbow, cuffs or follow; of the snapshot.
-        pose: home or reach; of the snapshot.
-        width: of the snapshot [pixels].
-        height: of the snapshot [pixels].
+        web: Serve to a browser instead of opening a window; everyone who reaches this machine can
+            watch.
+        snapshot: File name, ending with .png, of a picture to draw instead, without a display.
+        camera: Camera of the snapshot: overview, front, side, elbow, cuffs or follow.
+        pose: Pose of the arm in the snapshot: home or reach.
+        width: Width of the snapshot [pixels].
+        height: Height of the snapshot [pixels].
     """
     at_least("seed", seed, 0)
     options = arm.config(suit, gravity)

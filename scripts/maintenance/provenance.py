@@ -11,7 +11,7 @@ from ...envs.model.drawing import drawn_quantities
 from ...envs.provenance import Quantity
 from ...files import write_text
 from ..output import markdown_table
-from ..reports.tables import parameter_table
+from ..reports.parameters import parameter_table
 
 PAGE = Path(__file__).parent.parent / "docs" / "provenance.md"
 PACKAGES = (person, model, rig)

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...identification.diagnostics import NEAR
 from ...identification.study.summary import AS_WELL, Judgement, MultiOrder, Summary
-from ...identification.study.trial import PAPER_BOUNDS, StudyConfig
+from ...identification.study.trial import StudyConfig
+from ...published import LI_BOUNDS
 from ..output import markdown_table
 from .study_tables import (
     PARAMETERS,
@@ -150,7 +151,7 @@ def _at_limits(summaries: Iterable[Summary]) -> list[str]:
         names = [
             name
             for name, value, pair in zip(
-                PARAMETERS, summary.best.parameters, PAPER_BOUNDS, strict=True
+                PARAMETERS, summary.best.parameters, LI_BOUNDS, strict=True
             )
             if any(abs(value - limit) <= NEAR * max(1.0, abs(limit)) for limit in pair)
         ]

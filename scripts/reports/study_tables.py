@@ -7,7 +7,7 @@ import numpy as np
 
 from ...identification.study.summary import Judgement, Summary
 from ...identification.study.trial import StudyConfig
-from .tables import Rows
+from ..output import Rows
 
 PARAMETERS = ("Ms", "a", "alpha", "c", "k")
 QUARTILES = ("q1", "median", "q3")

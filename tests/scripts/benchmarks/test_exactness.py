@@ -1,4 +1,4 @@
-"""The ladder of oracles: everything agrees, and whatever is wrong shows."""
+"""Every way to the torque agrees, and whatever is wrong shows."""
 
 import json
 from dataclasses import replace
@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.hysteresis import MODELS, TABLE_2
-from activesuit.scripts.benchmarks import exactness as oracle
+from activesuit.scripts.benchmarks import exactness
 from activesuit.scripts.benchmarks.twins import turn_indices, twin_of
 from activesuit.scripts.main import main
 
-CASES = {case.name: case for case in oracle.cases()}
+CASES = {case.name: case for case in exactness.cases()}
 WRONG = {
     "J-A shoulder-sa-pso": {"k": 168.583},
     "J-A elbow-mpso": {"alpha": 5.5625},
@@ -25,7 +25,7 @@ WRONG = {
 
 
 def test_every_way_gives_the_same_torque(capsys):
-    main(["bench", "oracle", "--json"])
+    main(["bench", "exactness", "--json"])
     result = json.loads(capsys.readouterr().out)
     names = [row["model"] for row in result["rows"]]
     assert names == list(CASES)
@@ -46,9 +46,9 @@ def test_every_way_gives_the_same_torque(capsys):
 
 def test_the_table_says_what_failed(capsys, monkeypatch):
     names = ("preisach", "bouc-wen, n = 1")
-    monkeypatch.setattr(oracle, "cases", lambda: [CASES[name] for name in names])
-    monkeypatch.setattr(oracle, "TOLERANCE", 1e-11)
-    oracle.report(json=False)
+    monkeypatch.setattr(exactness, "cases", lambda: [CASES[name] for name in names])
+    monkeypatch.setattr(exactness, "TOLERANCE", 1e-11)
+    exactness.report(json=False)
     lines = capsys.readouterr().out.splitlines()
     verdicts = {name: line.split()[-1] for line in lines for name in names if name in line}
     assert verdicts == {"preisach": "yes", "bouc-wen, n = 1": "NO"}
@@ -60,21 +60,21 @@ def test_the_table_says_what_failed(capsys, monkeypatch):
 def test_a_wrong_parameter_shows(name, monkeypatch):
     case = CASES[name]
     wrong = replace(case.model, **WRONG[name])
-    monkeypatch.setattr(oracle, "twin_of", lambda _, *start: twin_of(wrong, *start))
-    found = oracle.examine(case)
+    monkeypatch.setattr(exactness, "twin_of", lambda _, *start: twin_of(wrong, *start))
+    found = exactness.examine(case)
     assert found.within == {"twin": False, "dop853": False, "engine": True}
     assert not found.passed
 
 
 @pytest.mark.parametrize("name", ["J-A elbow-sa-pso", "preisach", "asymmetric, elbow-sa-pso"])
 def test_another_torque_in_the_engine_shows(name, monkeypatch):
-    attach = oracle.attach
+    attach = exactness.attach
 
     def attach_other(spec, joint, model, **options):
         attach(spec, joint, model.scaled(torque=1 + 1e-9), **options)
 
-    monkeypatch.setattr(oracle, "attach", attach_other)
-    assert not oracle.examine(CASES[name]).within["engine"]
+    monkeypatch.setattr(exactness, "attach", attach_other)
+    assert not exactness.examine(CASES[name]).within["engine"]
 
 
 def test_turns_of_a_motion_that_rests():
@@ -85,6 +85,8 @@ def test_turns_of_a_motion_that_rests():
 @pytest.mark.parametrize("name", ["J-A elbow-sa-pso", "preisach", "bouc-wen, n = 1"])
 def test_motions_that_rest_are_solved_too(name):
     model, turns = CASES[name].model, [0.6, 1.2, 0.8, 1.0]
-    once = oracle.integrated(twin_of(model, np.array(turns), 0.0), np.array(turns))
+    once = exactness.integrated(twin_of(model, np.array(turns), 0.0), np.array(turns))
     angle = np.repeat(turns, 3)
-    np.testing.assert_array_equal(oracle.integrated(twin_of(model, angle, 0.0), angle)[::3], once)
+    np.testing.assert_array_equal(
+        exactness.integrated(twin_of(model, angle, 0.0), angle)[::3], once
+    )

@@ -1,0 +1,141 @@
+"""Fits as tables, as plain values for JSON, and as rows of a CSV file."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from typing import Any
+
+from ...identification import Candidate, Fit
+from ...identification.uncertainty.uncertainty import Uncertainty
+from ..output import Rows, RunFolder
+from .parameters import DEGREES, UNITS
+
+
+def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
+    """Returns one row per curve family and method: errors, certificate, cost and prediction."""
+    header = ["curves", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
+    header += ["model\nruns", "held-out\nmax [N·m]"]
+    rows = []
+    for joint, methods in fits.items():
+        for method, fit in methods.items():
+            errors = fit.prediction_errors.items()
+            held_out = (f"{name}: {error:.2f}" for name, error in errors)
+            rows.append(
+                [
+                    joint,
+                    method,
+                    f"{fit.fitness:.2e}",
+                    f"{fit.nrmse:.2%}",
+                    f"{fit.model.certificate().margin:.3f}",
+                    "-" if fit.evaluations is None else f"{fit.evaluations:,}",
+                    "\n".join(held_out) or "-",
+                ]
+            )
+    return header, rows
+
+
+def candidate_table(fit: Fit) -> Rows:
+    """Returns one row per model that method "auto" tried, the best prediction first."""
+    header = ["model", "parameters", "predicts:\nNRMSE", "fits:\nNRMSE", "note"]
+    rows = []
+    for one in fit.candidates:
+        scores = ["-"] * 3
+        if one.model:
+            scores = [str(one.parameters), f"{one.prediction_nrmse:.2%}", f"{one.fit_nrmse:.2%}"]
+        rows.append([one.name, *scores, "chosen" if one.name == fit.model_name else one.reason])
+    return header, rows
+
+
+def uncertainty_table(found: Uncertainty) -> Rows:
+    """Returns one row per parameter: value, standard error and 95 % interval; angles in degrees."""
+    header = ["parameter", "value", "standard\nerror", "95 % interval"]
+    units = UNITS | DEGREES
+    rows = []
+    for i, name in enumerate(found.names):
+        label = f"{name} [{units[name]}]" if name in units else name
+        low, high = found.intervals[i]
+        rows.append(
+            [
+                label,
+                f"{found.values[i]:.5g}",
+                f"{found.standard_errors[i]:.2g}",
+                f"{low:.5g} .. {high:.5g}",
+            ]
+        )
+    return header, rows
+
+
+def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
+    """Returns a fit as plain values for JSON."""
+    certificate = fit.model.certificate()
+    return {
+        "method": fit.method,
+        "seed": seed,
+        "model_name": fit.model_name,
+        "model": fit.model.to_dict(),
+        "initial_torque": fit.initial_torque,
+        "fitness": fit.fitness,
+        "nrmse": fit.nrmse,
+        "prediction_max_error": fit.prediction_errors,
+        "evaluations": fit.evaluations,
+        "trials": len(fit.trials),
+        "interrupted": fit.interrupted,
+        "diagnostics": fit.diagnostics,
+        "certificate": {**asdict(certificate), "certified": certificate.certified},
+        "why": fit.why,
+        "candidates": [_candidate_summary(one) for one in fit.candidates],
+    }
+
+
+def _candidate_summary(one: Candidate) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "parameters": one.parameters,
+        "prediction_nrmse": one.prediction_nrmse,
+        "fit_nrmse": one.fit_nrmse,
+        "failed": one.reason or None,
+    }
+
+
+def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
+    """Returns the uncertainty of the parameters as plain values for JSON."""
+    return {
+        "names": found.names,
+        "values": found.values,
+        "standard_errors": found.standard_errors,
+        "intervals": found.intervals,
+        "condition": found.condition,
+        "sloppy": found.sloppy,
+        "samples": [sample.to_dict() for sample in found.samples],
+    }
+
+
+def write_trials(folder: RunFolder, name: str, fits: Mapping[str, Mapping[str, Fit]]) -> None:
+    """Writes every trial of every fit as one CSV row, angles of Jiles-Atherton in degrees."""
+    rows = [
+        {
+            "curves": curves,
+            "method": method,
+            "trial": trial.index,
+            "nrmse": trial.nrmse,
+            "evaluations": trial.evaluations,
+            "initial_torque": trial.initial_torque,
+            **dict(_numbers("", trial.model.to_dict())),
+        }
+        for curves, methods in fits.items()
+        for method, fit in methods.items()
+        for trial in fit.trials
+    ]
+    header = list(dict.fromkeys(name for row in rows for name in row))
+    folder.csv(name, header, ([row.get(column) for column in header] for row in rows))
+
+
+def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
+    """Yields the numbers in a model's dictionary by name, those in lists as name[i]."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _numbers(key, item)
+    elif isinstance(value, (list, tuple)):
+        for i, item in enumerate(value):
+            yield from _numbers(f"{name}[{i}]", item)
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        yield name, value

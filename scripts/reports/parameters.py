@@ -1,0 +1,67 @@
+"""The table of the parameters of hysteresis models."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...hysteresis import HysteresisModel, JilesAtherton
+from ...hysteresis.around.wrapper import Wrapper
+from ..output import Rows
+
+FEW = 6  # numbers that a cell lists
+UNITS = {
+    "Ms": "N·m",
+    "elastic": "N·m/rad",
+    "hysteretic": "N·m/rad",
+    "beta": "1/rad^n",
+    "gamma": "1/rad^n",
+    "stiffness": "N·m/rad",
+    "weights": "N·m/rad",
+    "thresholds": "rad",
+    "rest_angle": "rad",
+    "levels": "rad",
+    "density": "N·m",
+    "polynomial": "N·m/rad^i",
+    "angle_range": "rad",
+    "initial_torque": "N·m",
+}
+DEGREES = {"a": "deg", "alpha": "deg/N·m", "k": "deg"}
+
+
+def parameter_table(models: Mapping[str, HysteresisModel]) -> Rows:
+    """Returns one column per model and one row per parameter; Jiles-Atherton has degrees."""
+    columns = [{"model": _kind(model), **_parameters(model)} for model in models.values()]
+    names = dict.fromkeys(name for column in columns for name in column)
+    rows = [[name, *(column.get(name, "-") for column in columns)] for name in names]
+    return ["", *models], rows
+
+
+def _kind(model: HysteresisModel) -> str:
+    name = model.name.replace("-", "-\n")
+    return f"{name}\n{_kind(model.model)}" if isinstance(model, Wrapper) else name
+
+
+def _parameters(model: HysteresisModel) -> dict[str, str]:
+    """Returns the parameters of a model as text, by name and unit; many numbers by their range."""
+    inner, units = {}, UNITS
+    if isinstance(model, Wrapper):
+        inner = _parameters(model.model)
+    elif isinstance(model, JilesAtherton):
+        model, units = model.in_unit("deg"), UNITS | DEGREES
+    content = model.to_dict()
+    own = {
+        f"{name} [{units[name]}]" if name in units else name: _text(value)
+        for name, value in content.items()
+        if name not in ("model", "hysteresis", "angle_unit")
+    }
+    return inner | own
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, (bool, str)):
+        return str(value)
+    numbers = np.concatenate([np.atleast_1d(row) for row in np.atleast_1d(np.array(value, object))])
+    if numbers.size > FEW:
+        return f"{numbers.size} numbers,\n{numbers.min():.4g} to {numbers.max():.4g}"
+    return "\n".join(f"{number:.5g}" for number in numbers)
