@@ -15,6 +15,7 @@ from ..arrays import Array
 from ..checks import number
 from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
+from .config import ConfigKey
 
 Numbers = Sequence[float] | Array
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # rad, where the search of an inverse begins and gives up
@@ -63,14 +64,29 @@ class HysteresisModel(ABC):
         commit(p, s, angle)                     the torque after it, which becomes the memory;
                                                 s stays as it is where the torque is NaN
         stiffness(p, s, angle, torque, delta)   slope there if the motion goes on with sign delta
-        energy(p, s, angle, torque, loss)       (stored, dissipated) there
+        stored(p, s, angle, torque, loss)       the energy stored there
+        dissipated(p, s, angle, torque, loss)   the energy dissipated from the start to there
         response(p, s, angles, torques)         a whole series, bit-identical to move and commit
 
     The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
+    It reads the parameters from MJCF, where their names are `config_keys`, and needs of the module
+
+        size(counts)                            how many numbers s and p have together, if the keys
+                                                have so many values
+        memory_size(total)                      how many of these are the memory's
+        configure(values, ends, p)              fills p from the values of all keys, end to end;
+                                                returns (0, 0), or the number of a complaint and of
+                                                the key that it is about
+        COMPLAINTS                              those complaints, as bytes; the first is empty
+        certify(p, s, inside, low, high)        (is certified between two angles, how far inside
+                                                the start s is), given what `begin` returned
+        is_sound(p)                             whether p, which a user can overwrite in a saved
+                                                state, cannot mislead the kernels
     """
 
     name: ClassVar[str]
     kernels: ClassVar[ModuleType]
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = ()
 
     @cached_property
     @abstractmethod
@@ -89,6 +105,15 @@ class HysteresisModel(ABC):
     @abstractmethod
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "HysteresisModel":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
+
+    @property
+    @abstractmethod
+    def free_parameters(self) -> int:
+        """How many numbers a fit of the model chooses."""
+
+    def config(self) -> dict[str, Any]:
+        """Returns the parameters as MJCF has them: a number, a text or a list for each key."""
+        return {key.name: getattr(self, key.name) for key in self.config_keys}
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -183,7 +208,8 @@ class HysteresisModel(ABC):
         tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
         """
         s = state.memory
-        return Energy(*map(float, self.kernels.energy(self.parameter_vector, s, s[0], s[1], 0.0)))
+        there = (self.parameter_vector, s, s[0], s[1], 0.0)
+        return Energy(float(self.kernels.stored(*there)), float(self.kernels.dissipated(*there)))
 
     def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:
         """Computes the angles along which the resistance runs through given torques.

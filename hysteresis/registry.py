@@ -1,16 +1,14 @@
-"""The models by name, and their way back from plain dictionaries."""
+"""The registry of hysteresis models: name -> class, and the way back from plain dictionaries."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, unknown_name
-from .around.asymmetric import Asymmetric
-from .around.held import Held
-from .around.wrapper import Wrapper
-from .bouc_wen.model import BoucWen
-from .jiles_atherton.model import JilesAtherton
-from .prandtl_ishlinskii.model import PrandtlIshlinskii
-from .preisach.model import Preisach
+from .around import Asymmetric, Held, Wrapper
+from .bouc_wen import BoucWen
+from .jiles_atherton import JilesAtherton
+from .prandtl_ishlinskii import PrandtlIshlinskii
+from .preisach import Preisach
 from .protocol import HysteresisModel
 
 MODELS: dict[str, type[HysteresisModel]] = {
@@ -19,11 +17,32 @@ MODELS: dict[str, type[HysteresisModel]] = {
 }
 
 
+def register_model(model: type[HysteresisModel]) -> None:
+    """Makes a model known: to dictionaries, suit files, the engine and the command line.
+
+    Args:
+        model: Class that keeps the protocol of `HysteresisModel`.
+
+    Raises:
+        InputError: It is no such class, it lacks something that the protocol asks for, or another
+            model has its name.
+    """
+    if not (isinstance(model, type) and issubclass(model, HysteresisModel)):
+        raise InputError(f"model is {model!r}: give a class derived from HysteresisModel")
+    missing = sorted(getattr(model, "__abstractmethods__", ()))
+    missing += [name for name in ("name", "kernels") if not hasattr(model, name)]
+    if missing:
+        raise InputError(f"model {model.__name__} lacks {', '.join(missing)}: define that")
+    if MODELS.get(model.name, model) is not model:
+        raise InputError(f"there is another model {model.name!r}: choose another name")
+    MODELS[model.name] = model
+
+
 def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     """Returns the model that `to_dict` described.
 
     Raises:
-        InputError: no or an unknown name, or unknown, missing or bad parameters.
+        InputError: There is no or an unknown name, or unknown, missing or bad parameters.
     """
     if not isinstance(content, Mapping):
         raise InputError(f"a model is described by a dictionary, not by {content!r}")

@@ -8,23 +8,33 @@ may differ between the simulations of a batch. It has no memory: `compute` chang
 
 from typing import Any
 
-from numba import cfunc, njit, types
+from numba import njit
 
-from ...hysteresis.engine.native._layout import Layout
-from ...hysteresis.engine.native._memory import doubles, int32_at, pointer_at, store_pointer
+from ...hysteresis.engine.native import (
+    callback,
+    complain,
+    doubles,
+    int32_at,
+    pointer_at,
+    sensor_name,
+    sensor_values,
+    set_word,
+    state_of,
+    word_of,
+)
 from ._bushing_configuration import (
     ENERGY_SENSOR,
     EXO,
     FINE,
     FORCE_SENSOR,
     LIMB,
+    SENTENCES,
     TORQUE_SENSOR,
-    complain,
+    Layout,
     configure,
     connect,
     number_of,
     sensor_kind,
-    sensor_name,
 )
 from ._bushing_kernels import PARAMETER_SIZE, add, cross, dot, load, out_of, scale, subtract, triple
 
@@ -73,10 +83,10 @@ def push(m, d, body, point, force, torque, at):
 @njit(cache=True)
 def evaluate(m, d, instance, capability, at):
     """Adds the forces at the current position and velocity, or writes the sensors."""
-    wires = pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
-    state = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
-    p = doubles(pointer_at(d + at.d_plugin_state) + 8 * state, PARAMETER_SIZE)
-    limb_site, exo_site = number_of(wires, LIMB), number_of(wires, EXO)
+    ids = word_of(d, instance, at)
+    address, _ = state_of(m, d, instance, at)
+    p = doubles(address, PARAMETER_SIZE)
+    limb_site, exo_site = number_of(ids, LIMB), number_of(ids, EXO)
     position, Ra = site_frame(d, limb_site, at)
     origin, Rb = site_frame(d, exo_site, at)
     bodies = pointer_at(m + at.m_site_bodyid)
@@ -86,61 +96,57 @@ def evaluate(m, d, instance, capability, at):
     exo_spin, exo_velocity = motion_at(m, d, exo, point, at)
     rate, spin = subtract(limb_velocity, exo_velocity), subtract(limb_spin, exo_spin)
     force, torque, energy = load(p, subtract(point, triple(origin, 0)), Ra, Rb, rate, spin)
-    if capability == at.passive:
+    if capability == at.mjPLUGIN_PASSIVE:
         force, torque = out_of(Rb, force), out_of(Rb, torque)
         push(m, d, limb, point, force, torque, at)
         push(m, d, exo, point, scale(-1.0, force), scale(-1.0, torque), at)
         return
-    write(m, d, number_of(wires, FORCE_SENSOR), force, at)
-    write(m, d, number_of(wires, TORQUE_SENSOR), torque, at)
-    write(m, d, number_of(wires, ENERGY_SENSOR), (energy,), at)
+    write(m, d, number_of(ids, FORCE_SENSOR), force, at)
+    write(m, d, number_of(ids, TORQUE_SENSOR), torque, at)
+    write(m, d, number_of(ids, ENERGY_SENSOR), (energy,), at)
 
 
 @njit(inline="always")
 def write(m, d, sensor, values, at):
     """Writes the values of a sensor, if there is one."""
     if sensor >= 0:
-        address = int32_at(pointer_at(m + at.m_sensor_adr), sensor)
-        data = doubles(pointer_at(d + at.d_sensordata) + 8 * address, len(values))
+        data = sensor_values(m, d, sensor, len(values), at)
         for i in range(len(values)):
             data[i] = values[i]
 
 
-def build(at: Layout) -> dict[str, Any]:
+def build(at: Layout) -> Any:
     """Compiles the callbacks for one layout of MuJoCo's structs (cached on disk per layout)."""
 
-    @cfunc(types.int32(types.intp, types.int32), cache=True)
+    @callback
     def nstate(m, instance):
         return PARAMETER_SIZE
 
-    @cfunc(types.int32(types.intp, types.int32, types.int32), cache=True)
+    @callback
     def nsensordata(m, instance, sensor):
         return 1 if sensor_kind(sensor_name(m, sensor, at)) == ENERGY_SENSOR else 3
 
-    @cfunc(types.int32(types.intp, types.intp, types.int32), cache=True)
+    @callback
     def init(m, d, instance):
-        fault, wires = connect(m, instance, at)
-        if fault == FINE:
-            store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, wires)
-            state = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
-            fault = configure(m, instance, pointer_at(d + at.d_plugin_state) + 8 * state, at)
-        if fault == FINE:
+        fault, ids = connect(m, instance, at)
+        if fault[0] == FINE:
+            set_word(d, instance, ids, at)
+            fault = configure(m, instance, state_of(m, d, instance, at)[0], at)
+        if fault[0] == FINE:
             return 0
-        complain(m, instance, fault, at)
+        complain(m, instance, b"limb site", LIMB, fault[1], SENTENCES[fault[0]], at)
         return -1
 
-    @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
+    @callback
     def copy(destination, m, source, instance):
-        wires = pointer_at(pointer_at(source + at.d_plugin_data) + 8 * instance)
-        store_pointer(pointer_at(destination + at.d_plugin_data) + 8 * instance, wires)
+        set_word(destination, instance, word_of(source, instance, at), at)
 
-    @cfunc(types.void(types.intp, types.intp, types.intp, types.int32), cache=True)
+    @callback
     def reset(m, plugin_state, plugin_data, instance):
         configure(m, instance, plugin_state, at)
 
-    @cfunc(types.void(types.intp, types.intp, types.int32, types.int32), cache=True)
+    @callback
     def compute(m, d, instance, capability):
         evaluate(m, d, instance, capability, at)
 
-    callbacks = (nstate, nsensordata, init, copy, reset, compute)
-    return {callback.__name__: callback for callback in callbacks}
+    return nstate, nsensordata, init, copy, reset, compute

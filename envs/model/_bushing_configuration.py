@@ -2,19 +2,21 @@
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
-import numpy as np
+from typing import NamedTuple
+
 from numba import njit
 
-from ...hysteresis.engine._faults import config, plugin_of
-from ...hysteresis.engine.native._memory import doubles, int32_at, name2id, pointer_at
-from ...hysteresis.engine.native._text import (
-    SENTENCE_LIMIT,
-    add,
-    add_text,
+from ...hysteresis.engine.native import (
+    config,
     count_words,
+    doubles,
     ends_with,
-    issue,
+    int32_at,
+    is_sensor_of,
+    name2id,
     parse_numbers,
+    pointer_at,
+    sensor_name,
 )
 from ._bushing_kernels import OFFSET
 
@@ -37,21 +39,60 @@ LARGEST_OFFSET = 0.1  # m
 BITS, LARGEST = 12, 2**12 - 1
 LIMB, EXO, FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = range(5)
 
-# A fault is a reason and, where there is one, the config key it is about.
-REASONS = 8
+# A fault is a reason and the config key it is about, LIMB where it is about the instance.
 FINE, NO_SITE, SAME_BODY, NOT_STIFFNESS, NOT_OFFSET, SENSOR_NAME, SENSOR_TWICE, TOO_LARGE = range(8)
+SENTENCES = (
+    b"",
+    b"the model has no such site; name one, and attach bushings after a spec got its name prefix",
+    b"it is on the same body as the limb site; name one on another",
+    b"give three finite numbers of at least 0",
+    b"give three finite numbers from -0.1 to 0.1 m",
+    b"the name of each of its sensors must end in force, torque or energy, which is what it "
+    b"measures",
+    b"two of its sensors measure the same; leave one out",
+    b"the model has more than 4094 sites or sensors; make it smaller",
+)
+
+
+class Layout(NamedTuple):
+    """The fields of mjModel (m_) and mjData (d_) that a bushing touches, and values of enums."""
+
+    m_nsite: int
+    m_nsensor: int
+    m_body_parentid: int
+    m_body_rootid: int
+    m_body_dofnum: int
+    m_body_dofadr: int
+    m_dof_parentid: int
+    m_site_bodyid: int
+    m_sensor_type: int
+    m_sensor_plugin: int
+    m_sensor_adr: int
+    m_plugin: int
+    m_plugin_stateadr: int
+    m_plugin_statenum: int
+    m_plugin_attr: int
+    m_plugin_attradr: int
+    m_names: int
+    m_name_sensoradr: int
+    d_qfrc_passive: int
+    d_site_xpos: int
+    d_site_xmat: int
+    d_subtree_com: int
+    d_cdof: int
+    d_cvel: int
+    d_sensordata: int
+    d_plugin_state: int
+    d_plugin_data: int
+    mjOBJ_SITE: int
+    mjSENS_PLUGIN: int
+    mjPLUGIN_PASSIVE: int
 
 
 @njit(inline="always")
-def number_of(wires, kind):
+def number_of(ids, kind):
     """Returns the number of a site or sensor, or -1."""
-    return ((wires >> (BITS * kind)) & LARGEST) - 1
-
-
-@njit(cache=True)
-def sensor_name(m, sensor, at):
-    """Returns the address of a sensor's name."""
-    return pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), sensor)
+    return ((ids >> (BITS * kind)) & LARGEST) - 1
 
 
 @njit(cache=True)
@@ -66,28 +107,27 @@ def sensor_kind(name):
 
 @njit(cache=True)
 def connect(m, instance, at):
-    """Returns (fault, packed numbers of the two sites and this instance's sensors)."""
+    """Returns (fault, packed ids of the two sites and this instance's sensors)."""
     if max(pointer_at(m + at.m_nsite), pointer_at(m + at.m_nsensor)) >= LARGEST:
-        return TOO_LARGE, 0
-    wires = 0
+        return (TOO_LARGE, LIMB), 0
+    ids = 0
     for end in (LIMB, EXO):
-        site = name2id(m, at.object_site, config(m, instance, end, at))
+        site = name2id(m, at.mjOBJ_SITE, config(m, instance, end, at))
         if site < 0:
-            return NO_SITE + REASONS * end, 0
-        wires |= (site + 1) << (BITS * end)
+            return (NO_SITE, end), 0
+        ids |= (site + 1) << (BITS * end)
     bodies = pointer_at(m + at.m_site_bodyid)
-    if int32_at(bodies, number_of(wires, LIMB)) == int32_at(bodies, number_of(wires, EXO)):
-        return SAME_BODY + REASONS * EXO, 0
+    if int32_at(bodies, number_of(ids, LIMB)) == int32_at(bodies, number_of(ids, EXO)):
+        return (SAME_BODY, EXO), 0
     for i in range(pointer_at(m + at.m_nsensor)):
-        ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
-        if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
+        if is_sensor_of(m, i, instance, at):
             kind = sensor_kind(sensor_name(m, i, at))
             if kind < 0:
-                return SENSOR_NAME, 0
-            if number_of(wires, kind) >= 0:
-                return SENSOR_TWICE, 0
-            wires |= (i + 1) << (BITS * kind)
-    return FINE, wires
+                return (SENSOR_NAME, LIMB), 0
+            if number_of(ids, kind) >= 0:
+                return (SENSOR_TWICE, LIMB), 0
+            ids |= (i + 1) << (BITS * kind)
+    return (FINE, LIMB), ids
 
 
 @njit(cache=True)
@@ -100,57 +140,10 @@ def configure(m, instance, address, at):
         text = config(m, instance, key, at)
         count = parse_numbers(text, values)
         if count_words(text) > 0 and count != 3:
-            return (NOT_OFFSET if first == OFFSET else NOT_STIFFNESS) + REASONS * key
+            return NOT_OFFSET if first == OFFSET else NOT_STIFFNESS, key
         for i in range(3):
             if first == OFFSET and not abs(values[i]) <= LARGEST_OFFSET:
-                return NOT_OFFSET + REASONS * key
+                return NOT_OFFSET, key
             if first != OFFSET and not values[i] >= 0:
-                return NOT_STIFFNESS + REASONS * key
-    return FINE
-
-
-@njit(cache=True)
-def reason_for(sentence, n, reason):
-    """Appends what is wrong and how to mend it; returns the new length."""
-    if reason == NO_SITE:
-        return add(
-            sentence,
-            n,
-            b"the model has no such site; name one, and attach bushings after a spec got its name "
-            b"prefix",
-        )
-    if reason == SAME_BODY:
-        return add(sentence, n, b"it is on the same body as the limb site; name one on another")
-    if reason == NOT_STIFFNESS:
-        return add(sentence, n, b"give three finite numbers of at least 0")
-    if reason == NOT_OFFSET:
-        return add(sentence, n, b"give three finite numbers from -0.1 to 0.1 m")
-    if reason == SENSOR_NAME:
-        return add(
-            sentence,
-            n,
-            b"the name of each of its sensors must end in force, torque or energy, which is what "
-            b"it measures",
-        )
-    if reason == SENSOR_TWICE:
-        return add(sentence, n, b"two of its sensors measure the same; leave one out")
-    return add(sentence, n, b"the model has more than 4094 sites or sensors; make it smaller")
-
-
-@njit(cache=True)
-def complain(m, instance, fault, at):
-    """Issues the sentence of a fault as a MuJoCo warning."""
-    reason, key = fault % REASONS, fault // REASONS
-    plugin = plugin_of(m, instance, at)
-    sentence = np.zeros(SENTENCE_LIMIT, np.uint8)
-    n = add_text(sentence, 0, pointer_at(plugin))
-    n = add(sentence, n, b" of limb site '")
-    n = add_text(sentence, n, config(m, instance, LIMB, at))
-    n = add(sentence, n, b"': ")
-    if key > LIMB:
-        n = add_text(sentence, n, pointer_at(pointer_at(plugin + at.p_attributes) + 8 * key))
-        n = add(sentence, n, b" is '")
-        n = add_text(sentence, n, config(m, instance, key, at))
-        n = add(sentence, n, b"': ")
-    reason_for(sentence, n, reason)
-    issue(sentence)
+                return NOT_STIFFNESS, key
+    return FINE, LIMB

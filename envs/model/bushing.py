@@ -20,7 +20,6 @@ Further keys are rotational_stiffness, damping, rotational_damping and offset, t
 process that reads a saved or pickled MjModel with bushings must import this module first.
 """
 
-import threading
 from dataclasses import dataclass, fields
 
 import mujoco
@@ -28,16 +27,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
-from ...hysteresis.engine.native._layout import layout
-from ...hysteresis.engine.native._registration import register_plugin
-from . import _bushing_callbacks
-from ._bushing_configuration import KEYS, LARGEST_OFFSET, PLUGIN_NAME
+from ...hysteresis.engine.native import STAGE_VEL, layout, register_plugin
+from ._bushing_callbacks import build
+from ._bushing_configuration import KEYS, LARGEST_OFFSET, PLUGIN_NAME, Layout
 from ._bushing_kernels import PARAMETER_SIZE
 
-STAGE_VEL = 2  # mjSTAGE_VEL: the sensors depend on position and velocity
 SENSORS = ("force", "torque", "energy")
-_lock = threading.Lock()
-_slots: list[int] = []
 
 Triple = tuple[float, float, float]
 
@@ -166,11 +161,7 @@ def register() -> int:
     Raises:
         RuntimeError: the installed MuJoCo is laid out differently from what it says.
     """
-    with _lock:
-        if not _slots:
-            callbacks = _bushing_callbacks.build(layout())
-            _slots.append(register_plugin(PLUGIN_NAME, KEYS, callbacks, STAGE_VEL))
-        return _slots[0]
+    return register_plugin(PLUGIN_NAME, KEYS, lambda: build(layout(Layout)), STAGE_VEL)
 
 
 def _triple(name: str, values: Triple) -> Triple:

@@ -122,6 +122,11 @@ class Asymmetric(Wrapper):
             model=self.model.scaled(torque=torque, angle=angle), polynomial=coefficients
         )
 
+    @property
+    def free_parameters(self) -> int:
+        """Those of the model inside and the coefficients of the polynomial."""
+        return self.model.free_parameters + len(self.polynomial)
+
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
         return {**super().to_dict(), "polynomial": list(self.polynomial)}

@@ -88,6 +88,11 @@ class Held(Wrapper):
         inner = self.model.scaled(torque=torque, angle=angle)
         return Held(model=inner, angle_range=(low * angle, high * angle))
 
+    @property
+    def free_parameters(self) -> int:
+        """Those of the model inside; the range is that of the curves."""
+        return self.model.free_parameters
+
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
         return {**super().to_dict(), "angle_range": list(self.angle_range)}

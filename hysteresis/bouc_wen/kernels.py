@@ -21,6 +21,14 @@ LOADING_SCALE, LOADING_SIGN, UNLOADING_SCALE, UNLOADING_SIGN = range(5, 9)
 PARAMETER_SIZE = 9
 ANGLE, TORQUE, LOSS, Z = range(4)
 MEMORY_SIZE = 4
+LARGEST_POWER = 1e6  # w^n has lost 10 of its 16 digits
+FINE, NOT_ZERO, POSITIVE, FROM_1_TO_1E6 = range(4)
+COMPLAINTS = (
+    b"",
+    b"give a number other than 0",
+    b"give a number above 0",
+    b"give a number from 1 to 1e6",
+)
 ROUNDING = 1e-9  # of z, forgiven to a start at saturation
 
 
@@ -130,12 +138,55 @@ def stiffness(p, s, angle, torque, delta):
 
 
 @njit(cache=True, error_model="numpy")
-def energy(p, s, angle, torque, loss):
-    """Returns the energy stored at the end of a trial motion and dissipated since the start [J]."""
+def stored(p, s, angle, torque, loss):
+    """Returns the energy stored at the end of a trial motion [J]."""
     z = memory_variable(p, s, angle, torque)
     strain = angle - p[REST]
-    stored = 0.5 * p[ELASTIC] * strain * strain + 0.5 * p[HYSTERETIC] / p[SLOPE] * z * z
-    return stored, s[LOSS] + loss
+    return 0.5 * p[ELASTIC] * strain * strain + 0.5 * p[HYSTERETIC] / p[SLOPE] * z * z
+
+
+@njit(cache=True, error_model="numpy")
+def dissipated(p, s, angle, torque, loss):
+    """Returns the energy dissipated from the start to the end of a trial motion [J]."""
+    return s[LOSS] + loss
+
+
+@njit(cache=True, error_model="numpy")
+def certify(p, s, inside, low, high):
+    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    return is_certified(p), inside
+
+
+@njit(cache=True, error_model="numpy")
+def is_sound(p):
+    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    return min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1
+
+
+@njit(cache=True)
+def size(counts):
+    """Returns how many numbers memory and parameters have together."""
+    return MEMORY_SIZE + PARAMETER_SIZE
+
+
+@njit(cache=True)
+def memory_size(total):
+    """Returns how many of them belong to the memory."""
+    return MEMORY_SIZE
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from elastic, hysteretic, A, beta, gamma, n and the rest angle."""
+    elastic, hysteretic, A, beta, gamma, n, rest_angle = values
+    if hysteretic == 0:
+        return NOT_ZERO, 1
+    if not A > 0:
+        return POSITIVE, 2
+    if not 1 <= n <= LARGEST_POWER:
+        return FROM_1_TO_1E6, 5
+    set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle)
+    return FINE, 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -12,10 +12,11 @@ from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..config import ConfigKey
 from ..protocol import HysteresisModel, read_only
 from . import kernels
 
-SHARPEST = 1e6  # w^n has lost 10 of its 16 digits
+SHARPEST = kernels.LARGEST_POWER
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +49,10 @@ class BoucWen(HysteresisModel):
 
     name: ClassVar[str] = "bouc-wen"
     kernels: ClassVar[ModuleType] = kernels
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (
+        *map(ConfigKey, ("elastic", "hysteretic", "A", "beta", "gamma", "n")),
+        ConfigKey("rest_angle", optional=True),
+    )
 
     elastic: float
     hysteretic: float
@@ -239,6 +244,11 @@ class BoucWen(HysteresisModel):
             memory_bound=memory_bound,
             angle_range=angle_range,
         )
+
+    @property
+    def free_parameters(self) -> int:
+        """All but A, which fits take as 1."""
+        return len(self.config_keys) - 1
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the model's name and the constructor's arguments, ready for JSON."""

@@ -1,7 +1,7 @@
 """Hysteretic joint torque inside MuJoCo: an engine plugin compiled by numba, and `attach`.
 
-Importing this module registers four plugins, once per process. Use them from Python with `attach`,
-or from MJCF:
+Importing this module registers one plugin for each model, once per process. Use them from Python
+with `attach`, or from MJCF:
 
     <extension>
       <plugin plugin="activesuit.jiles_atherton">
@@ -30,10 +30,11 @@ A process that reads a saved or pickled MjModel with such joints must import thi
 MuJoCo finds the plugin's code in the process, not in the file.
 """
 
+from . import native
 from ._attach import attach, fault_slots, replace_model
-from ._models import PLUGIN_NAMES
-from .native._registration import register
+from ._plugins import register
 
-__all__ = ["PLUGIN_NAMES", "attach", "fault_slots", "register", "replace_model"]
+PLUGIN_NAMES = tuple(register())
+"""The plugins that this module registers."""
 
-register()
+__all__ = ["PLUGIN_NAMES", "attach", "fault_slots", "native", "register", "replace_model"]

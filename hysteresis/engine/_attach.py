@@ -1,28 +1,25 @@
 """Puts a hysteresis model on a joint of any MuJoCo model."""
 
 import math
+from collections.abc import Sequence
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...errors import InputError, unknown_name
-from ..around.asymmetric import Asymmetric
-from ..around.held import Held
-from ..bouc_wen.model import BoucWen
+from ..around import Asymmetric, Held
 from ..certificate import UncertifiedModelError
-from ..jiles_atherton.model import PARAMETERS, JilesAtherton
-from ..jiles_atherton.nearest import nearest_certified
-from ..prandtl_ishlinskii.model import PrandtlIshlinskii
-from ..preisach.model import Preisach
+from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
 from ..protocol import HysteresisModel, State
-from ._models import ANGLE_RANGE, OWN_KEYS, PLUGIN_NAMES, POLYNOMIAL
+from ..registry import MODELS
+from ._faults import ANGLE_RANGE, POLYNOMIAL
+from ._plugins import plugin_name, register
 from ._state import FAULT
-from .native._registration import register
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
-MODEL_TYPES = (JilesAtherton, BoucWen, PrandtlIshlinskii, Preisach)
 
 
 def attach(
@@ -74,15 +71,16 @@ def attach(
     )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
-    plugin_name, config = _config(model)
-    if plugin_name not in {plugin.plugin_name for plugin in spec.plugins}:
-        spec.activate_plugin(plugin_name)
+    register()
+    name, config = _config(model)
+    if name not in {plugin.plugin_name for plugin in spec.plugins}:
+        spec.activate_plugin(name)
     config |= {"joint": joint, "start_torque": repr(float(start_torque))}
     if start_angle is not None:
         config["start_angle"] = repr(start.angle)
     if allow_uncertified:
         config["allow_uncertified"] = "true"
-    plugin = spec.add_plugin(name=instance, plugin_name=plugin_name, active=True)
+    plugin = spec.add_plugin(name=instance, plugin_name=name, active=True)
     plugin.config = config
     for quantity in SENSORS if sensors else ():
         sensor = spec.add_sensor(name=f"{instance}_{quantity}", type=mujoco.mjtSensor.mjSENS_PLUGIN)
@@ -157,7 +155,7 @@ def replace_model(
     parts = ([0.0], start.memory, inner.parameter_vector, polynomial, limits)
     content = np.concatenate(parts)
     address, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
-    slot = register()[PLUGIN_NAMES[MODEL_TYPES.index(type(inner))]]  # type: ignore[arg-type]
+    slot = register()[plugin_name(type(inner))]
     state = plugin_state
     if not (isinstance(state, np.ndarray) and state.dtype == np.float64 and state.ndim == 1):
         raise InputError(
@@ -185,17 +183,15 @@ def _compiled_sizes(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int]:
 
 
 def _require_model(model: object) -> None:
-    known = isinstance(model, HysteresisModel) and type(_parts(model)[0]) in MODEL_TYPES
-    if not known:
+    bare = _parts(model)[0] if isinstance(model, HysteresisModel) else None
+    if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
-            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models; the "
-            "engine has no code for others"
+            f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
+            "one that register_model has made known"
         )
 
 
-def _parts(
-    model: HysteresisModel,
-) -> tuple[HysteresisModel, NDArray[np.float64], NDArray[np.float64]]:
+def _parts(model: HysteresisModel) -> tuple[HysteresisModel, Array, Array]:
     """Returns the bare model, the coefficients of a polynomial, the range it is held outside."""
     polynomial, limits = np.empty(0), np.empty(0)
     if isinstance(model, Asymmetric):
@@ -207,33 +203,19 @@ def _parts(
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    model, polynomial, limits = _parts(model)
-    kind = MODEL_TYPES.index(type(model))  # type: ignore[arg-type]
-    if isinstance(model, JilesAtherton):
-        config = {name: repr(getattr(model, name)) for name in PARAMETERS}
-        config |= {key: getattr(model, key) for key in ("angle_unit", "form", "clamp")}
-    elif isinstance(model, BoucWen):
-        config = {key: repr(getattr(model, key)) for key in OWN_KEYS[kind]}
-    elif isinstance(model, PrandtlIshlinskii):
-        p = model.parameter_vector  # in the form of stops, whatever the operator
-        stiffness, rest, *rows = p.tolist()
-        thresholds, weights = rows[: len(rows) // 2], rows[len(rows) // 2 :]
-        config = {"stiffness": repr(stiffness), "rest_angle": repr(rest)}
-        config |= {"thresholds": _words(thresholds), "weights": _words(weights)}
-    else:
-        assert isinstance(model, Preisach)
-        weights = [weight for row in model.density for weight in row]
-        config = {"levels": _words(model.levels), "density": _words(weights)}
-        config["elastic"] = _words(model.elastic)
+    bare, polynomial, limits = _parts(model)
+    config = {key: _text(value) for key, value in bare.config().items()}
     if polynomial.size:
-        config["polynomial"] = _words(polynomial.tolist())
+        config["polynomial"] = _text(polynomial.tolist())
     if limits.size:
-        config["angle_range"] = _words(limits.tolist())
-    return PLUGIN_NAMES[kind], config
+        config["angle_range"] = _text(limits.tolist())
+    return plugin_name(type(bare)), config
 
 
-def _words(numbers) -> str:
-    return " ".join(map(repr, numbers))
+def _text(value: float | str | Sequence[float]) -> str:
+    if isinstance(value, str):
+        return value
+    return " ".join(map(repr, value)) if isinstance(value, Sequence) else repr(value)
 
 
 def _reference(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:

@@ -1,4 +1,8 @@
-"""Sets an instance up from its MJCF config: its joint, sensors, parameters and memory."""
+"""Sets an instance up from its MJCF config: its joint, sensors, parameters and memory.
+
+`kernels` is the module of the model's kernels, `kinds` and `words` say what its own config keys
+hold, in the order of the keys.
+"""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -7,90 +11,88 @@ import math
 import numpy as np
 from numba import njit
 
-from ..jiles_atherton.kernels import LAG
 from ._faults import (
+    ALLOW,
+    ANGLE_RANGE,
+    COMMON_KEYS,
     FAR_START,
     FINE,
+    FIRST_KEY,
     FLAG,
+    JOINT,
     JOINT_TWICE,
     JOINT_TYPE,
+    MODEL,
     NO_JOINT,
     NO_START,
+    NUMBER,
     NUMBERS,
+    POLYNOMIAL,
     RANGE,
-    REASONS,
     SENSOR_NAME,
     SENSOR_TWICE,
+    START_ANGLE,
     TOO_LARGE,
     TOO_MANY,
     UNCERTIFIED,
-    config,
-    plugin_of,
+    WORD,
 )
-from ._models import (
-    ALLOW,
-    ANGLE_RANGE,
-    BOUC_WEN,
-    JILES_ATHERTON,
-    JOINT,
-    POLYNOMIAL,
-    PRANDTL_ISHLINSKII,
-    PREISACH,
-    START_ANGLE,
-    START_TORQUE,
-    begin,
-    certified_in_range,
-    is_certified,
-)
-from ._parameters import count_parts, read_optional, read_parameters
 from ._state import (
     BITS,
     ENERGY_SENSOR,
     HELD_SHIFT,
     LARGEST,
-    MODEL_SHIFT,
+    MEMORY,
     POLYNOMIAL_LIMIT,
     POLYNOMIAL_SHIFT,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
     joint_of,
-    kind_of,
     parts,
     sensor_of,
-    state_size,
 )
-from .native._memory import doubles, int32_at, name2id, pointer_at
-from .native._text import count_words, ends_with, equals, length, parse_numbers
+from .native import (
+    choice_of,
+    config,
+    count_words,
+    doubles,
+    ends_with,
+    equals,
+    int32_at,
+    is_sensor_of,
+    key_name,
+    length,
+    name2id,
+    parse_numbers,
+    plugin_name,
+    pointer_at,
+    sensor_name,
+    starts_with,
+)
+
+# Kinds of config keys. An optional kind is `OPTIONAL` more.
+A_NUMBER, A_LIST, A_WORD, OPTIONAL = 0, 1, 2, 3
+SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
 
 @njit(cache=True)
-def is_ours(name):
-    """Returns whether a plugin's name is one of ours."""
-    return (
-        equals(name, b"activesuit.jiles_atherton")
-        or equals(name, b"activesuit.bouc_wen")
-        or equals(name, b"activesuit.prandtl_ishlinskii")
-        or equals(name, b"activesuit.preisach")
+def is_hysteretic(m, instance, at):
+    """Returns whether an instance is of one of our plugins: their config keys begin alike."""
+    if not starts_with(plugin_name(m, instance, at), b"activesuit."):
+        return False
+    return equals(key_name(m, instance, JOINT, at), b"joint") and equals(
+        key_name(m, instance, START_ANGLE, at), SECOND_COMMON_KEY
     )
 
 
 @njit(cache=True)
-def model_kind(m, instance, at):
-    """Returns the number of an instance's model, by the name of its plugin."""
-    name = pointer_at(plugin_of(m, instance, at))
-    if ends_with(name, b"jiles_atherton"):
-        return JILES_ATHERTON
-    if ends_with(name, b"bouc_wen"):
-        return BOUC_WEN
-    return PRANDTL_ISHLINSKII if ends_with(name, b"prandtl_ishlinskii") else PREISACH
-
-
-@njit(cache=True)
-def required_size(m, instance, at):
-    """Returns how many numbers of plugin_state an instance needs."""
-    kind = model_kind(m, instance, at)
-    more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
-    return state_size(kind, count_parts(kind, m, instance, at)) + more
+def sensor_kind(name):
+    """Returns what a sensor measures, as its name says, or -1."""
+    if ends_with(name, b"torque"):
+        return TORQUE_SENSOR
+    if ends_with(name, b"stiffness"):
+        return STIFFNESS_SENSOR
+    return ENERGY_SENSOR if ends_with(name, b"energy") else -1
 
 
 @njit(cache=True)
@@ -106,60 +108,90 @@ def is_held(m, instance, at):
 
 
 @njit(cache=True)
-def sensor_kind(name):
-    """Returns what a sensor measures, as its name says, or -1."""
-    if ends_with(name, b"torque"):
-        return TORQUE_SENSOR
-    if ends_with(name, b"stiffness"):
-        return STIFFNESS_SENSOR
-    return ENERGY_SENSOR if ends_with(name, b"energy") else -1
-
-
-@njit(cache=True)
 def connect(m, instance, at):
-    """Returns (fault, packed numbers of the model, the joint and this instance's sensors)."""
+    """Returns (fault, packed ids of the joint and of this instance's sensors)."""
     if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
-        return TOO_LARGE, 0
-    joint = name2id(m, at.object_joint, config(m, instance, JOINT, at))
+        return (TOO_LARGE, JOINT), 0
+    joint = name2id(m, at.mjOBJ_JOINT, config(m, instance, JOINT, at))
     if joint < 0:
-        return NO_JOINT, 0
+        return (NO_JOINT, JOINT), 0
     joint_type = int32_at(pointer_at(m + at.m_jnt_type), joint)
-    if joint_type not in (at.joint_slide, at.joint_hinge):
-        return JOINT_TYPE, 0
+    if joint_type not in (at.mjJNT_SLIDE, at.mjJNT_HINGE):
+        return (JOINT_TYPE, JOINT), 0
     for other in range(instance):
-        ours = is_ours(pointer_at(plugin_of(m, other, at)))
-        if ours and name2id(m, at.object_joint, config(m, other, JOINT, at)) == joint:
-            return JOINT_TWICE, 0
-    wires = joint | model_kind(m, instance, at) << MODEL_SHIFT
-    wires |= polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
-    wires |= is_held(m, instance, at) << HELD_SHIFT
-    for i in range(pointer_at(m + at.m_nsensor)):
-        ours = int32_at(pointer_at(m + at.m_sensor_plugin), i) == instance
-        if ours and int32_at(pointer_at(m + at.m_sensor_type), i) == at.sensor_plugin:
-            name = pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), i)
-            kind = sensor_kind(name)
+        same = name2id(m, at.mjOBJ_JOINT, config(m, other, JOINT, at)) == joint
+        if same and is_hysteretic(m, other, at):
+            return (JOINT_TWICE, JOINT), 0
+    ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
+    ids |= is_held(m, instance, at) << HELD_SHIFT
+    for sensor in range(pointer_at(m + at.m_nsensor)):
+        if is_sensor_of(m, sensor, instance, at):
+            kind = sensor_kind(sensor_name(m, sensor, at))
             if kind < 0:
-                return SENSOR_NAME, 0
-            if sensor_of(wires, kind) >= 0:
-                return SENSOR_TWICE, 0
-            wires |= (i + 1) << (BITS * kind)
-    return FINE, wires
+                return (SENSOR_NAME, JOINT), 0
+            if sensor_of(ids, kind) >= 0:
+                return (SENSOR_TWICE, JOINT), 0
+            ids |= (sensor + 1) << (BITS * kind)
+    return (FINE, JOINT), ids
 
 
 @njit(cache=True)
-def configure(m, instance, wires, address, size, at):
-    """Fills the state from the config; returns a fault for `complain`, FINE if it could."""
-    kind = kind_of(wires)
-    flag, memory, p, polynomial, limits = parts(wires, address, size)
+def count_values(m, instance, kinds, counts, at):
+    """Fills `counts` with how many values each of the model's own keys has."""
+    for i in range(len(kinds)):
+        is_list = kinds[i] % OPTIONAL == A_LIST
+        counts[i] = count_words(config(m, instance, FIRST_KEY + i, at)) if is_list else 1
+
+
+@njit(inline="always")
+def required_size(kernels, kinds, m, instance, at):
+    """Returns how many numbers of plugin_state an instance needs."""
+    counts = np.empty(len(kinds), np.int64)
+    count_values(m, instance, kinds, counts, at)
+    more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
+    return MEMORY + kernels.size(counts) + more
+
+
+@njit(cache=True)
+def read_values(m, instance, kinds, words, counts, values, at):
+    """Fills `values` with those of all keys, one key after the other; returns a fault."""
+    start = 0
+    for i in range(len(kinds)):
+        text, part = config(m, instance, FIRST_KEY + i, at), values[start : start + counts[i]]
+        start += counts[i]
+        kind = kinds[i] % OPTIONAL
+        part[:] = 0.0
+        if kinds[i] >= OPTIONAL and count_words(text) == 0:
+            continue
+        if kind == A_WORD:
+            part[0] = choice_of(text, words[i])
+            if part[0] < 0:
+                return WORD, FIRST_KEY + i
+        elif parse_numbers(text, part) != (1 if kind == A_NUMBER else max(part.size, 1)):
+            return NUMBER if kind == A_NUMBER else NUMBERS, FIRST_KEY + i
+    return FINE, JOINT
+
+
+@njit(inline="always")
+def configure(kernels, kinds, words, m, instance, ids, address, size, at):
+    """Fills the state from the config; returns a fault."""
+    flag, memory, p, polynomial, limits = parts(kernels, ids, address, size)
     flag[0] = 1.0
-    fault = read_parameters(kind, m, instance, p, at)
-    if fault == FINE:
+    counts = np.empty(len(kinds), np.int64)
+    count_values(m, instance, kinds, counts, at)
+    values = np.empty(counts.sum())
+    fault = read_values(m, instance, kinds, words, counts, values, at)
+    if fault[0] == FINE:
+        complaint, key = kernels.configure(values, np.cumsum(counts), p)
+        if complaint != FINE:
+            fault = (MODEL + complaint, FIRST_KEY + key)
+    if fault[0] == FINE:
         fault = read_polynomial(m, instance, polynomial, at)
-    if fault == FINE:
+    if fault[0] == FINE:
         fault = read_range(m, instance, limits, at)
-    if fault == FINE:
-        fault = start(kind, m, instance, joint_of(wires), memory, p, polynomial, limits, at)
-    flag[0] = fault != FINE
+    if fault[0] == FINE:
+        fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, at)
+    flag[0] = fault[0] != FINE
     return fault
 
 
@@ -168,51 +200,63 @@ def read_polynomial(m, instance, polynomial, at):
     """Reads the coefficients of the elastic polynomial; there may be none."""
     count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
     if count < 0:
-        return NUMBERS + REASONS * POLYNOMIAL
-    return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY + REASONS * POLYNOMIAL
+        return NUMBERS, POLYNOMIAL
+    return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY, POLYNOMIAL
 
 
 @njit(cache=True)
 def read_range(m, instance, limits, at):
     """Reads lowest and highest angle, if the torque is held outside a range."""
     if limits.size == 0:
-        return FINE
+        return FINE, JOINT
     count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)
-    return FINE if count == 2 and limits[0] < limits[1] else RANGE + REASONS * ANGLE_RANGE
+    return FINE if count == 2 and limits[0] < limits[1] else RANGE, ANGLE_RANGE
 
 
 @njit(cache=True)
-def start(kind, m, instance, joint, memory, p, polynomial, limits, at):
+def read_start(m, instance, joint, at):
+    """Reads the start; returns (fault, angle, torque), by default qpos0 of the joint and 0."""
+    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
+    found = np.zeros(2)
+    found[0] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
+    for i in range(2):
+        text = config(m, instance, START_ANGLE + i, at)
+        if count_words(text) > 0 and parse_numbers(text, found[i : i + 1]) != 1:
+            return (NUMBER, START_ANGLE + i), 0.0, 0.0
+    return (FINE, JOINT), found[0], found[1]
+
+
+@njit(cache=True)
+def allows_uncertified(m, instance, at):
+    """Reads whether a model without a certificate is accepted: 1, 0, or -1 for another word."""
+    text = config(m, instance, ALLOW, at)
+    return 0 if length(text) == 0 else choice_of(text, b"false true")
+
+
+@njit(inline="always")
+def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
     Refuses parameters without a certificate, and starts outside it, unless told otherwise.
     """
-    qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
-    at_start = np.zeros(2)
-    at_start[0] = doubles(pointer_at(m + at.m_qpos0), qpos + 1)[qpos]
-    fault = read_optional(m, instance, START_ANGLE, at_start[:1], at)
-    if fault == FINE:
-        fault = read_optional(m, instance, START_TORQUE, at_start[1:], at)
-    if fault != FINE:
+    fault, angle, torque = read_start(m, instance, joint, at)
+    allowed = allows_uncertified(m, instance, at)
+    if fault[0] != FINE:
         return fault
-    flag = config(m, instance, ALLOW, at)
-    allowed = equals(flag, b"true")
-    if not (allowed or equals(flag, b"false") or length(flag) == 0):
-        return FLAG + REASONS * ALLOW
-    certified, reach = is_certified(kind, p), math.inf
+    if allowed < 0:
+        return FLAG, ALLOW
+    torque -= value_of(polynomial, angle)
+    low, high = -math.inf, math.inf
     if limits.size > 0:
-        certified, reach = certified_in_range(kind, p, limits[0], limits[1])
-    if not (allowed or certified):
-        return UNCERTIFIED
-    angle, torque = at_start[0], at_start[1] - value_of(polynomial, at_start[0])
-    if limits.size > 0:
-        angle = min(max(angle, limits[0]), limits[1])
-    inside = begin(kind, p, memory, angle, torque)
+        low, high = limits[0], limits[1]
+        angle = min(max(angle, low), high)
+    inside = kernels.begin(p, memory, angle, torque)
+    certified, inside = kernels.certify(p, memory, inside, low, high)
+    if not (allowed == 1 or certified):
+        return UNCERTIFIED, JOINT
     if math.isnan(inside):
-        return NO_START
-    if reach < math.inf:
-        inside = reach - abs(memory[LAG])
-    return FINE if allowed or inside >= 0 else FAR_START
+        return NO_START, JOINT
+    return FINE if allowed == 1 or inside >= 0 else FAR_START, JOINT
 
 
 @njit(inline="always")

@@ -14,12 +14,19 @@ from ..certificate import ROUNDING
 from . import _bulk as bulk
 from . import _forms as forms
 from .langevin import langevin, log_sinhc
-from .margins import margin_everywhere
+from .margins import margin_everywhere, margin_in_range
 
 MS, A, ALPHA, C, K, STEP_LIMIT, FORM, CLAMP, PER_A, PER_K, TOLERANCE = range(11)
 PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
+DEGREE = math.pi / 180
+FINE, POSITIVE, AT_LEAST_0 = range(3)
+COMPLAINTS = (
+    b"",
+    b"give a number above 0",
+    b"give a number of at least 0 (below 1 for form jiles-1992)",
+)
 BLOCK = 32  # models of a population that take their steps together
 
 
@@ -154,12 +161,17 @@ def recoverable(p, angle, torque):
 
 
 @njit(cache=True, error_model="numpy")
-def energy(p, s, angle, torque, loss):
-    """Returns stored and dissipated energy: the integral of Man dHe and what of u is left."""
-    left = recoverable(p, angle, torque)
+def stored(p, s, angle, torque, loss):
+    """Returns the stored energy: the integral of Man dHe, and what of the past loss is left."""
     Ms, a, alpha = p[MS], p[A], p[ALPHA]
     elastic = Ms * a * log_sinhc((angle + alpha * torque) / a) - alpha * torque * torque / 2
-    return elastic + left, s[LOSS] + loss - left
+    return elastic + recoverable(p, angle, torque)
+
+
+@njit(cache=True, error_model="numpy")
+def dissipated(p, s, angle, torque, loss):
+    """Returns the dissipated energy: the loss but for what a motion could still get back."""
+    return s[LOSS] + loss - recoverable(p, angle, torque)
 
 
 @njit(cache=True, error_model="numpy")
@@ -171,6 +183,48 @@ def response(p, s, H, M):
         if math.isnan(M[i]):
             M[i:] = math.nan
             return
+
+
+@njit(cache=True, error_model="numpy")
+def certify(p, s, inside, low, high):
+    """Returns whether the model is certified between two angles, and how far inside s starts."""
+    if is_certified(p) or high - low == math.inf:
+        return is_certified(p), inside
+    Ms, a, alpha, c, k = p[:5]
+    margin, bound, _ = margin_in_range(low, high, Ms, a, alpha, c, k)
+    return is_exact(p) and c >= 1 and margin > ROUNDING, bound - abs(s[LAG])
+
+
+@njit(cache=True, error_model="numpy")
+def is_sound(p):
+    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    return min(p[MS], p[A], p[K]) > 0 and p[STEP_LIMIT] > 0
+
+
+@njit(cache=True)
+def size(counts):
+    """Returns how many numbers memory and parameters have together."""
+    return MEMORY_SIZE + PARAMETER_SIZE
+
+
+@njit(cache=True)
+def memory_size(total):
+    """Returns how many of them belong to the memory."""
+    return MEMORY_SIZE
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from Ms, a, alpha, c, k, the unit of angles, form and clamp."""
+    for i in (MS, A, K):
+        if not values[i] > 0:
+            return POSITIVE, i
+    Ms, a, alpha, c, k, unit, form, clamp = values
+    if form != forms.BULK and not 0 <= c < (1 if form == forms.JILES_1992 else math.inf):
+        return AT_LEAST_0, C
+    scale = DEGREE if unit == 1 else 1.0
+    set_parameters(p, Ms, a * scale, alpha * scale, c, k * scale, int(form), int(clamp))
+    return FINE, 0
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,6 +11,7 @@ from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
+from ..config import ConfigKey
 from ..protocol import HysteresisModel, State, read_only
 from . import kernels
 from ._forms import CLAMPS, FORMS
@@ -59,6 +60,13 @@ class JilesAtherton(HysteresisModel):
     name: ClassVar[str] = "jiles-atherton"
     kernels: ClassVar[Any] = kernels
     memory_size: ClassVar[int] = kernels.MEMORY_SIZE  # type: ignore[override]
+    free_parameters: ClassVar[int] = len(PARAMETERS)  # type: ignore[override]
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (
+        *map(ConfigKey, PARAMETERS),
+        ConfigKey("angle_unit", "word", get_args(AngleUnit)),
+        ConfigKey("form", "word", FORMS, optional=True),
+        ConfigKey("clamp", "word", CLAMPS, optional=True),
+    )
 
     Ms: float
     a: float

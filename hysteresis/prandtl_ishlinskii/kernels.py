@@ -14,6 +14,13 @@ import math
 from numba import njit
 
 HEADER = 2  # numbers in p before the thresholds
+FIRST_PLAY = 3  # numbers in s before the plays
+FINE, ASCENDING, AS_MANY = range(3)
+COMPLAINTS = (
+    b"",
+    b"give increasing numbers (thresholds above 0, levels two or more)",
+    b"give as many numbers as thresholds or segments between levels",
+)
 START_TOLERANCE = 1e-12  # of all torques at hand: what rounding may add to a saturated one
 
 
@@ -132,14 +139,59 @@ def stiffness(p, s, angle, torque, delta):
 
 
 @njit(cache=True, error_model="numpy")
-def energy(p, s, angle, torque, loss):
-    """Returns (stored, dissipated); a stop is a spring of stiffness w in series with a slider."""
+def stored(p, s, angle, torque, loss):
+    """Returns the stored energy; a stop is a spring of stiffness w in series with a slider."""
     n = s.size - 3
     twice = p[0] * (angle - p[1]) ** 2
     for i in range(n):
         strain, _ = stop(angle, s[3 + i], p[HEADER + i])
         twice += p[HEADER + n + i] * strain**2
-    return 0.5 * twice, s[2] + loss
+    return 0.5 * twice
+
+
+@njit(cache=True, error_model="numpy")
+def dissipated(p, s, angle, torque, loss):
+    """Returns the energy that the sliders have dissipated."""
+    return s[2] + loss
+
+
+@njit(cache=True, error_model="numpy")
+def certify(p, s, inside, low, high):
+    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    return is_certified(p), inside
+
+
+@njit(cache=True)
+def is_sound(p):
+    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    return True
+
+
+@njit(cache=True)
+def size(counts):
+    """Returns how many numbers memory and parameters have together."""
+    return FIRST_PLAY + HEADER + 3 * counts[2]
+
+
+@njit(cache=True)
+def memory_size(total):
+    """Returns how many of them belong to the memory."""
+    return FIRST_PLAY + (total - FIRST_PLAY - HEADER) // 3
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from stiffness, rest angle, thresholds and weights of stops."""
+    count = ends[2] - ends[1]
+    if ends[3] - ends[2] != count:
+        return AS_MANY, 3
+    below = 0.0
+    for threshold in values[ends[1] : ends[2]]:
+        if not threshold > below:
+            return ASCENDING, 2
+        below = threshold
+    p[:] = values
+    return FINE, 0
 
 
 @njit(cache=True, error_model="numpy")

@@ -14,6 +14,7 @@ from ...arrays import Array
 from ...checks import number, numbers, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, State, finite_series, read_only
 from . import kernels
 
@@ -48,6 +49,12 @@ class PrandtlIshlinskii(HysteresisModel):
 
     name: ClassVar[str] = "prandtl-ishlinskii"
     kernels: ClassVar[ModuleType] = kernels
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (
+        ConfigKey("stiffness"),
+        ConfigKey("rest_angle", optional=True),
+        ConfigKey("thresholds", "list"),
+        ConfigKey("weights", "list"),
+    )
 
     stiffness: float
     thresholds: Numbers
@@ -91,6 +98,22 @@ class PrandtlIshlinskii(HysteresisModel):
     def memory_size(self) -> int:
         """Angle, torque and loss, and the play of each element."""
         return 3 + len(self.thresholds)
+
+    @property
+    def free_parameters(self) -> int:
+        """The weights, stiffness and rest angle; the thresholds are given."""
+        return 2 + len(self.weights)
+
+    def config(self) -> dict[str, Any]:
+        """Returns the parameters as MJCF has them: those of stops, whatever the operator."""
+        stiffness, rest_angle, *rows = self.parameter_vector.tolist()
+        count = len(self.thresholds)
+        return {
+            "stiffness": stiffness,
+            "rest_angle": rest_angle,
+            "thresholds": rows[:count],
+            "weights": rows[count:],
+        }
 
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m].

@@ -21,11 +21,19 @@ without approximation: `swept` and `moment`.
 
 import math
 
+import numpy as np
 from numba import njit
 
-from ._tables import CELL, HEADER, SEGMENT
+from ._tables import CELL, HEADER, SEGMENT, parameter_size, set_parameters
 
 CAPACITY = 64  # even, so that the innermost branch of a full stack rises
+FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
+COMPLAINTS = (
+    b"",
+    b"give increasing numbers (thresholds above 0, levels two or more)",
+    b"n segments between levels need n (n + 1) / 2 numbers, row by row",
+    b"give as many numbers as thresholds or segments between levels",
+)
 RELAYS, COUNT, BRANCH_LOSS, RECORDS = 3, 4, 5, 6
 MEMORY_SIZE = RECORDS + 2 * (CAPACITY + 1)
 LEVEL, WIDTH, PER_WIDTH, DIAGONAL, TORQUE, SLOPE, ENERGY = range(SEGMENT)
@@ -271,8 +279,8 @@ def stiffness(p, s, angle, torque, delta):
 
 
 @njit(cache=True, error_model="numpy")
-def energy(p, s, angle, torque, loss):
-    """Returns (stored, dissipated) at the end of the motion to `angle` (proof: `Preisach`)."""
+def stored(p, s, angle, torque, loss):
+    """Returns the stored energy at the end of the motion to `angle` (proof: `Preisach`)."""
     k, relays, _, _ = walk(p, s, angle)
     count = turning_points(s)
     turned, last = 0.0, s[RECORDS]
@@ -283,10 +291,61 @@ def energy(p, s, angle, torque, loss):
         last = turn
     x = clipped(p, angle)
     part = moment(p, x, last)
-    stored = relays * (angle - p[1]) + elastic(p, angle)[1] + turned + (-part if k % 2 else part)
+    total = relays * (angle - p[1]) + elastic(p, angle)[1] + turned + (-part if k % 2 else part)
     if k == CAPACITY:
-        stored += swept(p, x, last)[1]
-    return stored, s[2] + loss
+        total += swept(p, x, last)[1]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def dissipated(p, s, angle, torque, loss):
+    """Returns the energy dissipated from the start to the end of the motion to `angle`."""
+    return s[2] + loss
+
+
+@njit(cache=True, error_model="numpy")
+def certify(p, s, inside, low, high):
+    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    return is_certified(p), inside
+
+
+@njit(cache=True)
+def is_sound(p):
+    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    return parameter_size(p[0]) == p.size
+
+
+@njit(cache=True)
+def size(counts):
+    """Returns how many numbers memory and parameters have together."""
+    return MEMORY_SIZE + parameter_size(max(counts[0] - 1, 0))
+
+
+@njit(cache=True)
+def memory_size(total):
+    """Returns how many of them belong to the memory."""
+    return MEMORY_SIZE
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from the levels, the rows of the density end to end, and the elastic slopes."""
+    levels, density = values[: ends[0]], values[ends[0] : ends[1]]
+    slopes = values[ends[1] : ends[2]]
+    segments = levels.size - 1
+    if segments < 1:
+        return ASCENDING, 0
+    for i in range(segments):
+        if not levels[i + 1] > levels[i]:
+            return ASCENDING, 0
+    if density.size != segments * (segments + 1) // 2:
+        return DENSITY_SIZE, 1
+    if slopes.size == 0:
+        slopes = np.zeros(segments)
+    if slopes.size != segments:
+        return AS_MANY, 2
+    set_parameters(p, levels, density, slopes)
+    return FINE, 0
 
 
 @njit(cache=True, error_model="numpy")

@@ -13,9 +13,10 @@ from ...arrays import Array
 from ...checks import numbers, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, read_only
-from . import _tables as _preisach_tables
 from . import kernels
+from ._tables import parameter_size, set_parameters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +67,11 @@ class Preisach(HysteresisModel):
 
     name: ClassVar[str] = "preisach"
     kernels: ClassVar[ModuleType] = kernels
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (
+        ConfigKey("levels", "list"),
+        ConfigKey("density", "list"),
+        ConfigKey("elastic", "list", optional=True),
+    )
 
     levels: Numbers
     density: Sequence[Numbers]
@@ -105,9 +111,9 @@ class Preisach(HysteresisModel):
     def parameter_vector(self) -> Array:
         """Segments, then cells, as `kernels` describes them; read-only."""
         segments = len(self.density)
-        p = np.empty(_preisach_tables.parameter_size(segments))
+        p = np.empty(parameter_size(segments))
         density = np.concatenate([np.array(row) for row in self.density])
-        _preisach_tables.set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
+        set_parameters(p, np.array(self.levels), density, np.array(self.elastic))
         return read_only(p)
 
     @property
@@ -165,6 +171,16 @@ class Preisach(HysteresisModel):
             density=[[weight * torque for weight in row] for row in self.density],
             elastic=[slope * torque / angle for slope in self.elastic],
         )
+
+    @property
+    def free_parameters(self) -> int:
+        """The weights of all cells and the elastic slopes; the levels are given."""
+        return len(self.elastic) + sum(map(len, self.density))
+
+    def config(self) -> dict[str, Any]:
+        """Returns the parameters as MJCF has them, the rows of the density end to end."""
+        density = [weight for row in self.density for weight in row]
+        return {"levels": self.levels, "density": density, "elastic": self.elastic}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

@@ -1,13 +1,13 @@
-"""Where MuJoCo keeps the fields that our plugins touch, read from the bindings' own introspection.
+"""Where MuJoCo keeps the fields that a plugin touches, read from the bindings' own introspection.
 
-Their callbacks get raw pointers to mjModel and mjData. The byte offsets of their fields
-follow from `mujoco.introspect.structs`, which ships with the wheel, and are checked against real
-addresses before anything is registered: a mismatch is an error message, not a crash.
+Callbacks get raw pointers to mjModel and mjData. The byte offsets of their fields follow from
+`mujoco.introspect.structs`, which ships with the wheel, and are checked against real addresses
+before anything is registered: a mismatch is an error message, not a crash.
 """
 
 import ctypes
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, TypeVar
 
 import mujoco
 import numpy as np
@@ -65,55 +65,34 @@ class Plugin(ctypes.Structure):
     ]
 
 
+ATTRIBUTES = Plugin.attributes.offset  # of the names of the config keys, in mjpPlugin
+
 PROBE = """<mujoco><worldbody><body>
   <joint name="probe"/><geom size=".1"/><site/></body></worldbody>
   <sensor><jointpos name="probe" joint="probe"/></sensor></mujoco>"""
 
+Layout = TypeVar("Layout", bound=tuple[Any, ...])
 
-class Layout(NamedTuple):
-    """Byte offsets of fields in mjModel (m_), mjData (d_), mjpPlugin (p_); values of some enums."""
 
-    m_nsensor: int
-    m_njnt: int
-    m_nsite: int
-    m_body_parentid: int
-    m_body_rootid: int
-    m_body_dofnum: int
-    m_body_dofadr: int
-    m_dof_parentid: int
-    m_site_bodyid: int
-    m_jnt_type: int
-    m_jnt_qposadr: int
-    m_jnt_dofadr: int
-    m_qpos0: int
-    m_sensor_type: int
-    m_sensor_plugin: int
-    m_sensor_adr: int
-    m_plugin: int
-    m_plugin_stateadr: int
-    m_plugin_statenum: int
-    m_plugin_attr: int
-    m_plugin_attradr: int
-    m_names: int
-    m_name_sensoradr: int
-    d_qpos: int
-    d_qvel: int
-    d_qfrc_passive: int
-    d_site_xpos: int
-    d_site_xmat: int
-    d_subtree_com: int
-    d_cdof: int
-    d_cvel: int
-    d_sensordata: int
-    d_plugin_state: int
-    d_plugin_data: int
-    object_joint: int
-    object_site: int
-    joint_slide: int
-    joint_hinge: int
-    sensor_plugin: int
-    passive: int
-    p_attributes: int
+def layout(kind: type[Layout]) -> Layout:
+    """Returns the fields that a plugin asks for, found in the installed MuJoCo and checked.
+
+    Args:
+        kind: A NamedTuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
+            mjModel, `d_NAME` that in mjData, and the name of a value of one of MuJoCo's enums, as
+            `mjOBJ_JOINT`, that value. Other fields keep their defaults.
+
+    Raises:
+        RuntimeError: A field does not exist, or is not where MuJoCo says it is.
+    """
+    found: dict[str, int] = {}
+    fields: Any = kind
+    for name in fields._fields:
+        if name.startswith(("m_", "d_")):
+            found[name] = _offset(name)
+        elif name.startswith("mj"):
+            found[name] = _enum_value(name)
+    return fields(**found)
 
 
 @cache
@@ -122,45 +101,48 @@ def struct(name: str) -> type[ctypes.Structure]:
     return _structure(structs.STRUCTS[name])
 
 
-def layout() -> Layout:
-    """Returns the checked layout of the installed MuJoCo.
+@cache
+def _offset(name: str) -> int:
+    """Returns the byte offset of a field, compared with where a real model and its data have it."""
+    field = name[2:]
+    try:
+        offset = getattr(struct("mjModel" if name[0] == "m" else "mjData"), field).offset
+    except AttributeError:
+        raise RuntimeError(
+            f"MuJoCo {mujoco.__version__} has no field {name!r}; the engine plugins support "
+            "mujoco>=4.0,<5: install one of those"
+        ) from None
+    owner = _probe()[0 if name[0] == "m" else 1]
+    there = ctypes.c_int64.from_address(owner._address + offset).value
+    value = getattr(owner, field, None)
+    if isinstance(value, np.ndarray) and value.size:
+        expected = value.ctypes.data
+    elif isinstance(value, int):
+        expected = value
+    else:
+        return offset  # empty without a plugin, or bytes: no address to compare with
+    if there != expected:
+        raise RuntimeError(
+            f"{type(owner).__name__}.{field} is not where MuJoCo {mujoco.__version__} says it is; "
+            "the engine plugins support mujoco>=4.0,<5: install one of those"
+        )
+    return offset
 
-    Raises:
-        RuntimeError: the introspected layout disagrees with the library.
-    """
-    fields = [name for name in Layout._fields if name[:2] in ("m_", "d_")]
-    found = {name: _field(name).offset for name in fields}
+
+@cache
+def _probe() -> tuple[Any, Any]:
     model = mujoco.MjModel.from_xml_string(PROBE)
-    data = mujoco.MjData(model)
-    for name, offset in found.items():
-        owner, attribute = (model if name[0] == "m" else data), name[2:]
-        there = ctypes.c_int64.from_address(owner._address + offset).value
-        value = getattr(owner, attribute)
-        if isinstance(value, np.ndarray) and value.size:
-            expected = value.ctypes.data
-        elif isinstance(value, int):
-            expected = value
-        else:
-            continue  # empty without a plugin, or bytes: no address to compare with
-        if there != expected:
-            raise RuntimeError(
-                f"{type(owner).__name__}.{attribute} is not where MuJoCo {mujoco.__version__} says "
-                "it is; the engine plugins support mujoco>=4.0,<5: install one of those"
-            )
-    return Layout(
-        **found,
-        object_joint=int(mujoco.mjtObj.mjOBJ_JOINT),
-        object_site=int(mujoco.mjtObj.mjOBJ_SITE),
-        joint_slide=int(mujoco.mjtJoint.mjJNT_SLIDE),
-        joint_hinge=int(mujoco.mjtJoint.mjJNT_HINGE),
-        sensor_plugin=int(mujoco.mjtSensor.mjSENS_PLUGIN),
-        passive=PASSIVE,
-        p_attributes=Plugin.attributes.offset,
+    return model, mujoco.MjData(model)
+
+
+def _enum_value(name: str) -> int:
+    for enum in enums.ENUMS.values():
+        if name in enum.values:
+            return enum.values[name]
+    raise RuntimeError(
+        f"MuJoCo {mujoco.__version__} has no enum value {name!r}; the engine plugins support "
+        "mujoco>=4.0,<5: install one of those"
     )
-
-
-def _field(name: str) -> Any:
-    return getattr(struct("mjModel" if name[0] == "m" else "mjData"), name[2:])
 
 
 def _structure(declaration: Any) -> type[ctypes.Structure]:

@@ -1,43 +1,65 @@
-"""Makes the plugins known to MuJoCo, once per process."""
+"""Compiles callbacks with the C signatures of a plugin, and makes plugins known to MuJoCo."""
 
 import ctypes
 import threading
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from .. import _callbacks
-from .._models import COMMON_KEYS, OWN_KEYS, PLUGIN_NAMES
-from ._layout import PASSIVE, SENSOR, Plugin, layout
+from numba import cfunc, types
+
+from ._layout import PASSIVE, SENSOR, Plugin
 from ._memory import mujoco_library
 
-STAGE_POS = 1  # mjSTAGE_POS: the sensors depend on the position and the sign of the velocity
-_lock = threading.Lock()
-_registered: list[object] = []  # what the C side points into, for the life of the process
+STAGE_POS, STAGE_VEL, STAGE_ACC = 1, 2, 3  # mjSTAGE_POS, mjSTAGE_VEL, mjSTAGE_ACC
+
+# The arguments of each callback, from mujoco/mjplugin.h; pointers are integers here.
+_POINTER, _INT = types.intp, types.int32
+SIGNATURES = {
+    "nstate": _INT(_POINTER, _INT),
+    "nsensordata": _INT(_POINTER, _INT, _INT),
+    "init": _INT(_POINTER, _POINTER, _INT),
+    "destroy": types.void(_POINTER, _INT),
+    "copy": types.void(_POINTER, _POINTER, _POINTER, _INT),
+    "reset": types.void(_POINTER, _POINTER, _POINTER, _INT),
+    "compute": types.void(_POINTER, _POINTER, _INT, _INT),
+    "advance": types.void(_POINTER, _POINTER, _INT),
+}
+
+_lock = threading.RLock()
 _slots: dict[str, int] = {}
+_kept: list[object] = []  # what the C side points into, for the life of the process
 
 
-def register() -> dict[str, int]:
-    """Registers a plugin for each model with MuJoCo, once; returns their slots (`mjModel.plugin`).
+def callback(function: Callable[..., Any]) -> Any:
+    """Compiles a callback (a decorator); the name of the function says which one it is.
 
-    Raises:
-        RuntimeError: the installed MuJoCo is laid out differently from what it says.
+    The machine code is cached on disk, separately for each set of values that the function takes
+    from the function around it.
     """
-    with _lock:
-        if not _slots:
-            callbacks = _callbacks.build(layout())
-            for name, keys in zip(PLUGIN_NAMES, OWN_KEYS, strict=True):
-                _slots[name] = register_plugin(name, COMMON_KEYS + keys, callbacks, STAGE_POS)
-        return dict(_slots)
+    return cfunc(SIGNATURES[function.__name__], cache=True)(function)
 
 
-def register_plugin(name: str, keys: tuple[str, ...], callbacks: dict[str, Any], stage: int) -> int:
-    """Registers one plugin of passive forces and sensors; returns its slot.
+def register_plugin(
+    name: str, keys: Sequence[str], build: Callable[[], Iterable[Any]], stage: int = STAGE_POS
+) -> int:
+    """Registers a plugin of passive forces and sensors with MuJoCo, once per process.
 
     Args:
-        name: the plugin's name in MJCF.
-        keys: its config keys.
-        callbacks: compiled C functions by the name of their field in mjpPlugin.
-        stage: the mjtStage whose results its sensors need.
+        name: Unique name of the plugin, which MJCF refers to.
+        keys: Names of its config keys, in the order in which `config` counts them.
+        build: Function that compiles the callbacks; it is called the first time only.
+        stage: Stage whose results the sensors need, as `STAGE_VEL` for velocities.
+
+    Returns:
+        The slot of the plugin, its number in `mjModel.plugin`.
     """
+    with _lock:
+        if name not in _slots:
+            _slots[name] = _register(name, keys, build(), stage)
+        return _slots[name]
+
+
+def _register(name: str, keys: Sequence[str], callbacks: Iterable[Any], stage: int) -> int:
     library = mujoco_library()
     attributes = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
     plugin = Plugin()
@@ -47,7 +69,8 @@ def register_plugin(name: str, keys: tuple[str, ...], callbacks: dict[str, Any],
     plugin.attributes = attributes
     plugin.capabilityflags = PASSIVE | SENSOR
     plugin.needstage = stage
-    for callback, compiled in callbacks.items():
-        setattr(plugin, callback, compiled.address)
-    _registered.extend((attributes, plugin, callbacks))
+    for compiled in callbacks:
+        setattr(plugin, compiled.__name__, compiled.address)
+        _kept.append(compiled)
+    _kept.extend((attributes, plugin))
     return library.mjp_registerPlugin(ctypes.byref(plugin))

@@ -35,6 +35,15 @@ def ends_with(text, ending):
 
 
 @njit(cache=True)
+def starts_with(text, beginning):
+    """Returns whether the C string at `text` starts with the bytes `beginning`."""
+    for i in range(len(beginning)):
+        if character_at(text + i) != beginning[i]:  # a shorter text ends in 0 and differs there
+            return False
+    return True
+
+
+@njit(cache=True)
 def equals(text, word):
     """Returns whether the C string at `text` is the bytes `word`."""
     return length(text) == len(word) and ends_with(text, word)
@@ -156,3 +165,47 @@ def issue(sentence):
     """Issues a sentence as a MuJoCo warning."""
     warn(sentence.ctypes.data)
     return sentence[0]  # keeps it alive till here
+
+
+@njit(cache=True)
+def choice_of(text, words):
+    """Returns which of some words the C string at `text` is, from 0; -1 for none of them.
+
+    Args:
+        text: Address of the C string.
+        words: Bytes with a blank between every two words, as b"rad deg".
+    """
+    number, start = 0, 0
+    for end in range(len(words) + 1):
+        if end == len(words) or words[end] == ord(" "):
+            if is_word(text, words, start, end):
+                return number
+            number, start = number + 1, end + 1
+    return -1
+
+
+@njit(cache=True)
+def is_word(text, words, start, end):
+    """Returns whether the C string at `text` is the bytes from `start` to `end`."""
+    for i in range(start, end):
+        if character_at(text + i - start) != words[i]:  # a shorter text ends in 0 and differs there
+            return False
+    return character_at(text + end - start) == 0
+
+
+@njit(cache=True)
+def add_choices(sentence, n, words):
+    """Appends words that a blank separates as "a, b or c"; returns the new length."""
+    last = len(words) - 1
+    while last >= 0 and words[last] != ord(" "):
+        last -= 1
+    for i in range(len(words)):
+        if words[i] != ord(" "):
+            if n < SENTENCE_LIMIT - 1:
+                sentence[n] = words[i]
+                n += 1
+        elif i == last:
+            n = add(sentence, n, b" or ")
+        else:
+            n = add(sentence, n, b", ")
+    return n

@@ -281,7 +281,7 @@ def test_garbage_in_the_memory_stays_inside(count):
         for angle in rng.uniform(-1, 3, 200):
             kernels.move(p, s, angle)
             kernels.stiffness(p, s, angle, 0.0, rng.choice([-1.0, 1.0]))
-            kernels.energy(p, s, angle, 0.0, 0.0)
+            kernels.stored(p, s, angle, 0.0, 0.0)
             kernels.commit(p, s, angle)
         assert (guarded[:100] == 12345).all()
         assert (guarded[-100:] == 12345).all()

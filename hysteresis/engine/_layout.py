@@ -1,0 +1,40 @@
+"""The fields of MuJoCo's structs that a hysteretic joint touches."""
+
+from typing import NamedTuple
+
+
+class Layout(NamedTuple):
+    """Byte offsets of fields in mjModel (m_) and mjData (d_); values of some enums.
+
+    `stamp` tells one version of a model's kernels from another, so that what was compiled from an
+    older one is not taken from numba's cache.
+    """
+
+    m_nsensor: int
+    m_njnt: int
+    m_jnt_type: int
+    m_jnt_qposadr: int
+    m_jnt_dofadr: int
+    m_qpos0: int
+    m_sensor_type: int
+    m_sensor_plugin: int
+    m_sensor_adr: int
+    m_plugin: int
+    m_plugin_stateadr: int
+    m_plugin_statenum: int
+    m_plugin_attr: int
+    m_plugin_attradr: int
+    m_names: int
+    m_name_sensoradr: int
+    d_qpos: int
+    d_qvel: int
+    d_qfrc_passive: int
+    d_sensordata: int
+    d_plugin_state: int
+    d_plugin_data: int
+    mjOBJ_JOINT: int
+    mjJNT_SLIDE: int
+    mjJNT_HINGE: int
+    mjSENS_PLUGIN: int
+    mjPLUGIN_PASSIVE: int
+    stamp: int = 0

@@ -1,0 +1,52 @@
+"""The plugins of the hysteresis models: one for each model of the registry that is no wrapper."""
+
+import zlib
+from pathlib import Path
+from types import ModuleType
+
+from ..around import Wrapper
+from ..protocol import HysteresisModel
+from ..registry import MODELS
+from ._callbacks import build
+from ._configuration import A_LIST, A_NUMBER, A_WORD, OPTIONAL
+from ._faults import COMMON_KEYS
+from ._layout import Layout
+from .native import layout, register_plugin
+
+KINDS = {"number": A_NUMBER, "list": A_LIST, "word": A_WORD}
+
+
+def plugin_name(model: type[HysteresisModel]) -> str:
+    """Returns the name of a model's plugin in MJCF."""
+    return f"activesuit.{model.name.replace('-', '_')}"
+
+
+def register() -> dict[str, int]:
+    """Registers a plugin for each model with MuJoCo, once; returns their slots by plugin name.
+
+    Raises:
+        RuntimeError: The installed MuJoCo is laid out differently from what it says.
+    """
+    bare = [model for model in MODELS.values() if not issubclass(model, Wrapper)]
+    return {plugin_name(model): _register(model) for model in bare}
+
+
+def _register(model: type[HysteresisModel]) -> int:
+    own = model.config_keys
+    return register_plugin(
+        plugin_name(model),
+        [*COMMON_KEYS, *(key.name for key in own)],
+        lambda: build(
+            model.kernels,
+            tuple(KINDS[key.kind] + OPTIONAL * key.optional for key in own),
+            tuple(" ".join(key.words).encode() for key in own),
+            layout(Layout)._replace(stamp=_stamp(model.kernels)),
+        ),
+    )
+
+
+def _stamp(kernels: ModuleType) -> int:
+    """Returns a number that changes when a file beside a module of kernels does."""
+    files = sorted(Path(str(kernels.__file__)).parent.glob("*.py"))
+    stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
+    return zlib.crc32(repr(stats).encode())

@@ -1,0 +1,127 @@
+"""An instance of a plugin: its config, its state, its sensors, and what is wrong with it.
+
+Every function takes the addresses of mjModel (`m`) or mjData (`d`), the number of the instance, and
+`at`, the `layout` of the plugin with the fields that the function names.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import numpy as np
+from numba import njit
+
+from ._layout import ATTRIBUTES
+from ._memory import character_at, doubles, int32_at, plugin_at, pointer_at, store_pointer
+from ._text import SENTENCE_LIMIT, add, add_text, issue
+
+
+@njit(cache=True)
+def config(m, instance, key, at):
+    """Returns the address of the value of config key number `key`, a C string ("" if not given).
+
+    It reads m_plugin_attr and m_plugin_attradr.
+    """
+    text = pointer_at(m + at.m_plugin_attr) + int32_at(
+        pointer_at(m + at.m_plugin_attradr), instance
+    )
+    for _ in range(key):
+        while character_at(text) != 0:
+            text += 1
+        text += 1
+    return text
+
+
+@njit(cache=True)
+def plugin_name(m, instance, at):
+    """Returns the address of the name of an instance's plugin; it reads m_plugin."""
+    return pointer_at(plugin_at(int32_at(pointer_at(m + at.m_plugin), instance)))
+
+
+@njit(cache=True)
+def key_name(m, instance, key, at):
+    """Returns the address of the name of a config key; it reads m_plugin."""
+    plugin = plugin_at(int32_at(pointer_at(m + at.m_plugin), instance))
+    return pointer_at(pointer_at(plugin + ATTRIBUTES) + 8 * key)
+
+
+@njit(inline="always")
+def state_of(m, d, instance, at):
+    """Returns the address and the number of an instance's values in `mjData.plugin_state`.
+
+    It reads m_plugin_stateadr, m_plugin_statenum and d_plugin_state.
+    """
+    address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
+    size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
+    return pointer_at(d + at.d_plugin_state) + 8 * address, size
+
+
+@njit(cache=True)
+def word_of(d, instance, at):
+    """Returns the integer that an instance keeps in `plugin_data`; it reads d_plugin_data."""
+    return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
+
+
+@njit(cache=True)
+def set_word(d, instance, word, at):
+    """Stores that integer, which no reset and no saved state changes."""
+    store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, word)
+
+
+@njit(cache=True)
+def is_sensor_of(m, sensor, instance, at):
+    """Returns whether a sensor belongs to an instance.
+
+    It reads m_sensor_plugin, m_sensor_type and mjSENS_PLUGIN.
+    """
+    ours = int32_at(pointer_at(m + at.m_sensor_plugin), sensor) == instance
+    return ours and int32_at(pointer_at(m + at.m_sensor_type), sensor) == at.mjSENS_PLUGIN
+
+
+@njit(cache=True)
+def sensor_name(m, sensor, at):
+    """Returns the address of a sensor's name; it reads m_names and m_name_sensoradr."""
+    return pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), sensor)
+
+
+@njit(inline="always")
+def sensor_values(m, d, sensor, count, at):
+    """Returns a view of the `count` values of a sensor; it reads m_sensor_adr and d_sensordata."""
+    address = int32_at(pointer_at(m + at.m_sensor_adr), sensor)
+    return doubles(pointer_at(d + at.d_sensordata) + 8 * address, count)
+
+
+@njit(cache=True)
+def begin_complaint(m, instance, noun, subject, key, at):
+    """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
+
+    Args:
+        m: Address of mjModel.
+        instance: Number of the instance.
+        noun: What the instance acts on, as b"joint".
+        subject: Number of the config key that names it.
+        key: Number of the config key that is wrong; `subject` leaves that part of the sentence out.
+        at: Layout of the plugin.
+
+    Returns:
+        The sentence so far, to which `add` and `add_text` append, and its length.
+    """
+    sentence = np.zeros(SENTENCE_LIMIT, np.uint8)
+    n = add_text(sentence, 0, plugin_name(m, instance, at))
+    n = add(sentence, n, b" of ")
+    n = add(sentence, n, noun)
+    n = add(sentence, n, b" '")
+    n = add_text(sentence, n, config(m, instance, subject, at))
+    n = add(sentence, n, b"': ")
+    if key != subject:
+        n = add_text(sentence, n, key_name(m, instance, key, at))
+        n = add(sentence, n, b" is '")
+        n = add_text(sentence, n, config(m, instance, key, at))
+        n = add(sentence, n, b"': ")
+    return sentence, n
+
+
+@njit(cache=True)
+def complain(m, instance, noun, subject, key, reason, at):
+    """Issues a sentence about a config that ends with `reason`, as a MuJoCo warning."""
+    sentence, n = begin_complaint(m, instance, noun, subject, key, at)
+    add(sentence, n, reason)
+    issue(sentence)
