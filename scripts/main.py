@@ -8,8 +8,9 @@ from importlib import import_module
 from .. import __version__
 from ..errors import InputError, unknown_name
 
-# Each is a function in a module of its name, imported only when asked for: all together take more
-# than a second. The sentence is the beginning of that function's own help.
+# Each is a function in a module of `commands` with the same name. Only the module that is asked for
+# is imported, because all of them together take more than a second. The sentence is the beginning
+# of that function's own help.
 COMMANDS = {
     "demo": "Do the whole job once: identify, simulate, compensate, report.",
     "identify": "Identify a hysteresis model from measured angle-torque curves.",
@@ -74,6 +75,9 @@ def _help() -> str:
 def _run_command(name: str, arguments: Sequence[str]) -> None:
     import tyro
 
+    from .extensions import load_extensions
+
+    load_extensions()
     function = name.replace("-", "_")
     tyro.cli(
         getattr(import_module(f".commands.{function}", __package__), function),
