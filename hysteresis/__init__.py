@@ -3,17 +3,15 @@
 Angles are radians and torques N·m throughout. Nothing here imports MuJoCo but `.engine`.
 """
 
-from .around.asymmetric import Asymmetric
-from .around.held import Held
-from .bouc_wen.model import BoucWen
+from .around import Asymmetric, Held
+from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
-from .jiles_atherton.model import JilesAtherton
-from .jiles_atherton.nearest import nearest_certified
-from .jiles_atherton.table_2 import TABLE_2
-from .prandtl_ishlinskii.model import PrandtlIshlinskii
-from .preisach.model import Preisach
+from .config import ConfigKey
+from .jiles_atherton import TABLE_2, JilesAtherton, nearest_certified
+from .prandtl_ishlinskii import PrandtlIshlinskii
+from .preisach import Preisach
 from .protocol import Energy, HysteresisModel, State
-from .registry import MODELS, model_from_dict
+from .registry import MODELS, model_from_dict, register_model
 
 __all__ = [
     "MODELS",
@@ -21,6 +19,7 @@ __all__ = [
     "Asymmetric",
     "BoucWen",
     "Certificate",
+    "ConfigKey",
     "Energy",
     "Held",
     "HysteresisModel",
@@ -32,4 +31,5 @@ __all__ = [
     "UncertifiedModelError",
     "model_from_dict",
     "nearest_certified",
+    "register_model",
 ]

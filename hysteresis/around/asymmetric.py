@@ -12,6 +12,7 @@ from ...checks import number, numbers, scales
 from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
+from ..reference import Example, Reference
 from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
@@ -126,6 +127,19 @@ class Asymmetric(Wrapper):
     def free_parameters(self) -> int:
         """Those of the model inside and the coefficients of the polynomial."""
         return self.model.free_parameters + len(self.polynomial)
+
+    def reference(self, angles: Array, torque: float) -> Reference:
+        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
+        from .reference import AsymmetricReference
+
+        return AsymmetricReference(self, angles, torque)
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        """Returns models and motions with which tests and benchmarks examine this class."""
+        from .reference import ASYMMETRIC_EXAMPLES
+
+        return ASYMMETRIC_EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

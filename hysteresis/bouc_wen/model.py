@@ -14,6 +14,7 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, read_only
+from ..reference import Example, Reference
 from . import kernels
 
 SHARPEST = kernels.LARGEST_POWER
@@ -249,6 +250,19 @@ class BoucWen(HysteresisModel):
     def free_parameters(self) -> int:
         """All but A, which fits take as 1."""
         return len(self.config_keys) - 1
+
+    def reference(self, angles: Array, torque: float) -> Reference:
+        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
+        from .reference import BoucWenReference
+
+        return BoucWenReference(self, angles, torque)
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        """Returns models and motions with which tests and benchmarks examine this class."""
+        from .reference import EXAMPLES
+
+        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the model's name and the constructor's arguments, ready for JSON."""

@@ -13,6 +13,7 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, State, read_only
+from ..reference import Example, Reference
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -188,6 +189,19 @@ class JilesAtherton(HysteresisModel):
             raise InputError(f"angle_unit is {angle_unit!r}: use 'rad' or 'deg'")
         factor = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
         return replace(self.scaled(angle=factor), angle_unit=angle_unit)
+
+    def reference(self, angles: Array, torque: float) -> Reference:
+        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
+        from .reference import JilesAthertonReference
+
+        return JilesAthertonReference(self, angles, torque)
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        """Returns models and motions with which tests and benchmarks examine this class."""
+        from .reference import EXAMPLES
+
+        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters for JSON; what has its default value is left out."""

@@ -16,6 +16,7 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, State, finite_series, read_only
+from ..reference import Example, Reference
 from . import kernels
 
 Operator = Literal["stop", "play"]
@@ -220,6 +221,19 @@ class PrandtlIshlinskii(HysteresisModel):
             weights=[w * torque / angle for w in self.weights],
             rest_angle=self.rest_angle * angle,
         )
+
+    def reference(self, angles: Array, torque: float) -> Reference:
+        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
+        from .reference import PrandtlIshlinskiiReference
+
+        return PrandtlIshlinskiiReference(self, angles, torque)
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        """Returns models and motions with which tests and benchmarks examine this class."""
+        from .reference import EXAMPLES
+
+        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

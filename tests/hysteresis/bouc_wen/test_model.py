@@ -25,7 +25,7 @@ def model(**changes) -> BoucWen:
 
 
 def equation(m: BoucWen, turns, torque):
-    """The readable twin: the equation as printed, by DOP853; z, work and loss at each turn."""
+    """The equation as printed, by DOP853; z, work and loss at each turn."""
 
     def slope(t, state, start, delta):
         z, sign = state[0], np.sign(state[0] * delta)

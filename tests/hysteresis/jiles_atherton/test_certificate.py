@@ -8,8 +8,8 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton, PoleError, nearest_certified
 from activesuit.hysteresis.jiles_atherton import kernels
-from activesuit.hysteresis.jiles_atherton.margins import field_at
 from activesuit.hysteresis.jiles_atherton.langevin import langevin
+from activesuit.hysteresis.jiles_atherton.margins import field_at
 from helpers import TABLE_2, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st

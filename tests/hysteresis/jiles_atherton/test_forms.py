@@ -80,7 +80,7 @@ def test_alnico_with_near_vertical_flanks():
 
 
 def dmdh(form, H, M, delta, parameters):
-    """The readable twin: dM/dH as printed for each form, with the clamp of magnetics."""
+    """dM/dH as printed for each form, with the clamp of magnetics."""
     Ms, a, alpha, c, k = parameters
     x = (H + alpha * M) / a
     near = abs(x) < 1e-2

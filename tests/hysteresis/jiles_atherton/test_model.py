@@ -3,42 +3,19 @@
 import json
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton, PoleError, model_from_dict
 from activesuit.hysteresis.jiles_atherton import kernels
+from activesuit.hysteresis.reference import integrate
 from helpers import TABLE_2, sweep
-from scipy.integrate import solve_ivp
 
 
 def eq_4(model: JilesAtherton, turns, initial=0.0):
-    """The readable twin: eq. (4) as printed, in degrees, by DOP853; torque at each turn."""
-    Ms, a, alpha, c, k = (getattr(model, name) for name in ("Ms", "a", "alpha", "c", "k"))
-
-    def slope(H, M, delta):
-        He = H + alpha * M[0]
-        x = He / a
-        Man = Ms * (1 / math.tanh(x) - 1 / x) if abs(x) > 1e-2 else Ms * (x / 3 - x**3 / 45)
-        dMan = (
-            Ms / a * (1 / x**2 - 1 / math.sinh(x) ** 2)
-            if abs(x) > 1e-2
-            else Ms / a * (1 / 3 - x**2 / 15)
-        )
-        numerator = Man - M[0] + c * delta * k * dMan
-        return [numerator / (delta * k - alpha * numerator)]
-
-    torque = [initial]
-    degrees = np.degrees(turns)
-    for start, end in pairwise(degrees):
-        delta = math.copysign(1, end - start)
-        solved = solve_ivp(
-            slope, (start, end), [torque[-1]], "DOP853", rtol=1e-12, atol=1e-13, args=(delta,)
-        )
-        torque.append(solved.y[0, -1])
-    return np.array(torque)
+    """Eq. (4) as printed, by DOP853; torque at each turn."""
+    return integrate(model.reference(np.array(turns), initial), np.array(turns), 1e-12)
 
 
 @pytest.mark.parametrize("name", TABLE_2)

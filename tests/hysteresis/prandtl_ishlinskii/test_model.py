@@ -10,6 +10,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis.prandtl_ishlinskii import kernels
 from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from activesuit.hysteresis.prandtl_ishlinskii.reference import PrandtlIshlinskiiReference
 from helpers import sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -41,34 +42,17 @@ def models(draw, signs=(1,)):
     )
 
 
-class Twin:
-    """The sum as written down, one operator at a time, from rest at an angle."""
+def reference(model, angle):
+    """The readable model, at rest at an angle."""
+    return PrandtlIshlinskiiReference(model, np.array([angle]), 0.0)
 
-    def __init__(self, model, angle):
-        self.model, self.angle = model, angle
-        self.stops = [0.0 for _ in model.thresholds]
-        self.plays = [angle - model.rest_angle for _ in model.thresholds]
 
-    def move(self, angle):
-        u = angle - self.model.rest_angle
-        for i, r in enumerate(self.model.thresholds):
-            self.stops[i] = min(max(self.stops[i] + angle - self.angle, -r), r)
-            self.plays[i] = max(u - r, min(u + r, self.plays[i]))
-        self.angle = angle
-        return self.torque()
-
-    def torque(self):
-        model = self.model
-        parts = self.stops if model.operator == "stop" else self.plays
-        elastic = model.stiffness * (self.angle - model.rest_angle)
-        return elastic + sum(w * part for w, part in zip(model.weights, parts, strict=True))
-
-    def knees(self, end):
-        """Angles on the way to `end` where an element begins to slip."""
-        sign = math.copysign(1.0, end - self.angle)
-        pairs = zip(self.model.thresholds, self.stops, strict=True)
-        distances = sorted(r - sign * stop for r, stop in pairs)
-        return [self.angle + sign * d for d in distances if 0 < d < abs(end - self.angle)]
+def knees(resting, end):
+    """Angles on the way to `end` where an element begins to slip."""
+    low, high = sorted((resting.angle, end))
+    sign = math.copysign(1.0, end - resting.angle)
+    ahead = [x for x in resting.knots(end) if low + 1e-12 < x < high - 1e-12]
+    return sorted(ahead, key=lambda x: sign * x)
 
 
 def simple(**change):
@@ -78,12 +62,12 @@ def simple(**change):
 
 def response(model, path):
     """The torque along a path that begins with all stops at zero."""
-    return model.response(path, Twin(model, path[0]).torque())
+    return model.response(path, reference(model, path[0]).torque)
 
 
 def run(model, path):
     """The states along such a path."""
-    states = [model.start(path[0], Twin(model, path[0]).torque())]
+    states = [model.start(path[0], reference(model, path[0]).torque)]
     for angle in path[1:]:
         states.append(model.step(states[-1], angle)[0])
     return states
@@ -91,16 +75,16 @@ def run(model, path):
 
 @for_any(models(signs=ANY), angles, paths)
 def test_agrees_with_the_operators(model, origin, path):
-    twin = Twin(model, origin)
-    torque = model.response([origin, *path], twin.torque())
-    np.testing.assert_allclose(torque[1:], [twin.move(angle) for angle in path], atol=1e-11)
+    resting = reference(model, origin)
+    torque = model.response([origin, *path], resting.torque)
+    np.testing.assert_allclose(torque[1:], [resting.move(angle) for angle in path], atol=1e-11)
 
 
 @for_any(models(), angles, paths)
 def test_a_start_is_the_end_of_a_first_loading(model, origin, path):
-    twin = Twin(model, origin)
-    initial = twin.move(path[0])
-    expected = [initial, *(twin.move(angle) for angle in path[1:])]
+    resting = reference(model, origin)
+    initial = resting.move(path[0])
+    expected = [initial, *(resting.move(angle) for angle in path[1:])]
     assert model.start(path[0], initial).torque == initial
     np.testing.assert_allclose(model.response(path, initial), expected, atol=1e-11)
 
@@ -170,10 +154,10 @@ def test_a_sum_of_stops_is_mujocos_plastic_tendons():
 @for_any(models(signs=ANY), paths)
 def test_work_is_stored_or_dissipated(model, path):
     # The torque is linear from knee to knee, so that the trapezoidal rule is exact.
-    twin, fine = Twin(model, path[0]), [path[0]]
+    resting, fine = reference(model, path[0]), [path[0]]
     for angle in path[1:]:
-        fine += [*twin.knees(angle), angle]
-        twin.move(angle)
+        fine += [*knees(resting, angle), angle]
+        resting.move(angle)
     torque = response(model, fine)
     work = np.diff(fine) * (torque[1:] + torque[:-1]) / 2
     first, *_, last = [model.energy(state) for state in run(model, path)]
@@ -250,7 +234,7 @@ def test_the_inverse_gives_the_angles_back(model, path):
 @for_any(models(signs=ANY), angles, angles, st.lists(st.floats(-9, 9), min_size=1, max_size=30))
 def test_the_inverse_gives_the_torques_back(model, origin, initial, torque):
     # Any start: somewhere on a first loading.
-    torque = [Twin(model, origin).move(initial), *torque, torque[-1]]
+    torque = [reference(model, origin).move(initial), *torque, torque[-1]]
     angle = model.inverse(torque, initial)
     assert angle[-1] == angle[-2]
     back = model.response(angle, torque[0])
@@ -273,7 +257,7 @@ def test_no_inverse_where_the_model_does_not_rise(change, message):
 
 @for_any(models(signs=ANY), paths, st.floats(0.1, 10), st.floats(0.1, 10))
 def test_scaling(model, path, torque, angle):
-    initial = Twin(model, path[0]).torque()
+    initial = reference(model, path[0]).torque
     expected = torque * model.response(path, initial)
     scaled = model.scaled(torque=torque, angle=angle)
     actual = scaled.response(angle * np.array(path), torque * initial)
@@ -284,11 +268,11 @@ def test_scaling(model, path, torque, angle):
 def test_tangent_is_the_slope_up_to_the_next_knee(seed):
     path = 0.2 + 0.4 * np.random.default_rng(seed).standard_normal(9)
     model = simple(operator=("stop", "play")[seed % 2])
-    state, twin = run(model, path)[-1], Twin(model, path[0])
+    state, resting = run(model, path)[-1], reference(model, path[0])
     for angle in path[1:]:
-        twin.move(angle)
+        resting.move(angle)
     for far in (-5.0, 5.0):
-        end = [*twin.knees(far), far][0]
+        end = [*knees(resting, far), far][0]
         slope = (model.step(state, end)[1] - state.torque) / (end - state.angle)
         assert model.tangent(state, far) == pytest.approx(slope, abs=1e-9)
 

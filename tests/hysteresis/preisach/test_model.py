@@ -43,7 +43,7 @@ def elastic_torque(model, angle):
 
 
 def relays(model, path, initial=0.0):
-    """The twin: one relay for each patch between all angles that matter; torque and loss.
+    """One relay for each patch between all angles that matter; torque and loss.
 
     No angle of the path is inside a patch, so that its relays switch as one, exactly.
     """

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.hysteresis import MODELS, TABLE_2
+from activesuit.hysteresis.reference import integrate, turn_indices
 from activesuit.scripts.benchmarks import exactness
-from activesuit.scripts.benchmarks.twins import turn_indices, twin_of
 from activesuit.scripts.main import main
 
-CASES = {case.name: case for case in exactness.cases()}
+CASES = {case.name: case for case in exactness.examples()}
 WRONG = {
     "J-A shoulder-sa-pso": {"k": 168.583},
     "J-A elbow-mpso": {"alpha": 5.5625},
@@ -32,7 +32,7 @@ def test_every_way_gives_the_same_torque(capsys):
     assert {f"J-A {name}" for name in TABLE_2} < set(names)
     assert {type(case.model) for case in CASES.values()} == set(MODELS.values())
     for row in result["rows"]:
-        assert row["within"] == {"twin": True, "dop853": True, "engine": True}
+        assert row["within"] == {"reference": True, "dop853": True, "engine": True}
         assert row["passed"]
         assert row["turns"] > 30
         assert row["largest_torque"] > 1
@@ -46,7 +46,7 @@ def test_every_way_gives_the_same_torque(capsys):
 
 def test_the_table_says_what_failed(capsys, monkeypatch):
     names = ("preisach", "bouc-wen, n = 1")
-    monkeypatch.setattr(exactness, "cases", lambda: [CASES[name] for name in names])
+    monkeypatch.setattr(exactness, "examples", lambda: [CASES[name] for name in names])
     monkeypatch.setattr(exactness, "TOLERANCE", 1e-11)
     exactness.report(json=False)
     lines = capsys.readouterr().out.splitlines()
@@ -59,10 +59,10 @@ def test_the_table_says_what_failed(capsys, monkeypatch):
 @pytest.mark.parametrize("name", WRONG)
 def test_a_wrong_parameter_shows(name, monkeypatch):
     case = CASES[name]
-    wrong = replace(case.model, **WRONG[name])
-    monkeypatch.setattr(exactness, "twin_of", lambda _, *start: twin_of(wrong, *start))
+    wrong, reference = replace(case.model, **WRONG[name]), type(case.model).reference
+    monkeypatch.setattr(type(case.model), "reference", lambda _, *start: reference(wrong, *start))
     found = exactness.examine(case)
-    assert found.within == {"twin": False, "dop853": False, "engine": True}
+    assert found.within == {"reference": False, "dop853": False, "engine": True}
     assert not found.passed
 
 
@@ -85,8 +85,6 @@ def test_turns_of_a_motion_that_rests():
 @pytest.mark.parametrize("name", ["J-A elbow-sa-pso", "preisach", "bouc-wen, n = 1"])
 def test_motions_that_rest_are_solved_too(name):
     model, turns = CASES[name].model, [0.6, 1.2, 0.8, 1.0]
-    once = exactness.integrated(twin_of(model, np.array(turns), 0.0), np.array(turns))
+    once = integrate(model.reference(np.array(turns), 0.0), np.array(turns))
     angle = np.repeat(turns, 3)
-    np.testing.assert_array_equal(
-        exactness.integrated(twin_of(model, angle, 0.0), angle)[::3], once
-    )
+    np.testing.assert_array_equal(integrate(model.reference(angle, 0.0), angle)[::3], once)

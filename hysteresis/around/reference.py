@@ -1,0 +1,74 @@
+"""Readable models around another reference model, and examples of them."""
+
+import numpy as np
+
+from ...arrays import Array
+from ..jiles_atherton import TABLE_2
+from ..reference import Example, Reference
+from .asymmetric import Asymmetric
+from .held import Held
+
+
+class AsymmetricReference(Reference):
+    """Another reference beside a polynomial."""
+
+    def __init__(self, model: Asymmetric, angles: Array, torque: float) -> None:
+        super().__init__(angles[0], torque)
+        self.coefficients = [float(p) for p in model.polynomial]
+        self.inner = model.model.reference(angles, torque - self.polynomial(self.angle))
+
+    def polynomial(self, angle: float) -> float:
+        """Returns the elastic torque [N·m]."""
+        return sum(p * angle**i for i, p in enumerate(self.coefficients))
+
+    def _torque_after(self, angle: float) -> float:
+        return self.inner.move(angle) + self.polynomial(angle)
+
+    def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        bend = sum(i * p * angle ** (i - 1) for i, p in enumerate(self.coefficients) if i)
+        return self.inner.slope(angle, torque - self.polynomial(angle), delta) + bend
+
+    def knots(self, end: float) -> list[float]:
+        """Returns the angles [rad] of the inner reference."""
+        return self.inner.knots(end)
+
+
+class HeldReference(Reference):
+    """Another reference that is asked for no angle outside a range."""
+
+    def __init__(self, model: Held, angles: Array, torque: float) -> None:
+        super().__init__(angles[0], torque)
+        self.range = model.angle_range
+        self.inner = model.model.reference(np.clip(angles, *self.range), torque)
+
+    def _torque_after(self, angle: float) -> float:
+        return self.inner.move(float(np.clip(angle, *self.range)))
+
+    def slope(self, angle: float, torque: float, delta: float) -> float:
+        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        inside = self.range[0] < angle < self.range[1]
+        return self.inner.slope(angle, torque, delta) if inside else 0.0
+
+    def knots(self, end: float) -> list[float]:
+        """Returns the ends of the range and the angles [rad] of the inner reference."""
+        return [*self.range, *self.inner.knots(end)]
+
+
+_ELBOW = TABLE_2["elbow-sa-pso"]
+HELD_EXAMPLES = (
+    Example(
+        name="held, elbow-sa-pso",
+        model=Held(model=_ELBOW, angle_range=(0.7, 1.3)),
+        low=0.52,
+        high=1.57,
+    ),
+)
+ASYMMETRIC_EXAMPLES = (
+    Example(
+        name="asymmetric, elbow-sa-pso",
+        model=Asymmetric(model=_ELBOW, polynomial=[0.3, -0.5, 0.8]),
+        low=0.52,
+        high=1.57,
+    ),
+)
