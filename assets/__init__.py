@@ -3,7 +3,9 @@
 from pathlib import Path
 
 from ..errors import unknown_name
-from .suits import GRADES, JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
+from .suit_files import load_suit, save_suit, suit_names
+from .suit_joints import GRADES, JOINTS, SuitJoint
+from .suits import Suit
 
 FOLDER = Path(__file__).parent
 SCENE = FOLDER / "mjcf" / "scene.xml"

@@ -2,11 +2,10 @@
 
 from typing import ClassVar
 
+from ..published import LI_RANGES
 from .arm_env import ArmEnv
 
-# rad: the ranges in which the paper measured (sections 3.1 and 5.1).
-SHOULDER_RANGE = (0.35, 1.22)
-ELBOW_RANGE = (0.52, 1.57)
+SHOULDER_RANGE, ELBOW_RANGE = LI_RANGES["shoulder"], LI_RANGES["elbow"]  # rad
 
 Spans = dict[str, tuple[float, float]]
 

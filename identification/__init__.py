@@ -1,31 +1,37 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
-from .curves import Curve, load_curves, save_curves
+from .curve_files import load_curves, save_curves
+from .curves import Curve, Curves
 from .fits.asymmetric import fit_asymmetric
 from .fits.bouc_wen import fit_bouc_wen
 from .fits.certified import certified_fit
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
-from .fits.registry import bare
-from .identify import Fit, Trial, identify
+from .fits.registry import register_fit
+from .fits.residuals import bare
+from .identify import Fit, identify
 from .objective import CurveObjective
-from .optimizers.libraries import BASELINES
 from .optimizers.mpso import MPSO, mpso
 from .optimizers.pso import KAO_FUNG, PSO, pso
 from .optimizers.rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
+from .optimizers.registry import LIBRARIES, OPTIMIZERS, SWARMS
 from .optimizers.sa_pso import SAPSO, sa_pso
 from .selection import Candidate
 from .synthetic import first_order_motions, measure, multi_order_motion
+from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
 __all__ = [
-    "BASELINES",
     "KAO_FUNG",
+    "LIBRARIES",
     "MPSO",
+    "OPTIMIZERS",
     "PSO",
     "SAPSO",
+    "SWARMS",
     "Candidate",
     "Curve",
     "CurveObjective",
+    "Curves",
     "Fit",
     "RankDistanceMPSO",
     "Trial",
@@ -44,6 +50,7 @@ __all__ = [
     "multi_order_motion",
     "pso",
     "rank_distance_mpso",
+    "register_fit",
     "sa_pso",
     "save_curves",
     "uncertainty",

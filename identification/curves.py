@@ -1,20 +1,15 @@
-"""Measured angle-torque curves: the file format, its checks, and the container."""
+"""Measured angle-torque curves: one curve with its checks, and the curves of one joint."""
 
-import csv
-import io
 import math
-import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import number
 from ..errors import InputError
-from ..files import write_text
 
 Role = Literal["fit", "predict"]
 RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
@@ -26,15 +21,15 @@ class Curve:
     """One measured motion of a joint.
 
     Attributes:
-        angle: joint angle in the order of measurement [rad], shape (n,), n >= 2.
-        torque: resistance, positive against positive motion [N·m], shape (n,).
-        name: label, unique in its file.
+        angle: the joint angle in the order of measurement [rad], shape (n,), n >= 2.
+        torque: the resistance, positive against positive motion [N·m], shape (n,).
+        name: a label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
-        weight: of its squared errors beside those of the other curves, > 0.
+        weight: how much its squared errors count beside those of the other curves, > 0.
     """
 
-    angle: NDArray[np.float64]
-    torque: NDArray[np.float64]
+    angle: Array
+    torque: Array
     name: str
     role: Role = "fit"
     weight: float = 1.0
@@ -86,6 +81,73 @@ class Curve:
             )
 
 
+class Curves(list[Curve]):
+    """The curves of one joint, and where they come from: a list that knows its roles.
+
+    Attributes:
+        source: the name of the file they were read from; empty if they were made in Python.
+        sha256: the hash of that file's bytes; None if there is no file.
+    """
+
+    def __init__(
+        self, curves: Iterable[Curve] = (), *, source: str = "", sha256: str | None = None
+    ) -> None:
+        """Makes the list; without `source` and `sha256` it keeps those of other `Curves`."""
+        super().__init__(curves)
+        if isinstance(curves, Curves) and not source:
+            source, sha256 = curves.source, curves.sha256
+        self.source, self.sha256 = source, sha256
+
+    def fitted(self) -> "Curves":
+        """Returns the curves with role "fit"."""
+        return self._with_role("fit")
+
+    def held_out(self) -> "Curves":
+        """Returns the curves with role "predict", which test a model."""
+        return self._with_role("predict")
+
+    @property
+    def peak(self) -> float:
+        """The largest |torque| of all curves [N·m]; 0 without curves."""
+        return max((float(np.abs(curve.torque).max()) for curve in self), default=0.0)
+
+    @property
+    def angle_range(self) -> tuple[float, float]:
+        """The smallest and the largest angle of all curves [rad].
+
+        Raises:
+            InputError: there is no curve.
+        """
+        self._first()
+        angle = np.concatenate([curve.angle for curve in self])
+        return float(angle.min()), float(angle.max())
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the curves."""
+        return [curve.name for curve in self]
+
+    @property
+    def start_angle(self) -> float:
+        """The angle at which the first curve begins [rad]."""
+        return float(self._first().angle[0])
+
+    @property
+    def start_torque(self) -> float:
+        """The mean torque with which the curves begin [N·m]."""
+        self._first()
+        return float(np.mean([curve.torque[0] for curve in self]))
+
+    def _first(self) -> Curve:
+        if not self:
+            raise InputError("there is no curve: give at least one")
+        return self[0]
+
+    def _with_role(self, role: Role) -> "Curves":
+        chosen = (curve for curve in self if curve.role == role)
+        return Curves(chosen, source=self.source, sha256=self.sha256)
+
+
 def noise_floor(curves: Sequence[Curve]) -> float:
     """Estimates the standard deviation of the torque noise [N·m] from its second differences.
 
@@ -94,137 +156,3 @@ def noise_floor(curves: Sequence[Curve]) -> float:
     """
     second = np.concatenate([np.diff(curve.torque, 2) for curve in curves])
     return float(1.4826 * np.median(np.abs(second)) / np.sqrt(6)) if second.size else 0.0
-
-
-def load_curves(path: str | os.PathLike[str]) -> list[Curve]:
-    """Reads curves from a CSV file.
-
-    The header is `curve,angle_rad,torque_nm` (or `angle_deg`), with optional columns `role`
-    (`fit` or `predict`) and `weight` (> 0), which stay the same along a curve. Rows of one curve
-    are in the order of measurement. Empty lines and lines that begin with `#` are skipped.
-
-    Raises:
-        InputError: the file is missing or holds anything that is not a usable curve; the message
-            names the line.
-    """
-    path = Path(path)
-    (_, header), *rows = _rows(path)
-    header = [name.strip() for name in header]
-    angle_column = _angle_column(path, header)
-    samples: dict[str, list[tuple[float, float]]] = {}
-    labels: dict[str, dict[str, Any]] = {}
-    for line, row in rows:
-        if len(row) != len(header):
-            raise InputError(
-                f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
-            )
-        cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
-        name = cells["curve"]
-        if not name:
-            raise InputError(f"{path}, line {line}: the cell 'curve' is empty: name the curve")
-        label: dict[str, Any] = {"role": cells.get("role", "fit")}
-        if "weight" in cells:
-            label["weight"] = _number(cells, "weight", path, line)
-        for key, value in label.items():
-            if labels.setdefault(name, label)[key] != value:
-                raise InputError(
-                    f"{path}, line {line}: curve {name!r} changes its {key} to {value!r}: give all "
-                    "its samples the same"
-                )
-        angle = _angle(cells, angle_column, path, line)
-        samples.setdefault(name, []).append((angle, _number(cells, "torque_nm", path, line)))
-    if not samples:
-        raise InputError(f"{path} has a header but no samples")
-    try:
-        return [
-            Curve(*np.array(pairs).T.copy(), name=name, **labels[name])
-            for name, pairs in samples.items()
-        ]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-
-
-def save_curves(
-    path: str | os.PathLike[str], curves: Sequence[Curve], comments: Sequence[str] = ()
-) -> None:
-    """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m).
-
-    Raises:
-        InputError: two curves share a name, or the file cannot be written.
-    """
-    names = [curve.name for curve in curves]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two curves are named {name!r}: rename one of them")
-    text = io.StringIO()
-    lines = [line for comment in comments for line in comment.splitlines()]
-    text.writelines(f"# {line}\n" for line in lines)
-    writer = csv.writer(text, lineterminator="\n")
-    weighted = any(curve.weight != 1 for curve in curves)
-    writer.writerow(["curve", "role", *["weight"] * weighted, "angle_rad", "torque_nm"])
-    for curve in curves:
-        label = [curve.name, curve.role, *[curve.weight] * weighted]
-        for angle, torque in zip(curve.angle, curve.torque, strict=True):
-            writer.writerow([*label, f"{angle:.6f}", f"{torque:.6f}"])
-    write_text(path, text.getvalue())
-
-
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Returns line number and cells of every line that is neither empty nor a remark."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-        rows = [
-            (number, next(csv.reader([line], strict=True)))
-            for number, line in enumerate(lines, start=1)
-            if line.strip() and not line.lstrip().startswith("#")
-        ]
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not a UTF-8 text file"
-        raise InputError(f"cannot read the curves {str(path)!r}: {reason}") from error
-    except csv.Error as error:
-        raise InputError(f"{path}: not a CSV file ({error})") from error
-    if not rows:
-        raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
-    return rows
-
-
-def _angle_column(path: Path, header: list[str]) -> str:
-    """Checks the names of the columns; returns that of the angle."""
-    for column in header:
-        if header.count(column) > 1:
-            raise InputError(f"{path} has the column {column!r} twice: keep one of them")
-    if {"angle_deg", "angle_rad"} <= set(header):
-        raise InputError(f"{path} has both angle_rad and angle_deg: keep one of them")
-    angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
-    for column in ("curve", angle_column, "torque_nm"):
-        if column not in header:
-            raise InputError(
-                f"{path} has no column {column!r}: the header must be 'curve,angle_rad,torque_nm' "
-                f"(or angle_deg), and it is {','.join(header)!r}"
-            )
-    return angle_column
-
-
-def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:
-    try:
-        value = float(cells[column])
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(
-            f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number"
-        )
-    return value
-
-
-def _angle(cells: dict[str, str], column: str, path: Path, line: int) -> float:
-    value = _number(cells, column, path, line)
-    angle = math.radians(value) if column == "angle_deg" else value
-    if abs(angle) > RADIANS_AT_MOST:
-        hint = "no joint does that"
-        if column == "angle_rad":
-            hint = "if these are degrees, name the column angle_deg"
-        raise InputError(
-            f"{path}, line {line}: {column} is {value:g}, more than a full turn: {hint}"
-        )
-    return angle

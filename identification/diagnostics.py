@@ -8,7 +8,7 @@ from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.held import Held
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
-from .curves import Curve, noise_floor
+from .curves import Curve, Curves, noise_floor
 from .fits.certified import EXCESS, MARGIN, SHAPE
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
@@ -17,7 +17,7 @@ LITTLE_MOTION = 0.05  # rad
 RETURNED = 0.05  # of the span
 
 
-def remarks(
+def diagnostics(
     model: HysteresisModel,
     nrmse: float,
     curves: Sequence[Curve],
@@ -29,11 +29,10 @@ def remarks(
         model: the fitted model.
         nrmse: its NRMSE on `curves`.
         curves: the fitted curves.
-        bounds: the search box of Ms, a, alpha, c, k in degrees; None for our own fits.
+        bounds: the search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
     found = []
-    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
-    noise = noise_floor(curves) / peak
+    noise = noise_floor(curves) / Curves(curves).peak
     if nrmse > POOR and nrmse > TIMES_NOISE * noise:
         found.append(
             f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "

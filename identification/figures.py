@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from .curves import Curve
+from .curves import Curve, Curves
 from .identify import Fit
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
@@ -27,8 +27,8 @@ def loops_figure(
     figure = Figure(figsize=(10, 3.8 * len(families)), layout="constrained")
     grid = figure.subplots(len(families), 2, squeeze=False, sharey="row")
     for axes, (joint, curves) in zip(grid, families.items(), strict=True):
-        for ax, role, title in zip(axes, ("fit", "predict"), ("fitted", "predicted"), strict=True):
-            drawn = [curve for curve in curves if curve.role == role]
+        parts = {"fitted": Curves(curves).fitted(), "predicted": Curves(curves).held_out()}
+        for ax, (title, drawn) in zip(axes, parts.items(), strict=True):
             _draw_loops(ax, drawn, fits[joint])
             ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
             ax.set_xlabel("angle [rad]")

@@ -6,47 +6,24 @@ from functools import partial
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import at_least
 from ..errors import InputError
 from ..hysteresis.protocol import HysteresisModel
+from ..published import LI_BOUNDS
 from ._threads import run_threads
-from .curves import Curve
-from .diagnostics import remarks
-from .fits.registry import fit_model, nrmse, paper_model, predicted, torque_errors
-from .methods import SEARCHES, check_method, check_options
+from .curves import Curve, Curves
+from .diagnostics import diagnostics
+from .fits.residuals import predicted, torque_errors
 from .objective import CurveObjective, InitialTorque, Loss, Normalize
-from .optimizers.libraries import BASELINES
+from .optimizers.registry import OPTIMIZERS
+from .options import DEFAULT_MODEL, check_method, check_options
 from .selection import Candidate, Choice, choose
+from .trials import Trial, fit_trial, optimizer_trial
 
-# Table 1 of Li et al. 2022: Ms [N·m], a [deg], alpha [deg/(N·m)], c, k [deg].
-PAPER_BOUNDS = ((1.0, 100.0), (1.0, 5000.0), (-10.0, 10.0), (-10.0, 10.0), (1.0, 2000.0))
-BASELINE_EVALUATIONS = 5000  # as many as the paper's swarms
 FEWEST_SAMPLES = 10  # for five parameters
-
-
-@dataclass(frozen=True, kw_only=True)
-class Trial:
-    """One independent run of a method.
-
-    Attributes:
-        index: its number, which fixes its random numbers.
-        model: what it found, held outside the fitted angles if it is safe inside only.
-        initial_torque: with which all curves begin [N·m]; or "measured", each with its first one.
-        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        loss: what the method minimized: the NRMSE, or the objective that was asked for.
-        evaluations: how often the model ran on all curves; None where the fit does not count.
-        history: smallest objective so far, per iteration of a swarm or a baseline.
-    """
-
-    index: int
-    model: HysteresisModel
-    initial_torque: InitialTorque
-    nrmse: float
-    loss: float
-    evaluations: int | None
-    history: tuple[float, ...] = field(default=(), repr=False)
+TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,15 +32,17 @@ class Fit:
 
     Attributes:
         model: the best trial's model, held outside the fitted angles if it is safe inside only.
-        model_name: which model it is.
-        method: the name it was found by.
-        initial_torque: with which all curves begin [N·m]; or "measured", each with its first one.
+        model_name: the name of the model.
+        method: the name of the method that found it.
+        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
         fitness: eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        prediction_errors: largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity where
-            the model meets its pole.
+        prediction_errors: the largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
+            where the model meets its pole.
         trials: every finished trial, by index; with method "auto" that of the chosen model.
-        remarks: what speaks against trusting the model, as sentences; empty if nothing does.
+        curves: the measured curves, those with role "predict" too.
+        diagnostics: what speaks against trusting the model, as sentences; empty if nothing does.
         why: the reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: all models that method "auto" tried, the best prediction first; else empty.
         interrupted: whether Ctrl-C ended it before all trials, or models, were done.
@@ -77,7 +56,8 @@ class Fit:
     nrmse: float
     prediction_errors: dict[str, float]
     trials: tuple[Trial, ...]
-    remarks: tuple[str, ...] = ()
+    curves: Curves = field(repr=False, compare=False)
+    diagnostics: tuple[str, ...] = ()
     why: str = ""
     candidates: tuple[Candidate, ...] = ()
     interrupted: bool = False
@@ -88,7 +68,7 @@ class Fit:
         counts = [trial.evaluations for trial in self.trials]
         return None if None in counts else sum(cast(list[int], counts))
 
-    def predict(self, curve: Curve) -> NDArray[np.float64]:
+    def predict(self, curve: Curve) -> Array:
         """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
         return predicted(self.model, self.initial_torque, curve)
 
@@ -126,18 +106,21 @@ def identify(
             baselines search the bounds of the paper's Table 1.
         objective: what a swarm or baseline minimizes, a loss of `CurveObjective`; by default
             "nrmse".
-        normalize: of the objective: errors over the largest torque of the "family" (by default) or
-            of each "curve".
-        initial_torque: with which each Jiles-Atherton curve begins: a number [N·m], by default 0 as
-            in a first-order curve; "measured", its own first sample; or "identified", one for all.
-            The fits of the other models always identify it.
-        trials: number of runs from different random numbers; by default 1 for "certified" and 30,
-            as in the paper, for swarms and baselines.
+        normalize: the objective divides errors by the largest torque of the "family" (by default)
+            or of each "curve".
+        initial_torque: the torque with which each Jiles-Atherton curve begins: a number [N·m], by
+            default 0 as in a first-order curve; "measured", its own first sample; or "identified",
+            one for all. The fits of the other models always identify it.
+        trials: the number of runs from different random numbers; by default 1 for "certified" and
+            30, as in the paper, for swarms and baselines.
         seed: fixes all random numbers.
-        workers: threads; -1 uses all cores.
+        workers: the number of threads; -1 uses all cores.
         on_trial: called with each trial as it finishes, in any order.
-        **options: passed to the method (`swarm_size`, `temperature`, `budget`,
+        **options: options of the method (`swarm_size`, `temperature`, `budget`,
             `max_evaluations`, ...).
+
+    Returns:
+        The best trial's model, its errors, and what speaks against trusting it.
 
     Raises:
         InputError: unknown model, method or option, one that the method would ignore, no curve to
@@ -148,34 +131,35 @@ def identify(
     at_least("seed", seed, 0)
     if workers == 0:
         raise InputError("workers is 0: use a number of threads, or -1 for all cores")
-    measured = _measured(curves)
-    name = model or "jiles-atherton"
+    family = Curves(curves)
+    measured = _measured(family)
+    name = model or DEFAULT_MODEL
     start: dict[str, Any] = {}
-    if initial_torque is not None and name == "jiles-atherton":
+    if initial_torque is not None and name == DEFAULT_MODEL:
         start["initial_torque"] = initial_torque
-    if method == "auto" or name != "jiles-atherton":
+    if method == "auto" or name != DEFAULT_MODEL:
         _refuse_weights(measured)
     if method == "auto":
-        choice = choose(measured, seed=seed, workers=workers, options={"jiles-atherton": start})
+        choice = choose(measured, seed=seed, workers=workers, options={DEFAULT_MODEL: start})
         trial = _chosen_trial(choice.chosen)
         if on_trial is not None:
             on_trial(trial)
-        return _fit(curves, choice.chosen.name, method, [trial], choice, choice.interrupted)
+        return _fit(family, choice.chosen.name, method, [trial], choice, choice.interrupted)
     if method == "certified":
-        run = partial(_own_trial, measured, name, options | start)
+        run = partial(fit_trial, measured, name, options | start)
     else:
         goal = {"loss": objective or "nrmse", "normalize": normalize or "family", **start}
-        run = partial(_search_trial, measured, method, goal, options)
-    trials = trials or (1 if method == "certified" else 30)
+        run = partial(optimizer_trial, measured, method, goal, options)
+    trials = trials or (1 if method == "certified" else TRIALS)
     seeds = np.random.SeedSequence(seed).spawn(trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
-    return _fit(curves, name, method, finished, interrupted=interrupted)
+    return _fit(family, name, method, finished, interrupted=interrupted)
 
 
-def _measured(curves: Sequence[Curve]) -> list[Curve]:
+def _measured(curves: Curves) -> Curves:
     """Returns the curves to fit; reports unusable ones before any thread starts."""
-    measured = [curve for curve in curves if curve.role == "fit"]
+    measured = curves.fitted()
     samples = CurveObjective(measured).torque.size
     if samples < FEWEST_SAMPLES:
         raise InputError(
@@ -193,24 +177,6 @@ def _refuse_weights(curves: Sequence[Curve]) -> None:
         )
 
 
-def _own_trial(
-    curves: Sequence[Curve],
-    model: str,
-    options: dict[str, Any],
-    index: int,
-    seed: np.random.SeedSequence,
-) -> Trial:
-    found = fit_model(model, curves, np.random.default_rng(seed), **options)
-    return Trial(
-        index=index,
-        model=found.model,
-        initial_torque=found.initial_torque,
-        nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
-        loss=found.loss,
-        evaluations=found.evaluations,
-    )
-
-
 def _chosen_trial(chosen: Candidate) -> Trial:
     assert chosen.model is not None  # what could not be fitted is never chosen
     return Trial(
@@ -223,50 +189,21 @@ def _chosen_trial(chosen: Candidate) -> Trial:
     )
 
 
-def _search_trial(
-    curves: Sequence[Curve],
-    method: str,
-    goal: dict[str, Any],
-    options: dict[str, Any],
-    index: int,
-    seed: np.random.SeedSequence,
-) -> Trial:
-    objective = CurveObjective(curves, **goal)
-    start, bounds = objective.initial_torque, PAPER_BOUNDS
-    if start == "identified":
-        bounds = (*bounds, (-objective.peak, objective.peak))
-    if method in BASELINES:
-        options = {"max_evaluations": BASELINE_EVALUATIONS, **options}
-    result = SEARCHES[method](objective, bounds, rng=np.random.default_rng(seed), **options)
-    model = paper_model(result.x[:5])
-    start = float(result.x[5]) if start == "identified" else start
-    return Trial(
-        index=index,
-        model=model,
-        initial_torque=start,
-        nrmse=nrmse(torque_errors(model, start, curves), curves),
-        loss=float(result.fun),
-        evaluations=objective.evaluations,
-        history=tuple(map(float, result.history)),
-    )
-
-
 def _fit(
-    curves: Sequence[Curve],
+    curves: Curves,
     name: str,
     method: str,
     trials: list[Trial],
     choice: Choice | None = None,
     interrupted: bool = False,
 ) -> Fit:
-    measured = [curve for curve in curves if curve.role == "fit"]
+    measured = curves.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
     errors = {
         curve.name: float(np.abs(torque_errors(best.model, best.initial_torque, [curve])).max())
-        for curve in curves
-        if curve.role == "predict"
+        for curve in curves.held_out()
     }
-    bounds = PAPER_BOUNDS if method in SEARCHES else None
+    bounds = LI_BOUNDS if method in OPTIMIZERS else None
     return Fit(
         model=best.model,
         model_name=name,
@@ -276,7 +213,8 @@ def _fit(
         nrmse=best.nrmse,
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),
-        remarks=remarks(best.model, best.nrmse, measured, bounds),
+        curves=curves,
+        diagnostics=diagnostics(best.model, best.nrmse, measured, bounds),
         why=choice.why if choice else "",
         candidates=choice.candidates if choice else (),
         interrupted=interrupted,

@@ -8,15 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InputError
-from ..hysteresis.around.asymmetric import Asymmetric
-from ..hysteresis.around.held import Held
-from ..hysteresis.bouc_wen.model import BoucWen
-from ..hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
-from ..hysteresis.preisach.model import Preisach
 from ..hysteresis.protocol import HysteresisModel
 from ._threads import run_threads
 from .curves import Curve
-from .fits.registry import FITS, Fitted, fit_model, nrmse, torque_errors
+from .fits.registry import FITS, Fitted, fit_model
+from .fits.residuals import nrmse, torque_errors
 from .objective import InitialTorque
 
 AS_GOOD = 1.1  # times the best score: among those the model with fewest parameters is chosen
@@ -119,7 +115,7 @@ def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str,
         name=name,
         model=found.model,
         initial_torque=found.initial_torque,
-        parameters=_parameters(found.model),
+        parameters=found.model.free_parameters,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
         fit_nrmse=nrmse(on_fit, curves),
     )
@@ -130,22 +126,6 @@ def _left_out(curves: Sequence[Curve]) -> list[Curve]:
     reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]
     farthest = int(np.argmax(reach))
     return [*curves[:farthest], *curves[farthest + 1 :]]
-
-
-def _parameters(model: HysteresisModel) -> int:
-    """Returns how many numbers a fit of the model chooses."""
-    match model:
-        case Held(model=inner):
-            return _parameters(inner)
-        case Asymmetric(model=inner, polynomial=polynomial):
-            return _parameters(inner) + len(polynomial)
-        case BoucWen():
-            return 6  # all but A, which is 1
-        case PrandtlIshlinskii(weights=weights):
-            return 2 + len(weights)
-        case Preisach(density=density, elastic=elastic):
-            return len(elastic) + sum(len(row) for row in density)
-    return 5  # Jiles-Atherton
 
 
 def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:

@@ -11,7 +11,7 @@ from ..checks import at_least, number, numbers
 from ..errors import InputError
 from ..hysteresis import HysteresisModel
 from ..hysteresis.protocol import finite_series
-from .curves import Curve
+from .curves import Curve, Curves
 
 LEAST_TRAVEL = 0.1  # of the range, between two reversals of a random motion
 
@@ -26,7 +26,7 @@ def measure(
     torque_resolution: float | None = None,
     angle_resolution: float | None = None,
     predict: Collection[str] = (),
-) -> list[Curve]:
+) -> Curves:
     """Measures the torque of a model along motions, with the errors of sensors.
 
     The model moves through the exact angles. Then white noise is added to its torque, and last both
@@ -63,7 +63,7 @@ def measure(
     }
     torques = {name: model.response(angle, initial_torque) for name, angle in angles.items()}
     noise = noise_fraction * max(np.abs(torque).max() for torque in torques.values())
-    return [
+    return Curves(
         Curve(
             angle=_rounded("angle_resolution", angles[name], angle_resolution, "rad"),
             torque=_rounded(
@@ -76,7 +76,7 @@ def measure(
             role="predict" if name in predict else "fit",
         )
         for name, torque in torques.items()
-    ]
+    )
 
 
 def first_order_motions(

@@ -10,13 +10,10 @@ from ...assets import load_suit
 from ...checks import at_least, number, numbers
 from ...errors import InputError, unknown_name
 from ...hysteresis import HysteresisModel
+from ...published import LI_TURNS
 from ..provenance import Quantity
 
-# Li et al. 2022, sections 3.1 and 5.1: where the first-order curves turn [rad].
-TURNS = {
-    "shoulder_flexion": (0.52, 0.70, 0.87, 1.05, 1.22),
-    "elbow_flexion": (0.87, 1.05, 1.22, 1.40, 1.57),
-}
+TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
 FULL_TURN = 2 * math.pi  # rad
 RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s

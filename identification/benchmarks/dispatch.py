@@ -9,7 +9,7 @@ is 8234.0717.
 """
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,18 +18,24 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError, unknown_name
-from ..optimizers.pso import KAO_FUNG, pso
-from ..optimizers.rank_distance_mpso import rank_distance_mpso
+from ...published import (
+    KAO_COST_ITERATIONS,
+    KAO_COST_SWARM,
+    WALTERS_A,
+    WALTERS_B,
+    WALTERS_C,
+    WALTERS_DEMAND,
+    WALTERS_E,
+    WALTERS_F,
+    WALTERS_HIGHEST,
+    WALTERS_LOWEST,
+)
+from ..optimizers.pso import KAO_FUNG
+from ..optimizers.registry import KAO_FUNG_SWARMS
 
-DEMAND = 850.0  # MW
-# One column per unit: output limits [MW], and the coefficients of `fuel_cost`.
-LOWEST = np.array([100.0, 100.0, 50.0])
-HIGHEST = np.array([600.0, 400.0, 200.0])
-A = np.array([561.0, 310.0, 78.0])
-B = np.array([7.92, 7.85, 7.97])
-C = np.array([0.001562, 0.00194, 0.00482])
-E = np.array([300.0, 200.0, 150.0])
-F = np.array([0.0315, 0.042, 0.063])
+LOWEST, HIGHEST = np.array(WALTERS_LOWEST), np.array(WALTERS_HIGHEST)
+A, B, C = map(np.array, (WALTERS_A, WALTERS_B, WALTERS_C))
+E, F = np.array(WALTERS_E), np.array(WALTERS_F)
 
 SLACK = 1  # the unit that closes the balance
 FREE = (0, 2)
@@ -37,36 +43,6 @@ BOUNDS = tuple((float(LOWEST[i]), float(HIGHEST[i])) for i in FREE)
 OPTIMUM = 8234.071730  # $/h, of all dispatches within the limits
 RELAXED_OPTIMUM = 8233.660724  # $/h, without limits of unit 2
 REACHED = 0.01  # $/h: a cost so near the optimum, or the end of its run, has reached it
-
-METHODS: dict[str, Callable] = {"pso": pso, "rank-distance-mpso": rank_distance_mpso}
-SWARM_SIZE, ITERATIONS = 100, 100  # section 4.3
-
-
-@dataclass(frozen=True)
-class PublishedCosts:
-    """One column of Table 1 of Kao and Fung (2009), 100 trials of 100 iterations.
-
-    Attributes:
-        best: cost [$/h].
-        average: cost [$/h].
-        worst: cost [$/h].
-        reached: trials that reached the optimum.
-        iterations: average number of iterations to converge.
-        seconds: average time of a trial on the authors' machine.
-    """
-
-    best: float
-    average: float
-    worst: float
-    reached: int
-    iterations: int
-    seconds: float
-
-
-TABLE_1 = {
-    "pso": PublishedCosts(8234.2507, 8241.4033, 8250.2047, 21, 47, 0.2473),
-    "rank-distance-mpso": PublishedCosts(8233.6607, 8234.1267, 8234.2046, 35, 21, 0.1971),
-}
 
 
 def fuel_cost(output: ArrayLike) -> Array:
@@ -98,12 +74,12 @@ def outputs(free: ArrayLike, *, relax_slack_bound: bool = False) -> Array:
     given = _rows(free, 2, "the outputs of units 1 and 3")
     P = np.empty((len(given), 3))
     P[:, FREE] = given
-    P[:, SLACK] = DEMAND - given.sum(axis=1)
+    P[:, SLACK] = WALTERS_DEMAND - given.sum(axis=1)
     if relax_slack_bound:
         return P
     for unit in (SLACK, *FREE):
         others = P.sum(axis=1) - P[:, unit]
-        P[:, unit] = np.clip(DEMAND - others, LOWEST[unit], HIGHEST[unit])
+        P[:, unit] = np.clip(WALTERS_DEMAND - others, LOWEST[unit], HIGHEST[unit])
     return P
 
 
@@ -161,18 +137,18 @@ def cost_trials(
     Raises:
         InputError: the method is unknown, or `trials` is below 1.
     """
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
+    if method not in KAO_FUNG_SWARMS:
+        raise unknown_name("method", method, KAO_FUNG_SWARMS)
     at_least("trials", trials, 1)
     optimum = RELAXED_OPTIMUM if relax_slack_bound else OPTIMUM
     options = {**KAO_FUNG, "inertia": "linear"}
     for trial in range(trials):
         start = time.perf_counter()
-        found = METHODS[method](
+        found = KAO_FUNG_SWARMS[method](
             lambda free: dispatch_cost(free, relax_slack_bound=relax_slack_bound),
             BOUNDS,
-            swarm_size=SWARM_SIZE,
-            max_iterations=ITERATIONS,
+            swarm_size=KAO_COST_SWARM,
+            max_iterations=KAO_COST_ITERATIONS,
             rng=np.random.default_rng([seed, trial]),
             **options,
         )

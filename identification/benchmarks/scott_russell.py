@@ -13,9 +13,7 @@ Only c/m and k/m move x: m cannot be identified from x, and Table 2's m, c, k me
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -23,26 +21,13 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...errors import InputError
+from ...published import KAO_AMPLITUDE, KAO_DURATION, KAO_FREQUENCY, KAO_MEAN_VOLTAGE
 from . import _scott_russell_kernels as kernels
 
 NAMES = ("m", "c", "k", "d_e", "alpha", "beta", "gamma", "n")
 UNITS = ("kg", "N s/m", "N/m", "m/V", "", "1/V^n", "1/V^n", "")
 
-# Table 2: (case, method) -> m [kg], c [N s/m], k [N/m], d_e [m/V], alpha, beta, gamma [1/V^n]. The
-# paper does not print the n of its case "n free".
-TABLE_2: Mapping[tuple[str, str], tuple[float, ...]] = MappingProxyType(
-    {
-        ("n = 1", "mpso"): (0.1025, 57.665, 4180.5, 2.1672e-7, 0.2161, 0.00504, 0.0239),
-        ("n = 1", "pso"): (0.1, 60.0, 4497.0, 2.17481e-7, 0.2112, 0.005, 0.0299),
-        ("n free", "mpso"): (0.1008, 55.905, 4093.5, 2.1603e-7, 0.1815, 0.005, 0.0237),
-        ("n free", "pso"): (0.1, 58.074, 4499.0, 2.168e-7, 0.198, 0.005, 0.0251),
-    }
-)
-
-MEAN, AMPLITUDE = 24.0, 24.0  # V
-FREQUENCY = 8.0  # Hz
 STEP = 1e-3  # s; a step of 20 us moves x by less than 1e-5 of its peak
-DURATION = 0.5  # s
 BLOCK = 256  # parameter sets whose state fits a core's first cache together
 
 
@@ -72,16 +57,18 @@ class Cycle:
 
 def voltage(time: ArrayLike) -> Array:
     """Returns V = 24 + 24 sin(16 pi t) [V] of the paper's section 4.4."""
-    return MEAN + AMPLITUDE * np.sin(2 * np.pi * FREQUENCY * np.asarray(time, dtype=np.float64))
+    return KAO_MEAN_VOLTAGE + KAO_AMPLITUDE * np.sin(
+        2 * np.pi * KAO_FREQUENCY * np.asarray(time, dtype=np.float64)
+    )
 
 
 def voltage_rate(time: ArrayLike) -> Array:
     """Returns dV/dt [V/s] of `voltage`."""
-    phase = 2 * np.pi * FREQUENCY * np.asarray(time, dtype=np.float64)
-    return 2 * np.pi * FREQUENCY * AMPLITUDE * np.cos(phase)
+    phase = 2 * np.pi * KAO_FREQUENCY * np.asarray(time, dtype=np.float64)
+    return 2 * np.pi * KAO_FREQUENCY * KAO_AMPLITUDE * np.cos(phase)
 
 
-def time_points(duration: float = DURATION, step: float = STEP) -> Array:
+def time_points(duration: float = KAO_DURATION, step: float = STEP) -> Array:
     """Returns the instants of `simulate`, 0 to `duration` [s].
 
     Raises:
@@ -97,7 +84,7 @@ def time_points(duration: float = DURATION, step: float = STEP) -> Array:
 def simulate(
     parameters: ArrayLike,
     *,
-    duration: float = DURATION,
+    duration: float = KAO_DURATION,
     step: float = STEP,
     initial_h: float = 0.0,
     workers: int = 1,
@@ -168,7 +155,7 @@ def steady_cycle(parameters: ArrayLike, *, settle: float = 8.0) -> Cycle:
     """
     values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
     step = STEP / 5
-    period = round(1 / (FREQUENCY * step))
+    period = round(1 / (KAO_FREQUENCY * step))
     x = simulate(values, duration=settle, step=step)[0, -period:]
     m, c, k, _, alpha, beta, gamma, n = map(float, _columns(values)[:, 0])
     return Cycle(

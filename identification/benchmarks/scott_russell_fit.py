@@ -4,9 +4,8 @@ Kao and Fung (2009) do not publish their measurement. Ours is the mechanism with
 their Table 2 (MPSO, n = 1), seen by their gap sensor, whose stated precision is 10 to 100 nm.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,13 +13,13 @@ from scipy.optimize import OptimizeResult
 
 from ...arrays import Array
 from ...errors import InputError, unknown_name
-from ..optimizers.pso import KAO_FUNG, pso
-from ..optimizers.rank_distance_mpso import rank_distance_mpso
-from .scott_russell import TABLE_2, simulate, time_points
+from ...published import KAO_FIRST_TIME, KAO_ITERATIONS, KAO_POPULATION, KAO_TABLE_2
+from ..optimizers.pso import KAO_FUNG
+from ..optimizers.registry import KAO_FUNG_SWARMS
+from .scott_russell import STEP, simulate, time_points
 
-POPULATION, ITERATIONS = 10_000, 100  # section 4.4 and figure 8
-FIRST_SAMPLE = 150  # figure 7 begins at 0.15 s; samples are 1 ms apart
-TRUTH = TABLE_2["n = 1", "mpso"]
+FIRST_SAMPLE = round(KAO_FIRST_TIME / STEP)
+TRUTH = KAO_TABLE_2["n = 1", "mpso"]
 
 # The paper prints no search box; this one is ours: about half to twice the values of Table 2, and
 # more for gamma, whose unit changes with n.
@@ -33,11 +32,6 @@ BOUNDS = (
     (0.0025, 0.02),
     (0.01, 0.1),
     (0.5, 2.0),
-)
-
-Method = Callable[..., OptimizeResult]
-METHODS: Mapping[str, Method] = MappingProxyType(
-    {"pso": pso, "rank-distance-mpso": rank_distance_mpso}
 )
 
 
@@ -118,8 +112,8 @@ def identify_mechanism(
     *,
     method: str = "rank-distance-mpso",
     free_exponent: bool = False,
-    population: int = POPULATION,
-    iterations: int = ITERATIONS,
+    population: int = KAO_POPULATION,
+    iterations: int = KAO_ITERATIONS,
     workers: int = -1,
     rng: int | np.random.Generator | None = None,
     callback: Callable[[OptimizeResult], None] | None = None,
@@ -141,9 +135,9 @@ def identify_mechanism(
     Raises:
         InputError: the method is unknown, or a number is out of its range.
     """
-    if method not in METHODS:
-        raise unknown_name("method", method, METHODS)
-    found = METHODS[method](
+    if method not in KAO_FUNG_SWARMS:
+        raise unknown_name("method", method, KAO_FUNG_SWARMS)
+    found = KAO_FUNG_SWARMS[method](
         lambda rows: squared_errors(rows, measurement, workers=workers),
         BOUNDS if free_exponent else BOUNDS[:7],
         swarm_size=population,

@@ -14,7 +14,7 @@ from ...hysteresis.around.held import Held
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
-from ..curves import Curve, noise_floor
+from ..curves import Curve, Curves, noise_floor
 from ..objective import CurveObjective, InitialTorque
 
 # Search box. Angles in degrees, as in the paper's Table 1; the last coordinate is k (c - 1).
@@ -41,8 +41,8 @@ class CertifiedFit:
 
     Attributes:
         parameters: Ms, a, alpha, c, k in degrees, shape (5,).
-        initial_torque: with which every curve begins [N·m]; None where each begins with its first
-            sample.
+        initial_torque: the torque with which every curve begins [N·m]; or "measured": each begins
+            with its first sample.
         held: the range of angles [rad] outside which the torque must be held for the model to be
             certified; None if it is certified for all angles.
         nrmse: sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, with their weights w of mean 1.
@@ -52,7 +52,7 @@ class CertifiedFit:
     """
 
     parameters: Array
-    initial_torque: float | None
+    initial_torque: InitialTorque
     held: tuple[float, float] | None
     nrmse: float
     evaluations: int
@@ -122,12 +122,6 @@ def refined(
     return search.result()
 
 
-def angle_range(curves: Sequence[Curve]) -> tuple[float, float]:
-    """Returns the smallest and the largest angle of some curves [rad]."""
-    angle = np.concatenate([curve.angle for curve in curves])
-    return float(angle.min()), float(angle.max())
-
-
 class _BudgetSpent(Exception):
     pass
 
@@ -143,7 +137,7 @@ class _Search:
         self.objective = CurveObjective(curves, initial_torque=initial_torque)
         self.budget = budget
         self.scale = np.sqrt(self.objective.weight) / self.objective.peak
-        self.low_angle, self.high_angle = np.degrees(angle_range(curves)).tolist()
+        self.low_angle, self.high_angle = np.degrees(Curves(curves).angle_range).tolist()
         self.first_angles = np.degrees([curve.angle[0] for curve in curves])
         low, high = search_box(curves)
         others = [np.inf, 1.0][: 1 + (initial_torque == "identified")]
@@ -276,8 +270,8 @@ class _Search:
         measured = self.objective.initial_torque == "measured"
         return CertifiedFit(
             parameters=self.best[:5],
-            initial_torque=None if measured else float(first[0]),
-            held=None if safe else angle_range(self.objective.curves),
+            initial_torque="measured" if measured else float(first[0]),
+            held=None if safe else Curves(self.objective.curves).angle_range,
             nrmse=self.score,
             evaluations=self.evaluations,
             history=tuple(self.history),

@@ -14,7 +14,7 @@ from ...errors import InputError
 from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel, Numbers
-from ..curves import Curve
+from ..curves import Curve, Curves
 
 RETURNED = 0.05  # of the span of the angles: a shorter way back shows no hysteresis
 SAME_START = 0.05  # of the span: how far apart first-order curves may begin
@@ -46,8 +46,7 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
         InputError: there is no usable curve, or the levels do not increase or miss the curves.
     """
     curves = usable(curves)
-    angles = np.concatenate([curve.angle for curve in curves])
-    low, high = float(angles.min()), float(angles.max())
+    low, high = curves.angle_range
     grid = _levels(low, high, levels)
     size = np.size(grid) - 1
     cells = size * (size + 1) // 2
@@ -60,8 +59,7 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
         )
     relays = [Preisach(levels=grid, density=_rows(unit)) for unit in np.eye(cells)]
     springs = [Preisach(levels=grid, density=rigid, elastic=unit) for unit in np.eye(size).tolist()]
-    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
-    noise = max(_noise(curves) / peak, LEAST_NOISE)
+    noise = max(_noise(curves) / curves.peak, LEAST_NOISE)
     slope_rule = noise / SLOPE_STEP * np.ptp(grid) * np.diff(np.eye(size), axis=0)
     density_rule = noise / DENSITY_STEP * cells * _differences(width / width.mean())
     _, slopes, weights = _least_squares(
@@ -134,13 +132,13 @@ def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Numbers:
     return PrandtlIshlinskii(stiffness=0, thresholds=thresholds, weights=weights).thresholds
 
 
-def usable(curves: Sequence[Curve]) -> list[Curve]:
+def usable(curves: Sequence[Curve]) -> Curves:
     """Returns the curves with role "fit".
 
     Raises:
         InputError: there is none, no torque changes, or none turns back.
     """
-    chosen = [curve for curve in curves if curve.role == "fit"]
+    chosen = Curves(curves).fitted()
     if not chosen:
         raise InputError("there is no curve to fit: give at least one with role 'fit'")
     if not any(np.ptp(curve.torque) > 0 for curve in chosen):

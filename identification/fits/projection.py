@@ -10,7 +10,7 @@ from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
 from ..curves import Curve, noise_floor
-from .certified import DIFFERENCE, MARGIN, NOISE_MARGIN, PENALTY, REJECTED, STALLED, angle_range
+from .certified import DIFFERENCE, MARGIN, NOISE_MARGIN, PENALTY, REJECTED, STALLED
 from .linear import SAME_START, usable
 
 AGREED = 1e-3  # two searches that end within this relative score found the same optimum
@@ -31,7 +31,7 @@ class BesidePolynomial:
     def __init__(self, curves: Sequence[Curve], degree: int) -> None:
         self.curves = usable(curves)
         self.start = common_start(self.curves)
-        self.low, self.high = angle_range(self.curves)
+        self.low, self.high = self.curves.angle_range
         self.angle = np.concatenate([curve.angle for curve in self.curves])
         self.starts = np.cumsum([0] + [curve.angle.size for curve in self.curves])
         self.torque = np.concatenate([curve.torque for curve in self.curves])
@@ -41,7 +41,7 @@ class BesidePolynomial:
                 f"the fitted curves have samples at {np.unique(self.angle).size} different angles: "
                 f"give at least {fewest}"
             )
-        self.peak = float(np.abs(self.torque).max())
+        self.peak = self.curves.peak
         self.floor = noise_floor(self.curves) / self.peak
         centered = (2 * self.angle - self.low - self.high) / (self.high - self.low)
         self._basis, self._triangle = np.linalg.qr(np.vander(centered, degree + 1, increasing=True))

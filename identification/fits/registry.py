@@ -1,43 +1,92 @@
-"""Our own fits of all models behind one call; they return certified, dissipative models only."""
+"""The certified fits by the name of their model, and the door for a fit from outside.
+
+A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
+the option `rng` if it depends on random numbers, and returns a model that is certified and
+dissipative, at least held outside the angles of the curves; or, if it knows more, a `FitResult`.
+"""
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
 
-from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around.held import Held
-from ...hysteresis.certificate import PoleError
+from ...hysteresis.around.asymmetric import Asymmetric
+from ...hysteresis.bouc_wen.model import BoucWen
 from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
+from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..objective import InitialTorque
 from .asymmetric import fit_asymmetric
 from .bouc_wen import fit_bouc_wen
-from .certified import REJECTED, CertifiedFit, certified_fit
+from .certified import certified_fit
 from .linear import fit_prandtl_ishlinskii, fit_preisach
+from .residuals import common_torque, nrmse, torque_errors
 
-FITS: dict[str, Callable[..., Any]] = {
-    "jiles-atherton": certified_fit,
-    "asymmetric": fit_asymmetric,
-    "bouc-wen": fit_bouc_wen,
-    "prandtl-ishlinskii": fit_prandtl_ishlinskii,
-    "preisach": fit_preisach,
+
+class FitResult(Protocol):
+    """A model, with what else a fit knows about it."""
+
+    @property
+    def model(self) -> HysteresisModel:
+        """The certified model."""
+        ...
+
+    @property
+    def initial_torque(self) -> InitialTorque:
+        """The torque with which all curves begin [N·m]; or "measured"."""
+        ...
+
+    @property
+    def nrmse(self) -> float:
+        """The error on the curves that the fit minimized."""
+        ...
+
+    @property
+    def evaluations(self) -> int | None:
+        """How often the model ran on all curves; None if the fit does not count."""
+        ...
+
+
+FitFunction = Callable[..., HysteresisModel | FitResult]
+
+FITS: dict[str, FitFunction] = {
+    JilesAtherton.name: certified_fit,
+    Asymmetric.name: fit_asymmetric,
+    BoucWen.name: fit_bouc_wen,
+    PrandtlIshlinskii.name: fit_prandtl_ishlinskii,
+    Preisach.name: fit_preisach,
 }
 
-BEGINNINGS = 1001  # tried in each direction, up to the peak of the curves
+
+def register_fit(model_name: str, fit: FitFunction) -> None:
+    """Makes a fit known to `identify`, for a hysteresis model from outside the package.
+
+    From then on `identify(curves, model=model_name)` uses it, and the method "auto" tries it.
+
+    Args:
+        model_name: the `name` of the model.
+        fit: a function as this module describes it.
+
+    Raises:
+        InputError: the name is taken by another fit, or `fit` is no function.
+    """
+    if not callable(fit):
+        raise InputError(f"fit of {model_name!r} is {fit!r}: give a function of the curves")
+    if FITS.setdefault(model_name, fit) is not fit:
+        raise InputError(f"model {model_name!r} has a fit already: choose another name")
 
 
 class Fitted(NamedTuple):
-    """What one of our own fits found.
+    """What a certified fit found.
 
     Attributes:
-        model: certified and dissipative, at least held outside the angles of the curves.
-        initial_torque: with which all curves begin [N·m]; or "measured", each with its first one.
+        model: a certified and dissipative model, at least held outside the angles of the curves.
+        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
         loss: the NRMSE on the curves; for Jiles-Atherton with their weights.
         evaluations: how often the model ran on all curves; None where the fit does not count.
     """
@@ -51,101 +100,25 @@ class Fitted(NamedTuple):
 def fit_model(
     name: str, curves: Sequence[Curve], rng: np.random.Generator, **options: Any
 ) -> Fitted:
-    """Fits the model `name` of `FITS` to curves; `options` are those of its function.
+    """Fits the model `name` of `FITS` to curves.
 
-    All but "jiles-atherton" identify the torque at the beginning.
+    A fit that returns a bare model has the torque at the beginning identified here.
+
+    Args:
+        name: the name of the model.
+        curves: the measured curves.
+        rng: the generator that a seeded fit uses.
+        **options: the options of the fit.
     """
     if is_seeded(name):
         options["rng"] = rng
     found = FITS[name](curves, **options)
-    if isinstance(found, CertifiedFit):
-        start = "measured" if found.initial_torque is None else found.initial_torque
-        return Fitted(found.model, start, found.nrmse, found.evaluations)
-    start = common_torque(found, curves)
-    return Fitted(found, start, nrmse(torque_errors(found, start, curves), curves))
+    if isinstance(found, HysteresisModel):
+        start = common_torque(found, curves)
+        return Fitted(found, start, nrmse(torque_errors(found, start, curves), curves))
+    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations)
 
 
 def is_seeded(name: str) -> bool:
     """Returns whether the fit of a model depends on random numbers."""
     return "rng" in inspect.signature(FITS[name]).parameters
-
-
-def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
-    """Returns the torque [N·m] with which a model that begins all curves fits them best.
-
-    One measured sample would bring its whole noise into a prediction. Where the model's certificate
-    does not cover that beginning, it is the nearest that is covered.
-
-    Raises:
-        InputError: the model cannot begin so.
-    """
-
-    def residual(torque: Array) -> Array:
-        try:
-            errors = torque_errors(model, float(torque[0]), curves)
-        except InputError:  # the model cannot begin so
-            errors = np.full(samples, np.inf)
-        return np.where(np.isfinite(errors), errors, REJECTED * size)
-
-    guess = np.median([curve.torque[0] for curve in curves])
-    size = max(float(np.abs(curve.torque).max()) for curve in curves)
-    samples = sum(curve.torque.size for curve in curves)
-    best = float(least_squares(residual, [guess], x_scale=size).x[0])
-    for distance in np.linspace(0, size, BEGINNINGS).tolist():
-        for torque in (best - distance, best + distance):
-            if _begins_safely(model, torque, curves):
-                return torque
-    raise InputError(
-        f"the fitted {model.name} model cannot begin as the curves do, at {best:.3g} N·m: check "
-        "the sign of the torque, or measure curves that begin nearer to the torque at rest"
-    )
-
-
-def _begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]) -> bool:
-    try:
-        states = [model.start(float(curve.angle[0]), torque) for curve in curves]
-    except InputError:  # the model cannot hold that torque there
-        return False
-    return all(model.start_is_certified(state) for state in states)
-
-
-def torque_errors(
-    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
-) -> Array:
-    """Returns Tc - Tm [N·m] along all curves, end to end; infinite on a curve with a pole."""
-    return np.concatenate(
-        [predicted(model, initial_torque, curve) - curve.torque for curve in curves]
-    )
-
-
-def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curve) -> Array:
-    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there."""
-    start = curve.torque[0] if initial_torque == "measured" else initial_torque
-    try:
-        return model.response(curve.angle, cast(float, start))
-    except PoleError:
-        return np.full(curve.angle.size, np.inf)
-
-
-def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
-    """Returns the NRMSE: the root mean square of errors [N·m] over the curves' largest |Tm|."""
-    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
-    return float(np.sqrt(np.mean(errors**2))) / peak
-
-
-def bare(model: HysteresisModel) -> JilesAtherton:
-    """Returns the Jiles-Atherton model inside a fitted one that may be held outside a range.
-
-    Raises:
-        InputError: it is of another kind.
-    """
-    inner = model.model if isinstance(model, Held) else model
-    if not isinstance(inner, JilesAtherton):
-        raise InputError(f"model is {model.name!r}: give a Jiles-Atherton model, held or not")
-    return inner
-
-
-def paper_model(parameters: ArrayLike) -> JilesAtherton:
-    """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
-    Ms, a, alpha, c, k = np.asarray(parameters, dtype=np.float64).tolist()
-    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)

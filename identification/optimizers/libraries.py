@@ -179,15 +179,6 @@ def cma_es(
     return _minimize(objective, bounds, max_evaluations, rng, search)
 
 
-BASELINES: dict[str, Callable[..., OptimizeResult]] = {
-    "de": differential_evolution,
-    "dual-annealing": dual_annealing,
-    "nelder-mead": nelder_mead,
-    "ga": genetic_algorithm,
-    "cma-es": cma_es,
-}
-
-
 class _Ended(Exception):
     """Leaves a library's loop: the budget is spent, or the objective raised `error`."""
 

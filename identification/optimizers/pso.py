@@ -11,6 +11,7 @@ import numpy as np
 from scipy.optimize import OptimizeResult
 
 from ...errors import InputError
+from ...published import KAO_COGNITIVE, KAO_INERTIA, KAO_SOCIAL
 from .swarm import Bounds, Callback, Objective, Swarm, SwarmOptions
 
 Inertia = Literal["tanh", "linear"] | float
@@ -28,8 +29,10 @@ class Coefficients(TypedDict):
     per_dimension: bool
 
 
-# The numbers of Kao and Fung 2009, section 4.4; their eq. (4) is inertia="linear".
-KAO_FUNG = Coefficients(inertia=0.65, cognitive=0.7, social=2.05, per_dimension=True)
+# What Kao and Fung 2009 identify with; their eq. (4) is inertia="linear".
+KAO_FUNG = Coefficients(
+    inertia=KAO_INERTIA, cognitive=KAO_COGNITIVE, social=KAO_SOCIAL, per_dimension=True
+)
 
 
 def tanh_inertia(iteration: int, iterations: int) -> float:

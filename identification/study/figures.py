@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..curves import Curve, Role
+from ..curves import Curve, Curves, Role
 from ..figures import COLORS, STYLES
 from ..objective import CurveObjective
 from .summary import Summary
-from .trial import StudyConfig, held_out, is_multi_order
+from .trial import StudyConfig, is_multi_order
 
 MARKS = (".", "x", "+", "^")
 Families = Mapping[str, Sequence[Curve]]
@@ -28,7 +28,7 @@ def figures(
     multi_order = {
         joint: motions
         for joint, curves in families.items()
-        if (motions := [curve for curve in held_out(curves) if is_multi_order(curve)])
+        if (motions := [curve for curve in Curves(curves).held_out() if is_multi_order(curve)])
     }
     drawn = {
         "curves": _over_angle(first_order, [], "torque"),
@@ -36,7 +36,7 @@ def figures(
         "loops": _over_angle(families, summaries, "torque", "fit"),
         "ecdf": evaluations_to_target(config, summaries),
     }
-    if any(held_out(curves) for curves in first_order.values()):
+    if any(Curves(curves).held_out() for curves in first_order.values()):
         drawn["prediction"] = _over_angle(first_order, summaries, "torque", "predict")
         drawn["prediction-errors"] = _over_angle(first_order, summaries, "error", "predict")
     if multi_order:

@@ -8,16 +8,16 @@ from typing import Literal
 import numpy as np
 
 from ...arrays import Array
-from ..curves import Curve, noise_floor
+from ...published import LI_CLAIMS, LiClaim
+from ..curves import Curve, Curves, noise_floor
 from ..objective import CurveObjective
-from .trial import StudyConfig, StudyTrial, fitted, held_out, is_multi_order
+from .trial import StudyConfig, StudyTrial, is_multi_order
 
 SUCCESS = 1.05  # of the noise floor
 AS_WELL = 1.1  # of the NRMSE on first-order curves; a few hundred samples of noise differ by 3 %
 RESAMPLED = 10_000
 FEWEST = 10  # trials of either method, for a verdict
 Verdict = Literal["reproduced", "not reproduced", "undecidable"]
-Quantity = Literal["convergence", "fitness", "prediction"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,43 +85,6 @@ class Summary:
         return self.successes / len(self.trials)
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What Li et al. 2022, section 5, say SA-PSO does better than MPSO.
-
-    Attributes:
-        joint: "shoulder" or "elbow".
-        quantity: what is compared; less is better in each.
-        advantage: (MPSO - SA-PSO) / SA-PSO as printed; 0 where no percentage is.
-        printed: the sentence behind it.
-    """
-
-    joint: str
-    quantity: Quantity
-    advantage: float
-    printed: str
-
-
-CLAIMS = (
-    Claim("shoulder", "convergence", 0.0625, "converges 6.25 % earlier: iteration 48 against 51"),
-    Claim("shoulder", "fitness", 0.1445, "best fitness 14.45 % better: 1.5473 against 1.7709"),
-    Claim("elbow", "convergence", 0.2029, "converges 20.29 % earlier: iteration 69 against 83"),
-    Claim("elbow", "fitness", 0.465, "best fitness 46.5 % better: 1.1770 against 1.7243"),
-    Claim(
-        "shoulder",
-        "prediction",
-        0.0,
-        "predicts better: largest errors 1.39 and 0.41 N·m against 1.84 and 2.95",
-    ),
-    Claim(
-        "elbow",
-        "prediction",
-        0.0,
-        "predicts better: largest errors 1.84 and 0.79 N·m against 0.91 and 1.08",
-    ),
-)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
     """A claim beside our numbers.
@@ -138,7 +101,7 @@ class Judgement:
         best_advantage: the same of the trials with the best fitness, as the paper compares.
     """
 
-    claim: Claim
+    claim: LiClaim
     verdict: Verdict
     reason: str = ""
     sa_pso: float = np.nan
@@ -176,7 +139,7 @@ def judge(config: StudyConfig, summaries: Sequence[Summary]) -> list[Judgement]:
             found.get((claim.joint, "mpso")),
             config,
         )
-        for claim in CLAIMS
+        for claim in LI_CLAIMS
         if claim.joint in config.joints
     ]
 
@@ -189,9 +152,9 @@ def target_fitness(curves: Sequence[Curve]) -> tuple[float, float]:
 
 
 def _summary(config: StudyConfig, trials: list[StudyTrial], curves: Sequence[Curve]) -> Summary:
-    first = trials[0]
-    noise, target = target_fitness(fitted(curves))
-    multi = tuple(curve.name for curve in held_out(curves) if is_multi_order(curve))
+    first, family = trials[0], Curves(curves)
+    noise, target = target_fitness(family.fitted())
+    multi = tuple(curve.name for curve in family.held_out() if is_multi_order(curve))
     reached = [trial.evaluations_to(target) for trial in trials]
     return Summary(
         joint=first.key.joint,
@@ -245,7 +208,7 @@ def _quartiles(values: Sequence[float] | Array) -> Array:
 
 
 def _judgement(
-    claim: Claim, ours: Summary | None, other: Summary | None, config: StudyConfig
+    claim: LiClaim, ours: Summary | None, other: Summary | None, config: StudyConfig
 ) -> Judgement:
     if ours is None or other is None:
         return _undecidable(claim, "the study has not run both sa-pso and mpso")
@@ -278,11 +241,11 @@ def _judgement(
     )
 
 
-def _undecidable(claim: Claim, reason: str) -> Judgement:
+def _undecidable(claim: LiClaim, reason: str) -> Judgement:
     return Judgement(claim=claim, verdict="undecidable", reason=reason)
 
 
-def _values(summary: Summary, quantity: Quantity, config: StudyConfig) -> Array:
+def _values(summary: Summary, quantity: str, config: StudyConfig) -> Array:
     """Returns what a claim compares of each trial, (trials,)."""
     if quantity == "convergence":
         values = [trial.convergence_iteration(config.swarm_size) for trial in summary.trials]

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 from ...checks import at_least
 from ...errors import InputError, unknown_name
 from ...hysteresis.loops import reversals
-from ..curves import Curve
+from ..curves import Curve, Curves
 from ..fits.certified import certified_fit
-from ..identify import PAPER_BOUNDS
-from ..methods import SWARMS
 from ..objective import CurveObjective
-from ..optimizers.libraries import BASELINES
+from ..optimizers.registry import LIBRARIES, SWARMS
+from ..trials import run_optimizer
 
-METHODS = (*SWARMS, "certified", *BASELINES)
+STUDY_METHODS = (*SWARMS, "certified", *LIBRARIES)
 CONVERGED = 1.01  # of the final fitness
 
 
@@ -46,7 +45,7 @@ class StudyConfig:
     """What a study runs. Converts to JSON and back without loss.
 
     Attributes:
-        methods: names from `METHODS`.
+        methods: names from `STUDY_METHODS`.
         joints: a fingerprint of the curves by joint name.
         trials: independent runs of each method on each joint.
         seed: fixes all random numbers.
@@ -69,8 +68,8 @@ class StudyConfig:
         if not self.methods or not self.joints:
             raise InputError("the study has no method or no joint: name at least one of each")
         for method in self.methods:
-            if method not in METHODS:
-                raise unknown_name("method", method, METHODS)
+            if method not in STUDY_METHODS:
+                raise unknown_name("method", method, STUDY_METHODS)
             if self.methods.count(method) > 1:
                 raise InputError(f"method {method!r} is there twice: name each method once")
         at_least("trials", self.trials, 1)
@@ -97,6 +96,12 @@ class StudyConfig:
         """Returns the seed of a trial, which no other method, joint or trial changes."""
         spawn_key = (*(zlib.crc32(name.encode()) for name in key[:2]), key.number)
         return np.random.SeedSequence(self.seed, spawn_key=spawn_key)
+
+    def options_of(self, method: str) -> dict[str, int]:
+        """Returns the options of an optimizer, with which it evaluates as often as a swarm."""
+        if method in LIBRARIES:
+            return {"max_evaluations": self.evaluations}
+        return {"swarm_size": self.swarm_size, "max_iterations": self.iterations}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns plain values for JSON."""
@@ -191,16 +196,6 @@ def fingerprint(curves: Sequence[Curve]) -> str:
     return total.hexdigest()[:16]
 
 
-def fitted(curves: Sequence[Curve]) -> list[Curve]:
-    """Returns the curves with role "fit"."""
-    return [curve for curve in curves if curve.role == "fit"]
-
-
-def held_out(curves: Sequence[Curve]) -> list[Curve]:
-    """Returns the curves with role "predict"."""
-    return [curve for curve in curves if curve.role == "predict"]
-
-
 def is_multi_order(curve: Curve) -> bool:
     """Returns whether a curve turns more than once, which no first-order one does."""
     return reversals(curve.angle).size > 1
@@ -212,7 +207,8 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     Raises:
         InputError: the curves are unusable, or the method's package is not installed.
     """
-    measured, rng = fitted(curves), np.random.default_rng(config.seed_of(key))
+    family = Curves(curves)
+    measured, rng = family.fitted(), np.random.default_rng(config.seed_of(key))
     final = CurveObjective(measured, loss="paper")
     held = None
     if key.method == "certified":
@@ -221,10 +217,10 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
         fitness = float(final(parameters)[0])
         improvements = [(spent, best / fit.nrmse * fitness) for spent, best in fit.history]
     else:
-        recorded = _Recorded(CurveObjective(measured, loss="paper"))
-        parameters = _minimize(recorded, key.method, config, rng)
-        fitness = float(final(parameters)[0])
-        evaluations, improvements = recorded.objective.evaluations, recorded.improvements
+        objective = CurveObjective(measured, loss="paper")
+        run = run_optimizer(objective, key.method, rng, config.options_of(key.method))
+        parameters, improvements = run.row, run.improvements
+        fitness, evaluations = float(final(parameters)[0]), objective.evaluations
     return StudyTrial(
         key=key,
         parameters=tuple(map(float, parameters)),
@@ -233,7 +229,7 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
         nrmse=float(final.nrmse(parameters)[0]),
         evaluations=evaluations,
         improvements=tuple(improvements),
-        predictions={c.name: _prediction(c, parameters, final.peak) for c in held_out(curves)},
+        predictions={c.name: _prediction(c, parameters, final.peak) for c in family.held_out()},
     )
 
 
@@ -244,41 +240,9 @@ def check(config: StudyConfig, families: Mapping[str, Sequence[Curve]]) -> None:
         InputError: curves are unusable, or a method's package is not installed.
     """
     for curves in families.values():
-        CurveObjective(fitted(curves))
-    for method in set(config.methods) & set(BASELINES):
-        BASELINES[method](lambda x: np.square(x).sum(axis=1), [(-1.0, 1.0)] * 2, 2, 0)
-
-
-class _Recorded:
-    """An objective that remembers when its best value improved."""
-
-    def __init__(self, objective: CurveObjective) -> None:
-        self.objective = objective
-        self.improvements: list[tuple[int, float]] = []
-        self._best = np.inf
-
-    def __call__(self, parameters: NDArray[np.float64]) -> NDArray[np.float64]:
-        before = self.objective.evaluations
-        values = self.objective(parameters)
-        for i in np.flatnonzero(values < self._best):
-            if values[i] < self._best:
-                self._best = float(values[i])
-                self.improvements.append((before + int(i) + 1, self._best))
-        return values
-
-
-def _minimize(
-    objective: _Recorded, method: str, config: StudyConfig, rng: np.random.Generator
-) -> NDArray[np.float64]:
-    if method in BASELINES:
-        return BASELINES[method](objective, PAPER_BOUNDS, config.evaluations, rng).x
-    return SWARMS[method](
-        objective,
-        PAPER_BOUNDS,
-        swarm_size=config.swarm_size,
-        max_iterations=config.iterations,
-        rng=rng,
-    ).x
+        CurveObjective(Curves(curves).fitted())
+    for method in set(config.methods) & set(LIBRARIES):
+        LIBRARIES[method](lambda x: np.square(x).sum(axis=1), [(-1.0, 1.0)] * 2, 2, 0)
 
 
 def _prediction(curve: Curve, parameters: NDArray[np.float64], peak: float) -> Prediction:

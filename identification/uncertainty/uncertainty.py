@@ -13,7 +13,7 @@ from ...hysteresis.around.held import Held
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import UNIT_PER_RADIAN, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
-from ..curves import Curve
+from ..curves import Curve, Curves
 from ..fits.certified import refined
 from ..objective import CurveObjective, InitialTorque
 from ._likelihood import Likelihood
@@ -92,9 +92,11 @@ def uncertainty(
     at_least("samples", samples, 0)
     at_least("seed", seed, 0)
     bare = _jiles_atherton(model)
-    measured = [curve for curve in curves if curve.role == "fit"]
+    measured = Curves(curves).fitted()
     if isinstance(model, Held):
-        measured = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in measured]
+        measured = Curves(
+            replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in measured
+        )
     objective = CurveObjective(measured, initial_torque=initial_torque)
     degrees = bare.in_unit("deg")
     row = np.array([getattr(degrees, name) for name in NAMES])

@@ -4,21 +4,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ...assets import CURVES, Suit, curves_path, load_suit, save_suit
+from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least
 from ...envs.evaluation import Score, Trace, evaluate, make_env, share_of_oracle
 from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ...envs.model import ASSISTED
 from ...envs.policies import POLICIES
 from ...envs.rendering import RenderingUnavailableError
-from ...identification import Curve, Fit, Trial, identify, load_curves
+from ...identification import Curves, Fit, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
 from ..options import Seed
 from ..output import Rows, RunFolder, markdown_table, progress, table, telling
 from ..reports.fits import fit_summary, quality_table, write_trials
 from ..reports.motions import score_table, write_trace
 from ..reports.parameters import parameter_table
-from ..suit_export import fitted_joint
 
 COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
@@ -56,7 +55,7 @@ def demo(
     finally:
         _write_fits(folder, fits, seed)
     suit = folder / "suit.json"
-    save_suit(_identified_suit(curves, fits), suit)
+    _identified_suit(fits).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
         f"activesuit validate {suit} --episodes {episodes} --seed {seed}"
@@ -69,7 +68,7 @@ def demo(
     print(f"report, figures, suit and data: {folder.path}/report.md")
 
 
-def _identify(curves: dict[str, list[Curve]], fits: Fits, trials: int, seed: int) -> None:
+def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
     """Fills `fits` by joint and method."""
     runs = {"sa-pso": trials, "mpso": trials, "certified": 1}
     with progress("identifying", sum(runs.values()) * len(curves)) as bar:
@@ -109,7 +108,7 @@ def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
     folder.json("fits.json", summaries)
 
 
-def _show_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) -> dict[str, Rows]:
+def _show_fits(folder: RunFolder, curves: dict[str, Curves], fits: Fits) -> dict[str, Rows]:
     """Prints the tables of the fits and draws them; returns the tables by title."""
     models = {f"{n}\n{m}": fit.model for n, methods in fits.items() for m, fit in methods.items()}
     tables = {"Identified models": parameter_table(models), "Their quality": quality_table(fits)}
@@ -124,18 +123,12 @@ def _show_fits(folder: RunFolder, curves: dict[str, list[Curve]], fits: Fits) ->
     return tables
 
 
-def _identified_suit(curves: dict[str, list[Curve]], fits: Fits) -> Suit:
-    joints = {
-        joint: fitted_joint(fits[name]["certified"], curves[name], curves_path(name))
-        for name, joint in CURVES.items()
-    }
-    assumed = {
-        joint: entry for joint, entry in load_suit(PLANT).joints.items() if entry.grade == "assumed"
-    }
-    return Suit(
+def _identified_suit(fits: Fits) -> Suit:
+    return Suit.from_fits(
+        {joint: fits[name]["certified"] for name, joint in CURVES.items()},
         name="demo",
         description="Certified fits of the demo; abduction and wrist as assumed in mock-suit.",
-        joints=joints | assumed,
+        base=load_suit(PLANT),
     )
 
 

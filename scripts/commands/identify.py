@@ -6,9 +6,9 @@ from typing import Annotated, get_args
 
 import tyro
 
-from ...assets import Suit, load_suit, save_suit
+from ...assets import JOINTS, Suit, load_suit
 from ...checks import at_least
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
@@ -27,7 +27,6 @@ from ..reports.fits import (
     write_trials,
 )
 from ..reports.parameters import parameter_table
-from ..suit_export import fitted_joint, joint_of
 
 
 def identify(
@@ -82,8 +81,8 @@ def identify(
     if base and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     _check_samples(samples, method, model)
-    joint_name = joint_of(curves, joint) if out or joint else None
-    others = load_suit(base).joints if base else {}
+    joint_name = _joint_of(curves, joint) if out or joint else None
+    others = load_suit(base) if base else None
     folder = RunFolder(out) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
     with progress(f"{method} on {curves.name}", total) as bar:
@@ -114,18 +113,35 @@ def identify(
         _print(fit, curves, found)
     if folder and joint_name:
         drawn = found.samples if found else ()
-        entry = fitted_joint(fit, family, curves, samples=drawn)
-        description = _description(fit, curves, seed)
-        joints = {**others, joint_name: entry}
-        save_suit(
-            Suit(name=curves.stem, description=description, joints=joints), folder / "suit.json"
+        suit = Suit.from_fits(
+            {joint_name: fit},
+            name=curves.stem,
+            description=_description(fit, curves, seed),
+            base=others,
+            samples={joint_name: drawn},
         )
+        suit.save(folder / "suit.json")
         folder.json("result.json", summary)
         _write(folder, joint_name, family, fit)
         if not json:
             print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
+
+
+def _joint_of(path: Path, joint: str | None) -> str:
+    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
+    if joint:
+        if joint not in JOINTS:
+            raise unknown_name("joint", joint, JOINTS)
+        return joint
+    for name in (path.stem, f"{path.stem}_flexion"):
+        if name in JOINTS:
+            return name
+    raise InputError(
+        f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
+        f"{', '.join(JOINTS)}"
+    )
 
 
 def _check_samples(samples: int, method: str, model: str | None) -> None:

@@ -6,14 +6,15 @@ published parameters (Table 2, SA-PSO) along the paper's first-order transition 
 
 import argparse
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ...assets import CURVES, FOLDER, Suit, SuitJoint, save_suit
+from ...assets import CURVES, FOLDER, Suit, SuitJoint
 from ...hysteresis import TABLE_2, JilesAtherton, nearest_certified
 from ...identification import (
-    Curve,
+    Curves,
     bare,
     first_order_motions,
     identify,
@@ -22,13 +23,10 @@ from ...identification import (
     multi_order_motion,
     save_curves,
 )
-from ..suit_export import fitted_joint, suit_joint
+from ...published import LI_LOWEST, LI_PREDICTED_TURNS, LI_TURNS
 
 SOURCE = "Li et al. 2022, Int. J. Aerospace Eng. 7535450, Table 2, SA-PSO"
 PUBLISHED = {joint: TABLE_2[f"{joint}-sa-pso"] for joint in ("shoulder", "elbow")}
-LOWEST = {"shoulder": 0.35, "elbow": 0.52}  # rad, sections 3.1 and 5.1
-TURNS = {"shoulder": (0.52, 0.70, 0.87, 1.05, 1.22), "elbow": (0.87, 1.05, 1.22, 1.40, 1.57)}
-PREDICTED = {"shoulder": (0.70, 1.05), "elbow": (1.05, 1.40)}  # section 5.3
 MOTIONS, REVERSALS = 3, 8  # random motions that turn more than once, within the fitted range
 ANGLE_STEP = 0.004  # rad between samples: 785 and 1051 samples in the fitted curves
 NOISE = 0.01  # standard deviation, as a fraction of the family's largest torque
@@ -68,20 +66,20 @@ EMU_RANGES = {
 EXPLORATION_PRESSURE = 56.5  # kPa, 8.2 psi
 
 
-def curve_family(joint: str, rng: np.random.Generator) -> list[Curve]:
+def curve_family(joint: str, rng: np.random.Generator) -> Curves:
     """Returns the noisy first-order transition curves of "shoulder" or "elbow"."""
     return measure(
         PUBLISHED[joint],
-        first_order_motions(TURNS[joint], start_angle=LOWEST[joint], angle_step=ANGLE_STEP),
+        first_order_motions(LI_TURNS[joint], start_angle=LI_LOWEST[joint], angle_step=ANGLE_STEP),
         rng=rng,
         noise_fraction=NOISE,
-        predict=[f"{turn:.2f}" for turn in PREDICTED[joint]],
+        predict=[f"{turn:.2f}" for turn in LI_PREDICTED_TURNS[joint]],
     )
 
 
-def multi_order_family(joint: str, rng: np.random.Generator) -> list[Curve]:
+def multi_order_family(joint: str, rng: np.random.Generator) -> Curves:
     """Returns noisy random motions that turn more than once, all with the role "predict"."""
-    low, high = LOWEST[joint], TURNS[joint][-1]
+    low, high = LI_LOWEST[joint], LI_TURNS[joint][-1]
     motions = {
         f"multi-order {i + 1}": multi_order_motion(
             low, high, turns=REVERSALS, angle_step=ANGLE_STEP, rng=rng
@@ -93,7 +91,7 @@ def multi_order_family(joint: str, rng: np.random.Generator) -> list[Curve]:
     measured = measure(
         PUBLISHED[joint], widest | motions, rng=rng, noise_fraction=NOISE, predict=motions
     )
-    return measured[len(widest) :]
+    return Curves(measured[len(widest) :])
 
 
 def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
@@ -102,7 +100,7 @@ def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
     Their ranges are assumptions too, so the identified suit takes models safe at all angles.
     """
     return {
-        joint: suit_joint(
+        joint: SuitJoint.from_model(
             models[known].scaled(torque=factor),
             range=span,
             start_angle=0.0,
@@ -120,15 +118,15 @@ def emu_like(models: dict[str, JilesAtherton]) -> Suit:
         models: of "shoulder" and "elbow", certified at all angles: an arm that bends further than
             the mock suit did then meets a torque that goes on rising.
     """
-    factor = EMU_ELBOW[1] / _torque_at(models["elbow"], LOWEST["elbow"], EMU_ELBOW[0])
+    factor = EMU_ELBOW[1] / _torque_at(models["elbow"], LI_LOWEST["elbow"], EMU_ELBOW[0])
     aside = ASSUMED["shoulder_abduction"][1]
     wrist = EMU_WRIST[1] / _torque_at(models["elbow"], 0.0, EMU_WRIST[0])
     target = f"{EMU_ELBOW[1]:g} N·m at {math.degrees(EMU_ELBOW[0]):.0f} degrees"
     wrist_target = f"{EMU_WRIST[1]:g} N·m at {math.degrees(EMU_WRIST[0]):.0f} degrees"
     joints = {
         "shoulder_abduction": ("shoulder", 0.0, aside * factor, f"{aside:g} of flexion's"),
-        "shoulder_flexion": ("shoulder", LOWEST["shoulder"], factor, "the elbow's factor"),
-        "elbow_flexion": ("elbow", LOWEST["elbow"], factor, f"{target} when first bent"),
+        "shoulder_flexion": ("shoulder", LI_LOWEST["shoulder"], factor, "the elbow's factor"),
+        "elbow_flexion": ("elbow", LI_LOWEST["elbow"], factor, f"{target} when first bent"),
         "wrist_flexion": ("elbow", 0.0, wrist, f"{wrist_target}, as wrists are said to need"),
     }
     return Suit(
@@ -141,7 +139,7 @@ def emu_like(models: dict[str, JilesAtherton]) -> Suit:
         label="illustrative",
         pressure_kpa=EMU_PRESSURE,
         joints={
-            joint: suit_joint(
+            joint: SuitJoint.from_model(
                 models[known].scaled(torque=scale),
                 range=EMU_RANGES[joint],
                 start_angle=start,
@@ -186,17 +184,22 @@ def main(folder: Path = FOLDER) -> None:
                     "Made by: python -m activesuit.scripts.maintenance.make_assets",
                 ),
             )
-        published[joint] = suit_joint(
+        published[joint] = SuitJoint.from_model(
             PUBLISHED[name],
-            range=(LOWEST[name], TURNS[name][-1]),
-            start_angle=LOWEST[name],
+            range=(LI_LOWEST[name], LI_TURNS[name][-1]),
+            start_angle=LI_LOWEST[name],
             grade="published",
             source=SOURCE,
         )
-        whole = [Curve(curve.angle, curve.torque, curve.name) for curve in load_curves(path)]
+        measured = load_curves(path)
+        whole = Curves(
+            (replace(curve, role="fit") for curve in measured),
+            source=measured.source,
+            sha256=measured.sha256,
+        )
         fit = identify(whole, method="certified", seed=SEED)
         fits[name] = nearest_certified(bare(fit.model)).model
-        identified[joint] = fitted_joint(fit, whole, path, LABEL)
+        identified[joint] = SuitJoint.from_fit(fit, note=LABEL)
     published_suit = Suit(
         name="published-2022",
         description=f"{SOURCE}, as printed. The shoulder is not certified: outside 0.35-1.22 rad "
@@ -215,7 +218,7 @@ def main(folder: Path = FOLDER) -> None:
     emu = emu_like(fits)
     (folder / "suits").mkdir(exist_ok=True)
     for suit in (published_suit, mock_suit, emu, exploration(emu)):
-        save_suit(suit, folder / "suits" / f"{suit.name}.json")
+        suit.save(folder / "suits" / f"{suit.name}.json")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import POLICIES, NoAssist, make_policy
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
-from activesuit.scripts.suit_export import fitted_joint
 
 MOVING = {"ShoulderFlexion": "shoulder_flexion", "ElbowFlexion": "elbow_flexion"}
 
@@ -17,12 +16,11 @@ MOVING = {"ShoulderFlexion": "shoulder_flexion", "ElbowFlexion": "elbow_flexion"
 @pytest.fixture(scope="module")
 def identified(tmp_path_factory):
     """A suit file with certified fits of the shipped curves: what a user's controller believes."""
-    joints = {}
-    for name, joint in CURVES.items():
-        curves = load_curves(curves_path(name))
-        joints[joint] = fitted_joint(identify(curves, seed=1), curves, curves_path(name))
+    fits = {
+        joint: identify(load_curves(curves_path(name)), seed=1) for name, joint in CURVES.items()
+    }
     path = tmp_path_factory.mktemp("suit") / "identified.json"
-    save_suit(Suit(name="fit", description="", joints=joints), path)
+    Suit.from_fits(fits).save(path)
     return path
 
 

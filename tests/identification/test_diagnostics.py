@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.identification import Curve, identify, load_curves
-from activesuit.identification.diagnostics import remarks
-from activesuit.identification.identify import PAPER_BOUNDS
+from activesuit.identification.diagnostics import diagnostics
+from activesuit.published import LI_BOUNDS
 from helpers import sweep
 
 
 def said(curves, **options):
-    return " ".join(identify(curves, **options).remarks)
+    return " ".join(identify(curves, **options).diagnostics)
 
 
 def test_a_good_fit_is_silent():
-    assert identify(load_curves(curves_path("elbow"))).remarks == ()
+    assert identify(load_curves(curves_path("elbow"))).diagnostics == ()
 
 
 def test_a_fit_that_is_safe_in_its_range_only_says_so():
@@ -48,9 +48,9 @@ def test_one_way_and_tiny_motions(elbow):
 
 def test_limits_of_a_swarm(small_family, elbow):
     at_limit = replace(elbow, Ms=100.0)
-    found = remarks(at_limit, 0.01, small_family, PAPER_BOUNDS)
+    found = diagnostics(at_limit, 0.01, small_family, LI_BOUNDS)
     assert found == ("Ms = 100 is at the limit of the search (100)",)
-    assert remarks(elbow, 0.01, small_family, PAPER_BOUNDS) == ()
+    assert diagnostics(elbow, 0.01, small_family, LI_BOUNDS) == ()
 
 
 def test_shuffled_samples(elbow):

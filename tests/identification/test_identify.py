@@ -15,8 +15,8 @@ from activesuit.identification import (
     identify,
     load_curves,
 )
-from activesuit.identification.fits.certified import noise_floor
-from activesuit.identification.identify import PAPER_BOUNDS
+from activesuit.identification.curves import noise_floor
+from activesuit.published import LI_BOUNDS
 from helpers import TABLE_2, sweep
 
 
@@ -26,7 +26,7 @@ def published_nrmse(name, curves):
 
 
 def fitted(name):
-    return [curve for curve in load_curves(curves_path(name)) if curve.role == "fit"]
+    return load_curves(curves_path(name)).fitted()
 
 
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
@@ -78,8 +78,7 @@ def test_budget_is_kept(small_family):
 def test_noise_estimate():
     for name in ("elbow", "shoulder"):
         curves = load_curves(curves_path(name))
-        peak = max(np.abs(curve.torque).max() for curve in curves)
-        assert noise_floor(curves) / peak == pytest.approx(0.01, rel=0.1)
+        assert noise_floor(curves) / curves.peak == pytest.approx(0.01, rel=0.1)
 
 
 @pytest.mark.parametrize("method", ["sa-pso", "mpso", "pso"])
@@ -90,7 +89,7 @@ def test_swarm_identification(small_family, method):
     assert sorted(trial.index for trial in seen) == [0, 1, 2, 3]
     assert fit.nrmse == min(trial.nrmse for trial in fit.trials)
     assert fit.evaluations == 4 * 20 * 16
-    low, high = np.array(PAPER_BOUNDS).T
+    low, high = np.array(LI_BOUNDS).T
     for trial in fit.trials:
         parameters = [getattr(trial.model, name) for name in PARAMETERS]
         assert (low <= parameters).all()

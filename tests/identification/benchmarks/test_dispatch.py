@@ -7,6 +7,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.identification.benchmarks import dispatch
 from activesuit.identification.optimizers import mpso
+from activesuit.published import KAO_TABLE_1, WALTERS_DEMAND
 from scipy.optimize import minimize_scalar
 
 # Outputs [MW], cost [$/h], whether all limits hold.
@@ -35,14 +36,14 @@ def test_published_points(output, cost, feasible):
 
 def test_the_printed_worst_cost_is_a_meeting_of_valve_points():
     at = [[dispatch.valve_points(0)[3], dispatch.valve_points(2)[3]]]
-    assert dispatch.dispatch_cost(at)[0] == pytest.approx(dispatch.TABLE_1["pso"].worst, abs=1e-4)
+    assert dispatch.dispatch_cost(at)[0] == pytest.approx(KAO_TABLE_1["pso"].worst, abs=1e-4)
 
 
 def test_every_repaired_row_is_a_dispatch_within_the_limits():
     rng = np.random.default_rng(0)
     low, high = np.array(dispatch.BOUNDS).T
     P = dispatch.outputs(low + rng.random((2000, 2)) * (high - low))
-    np.testing.assert_allclose(P.sum(axis=1), dispatch.DEMAND, atol=1e-9)
+    np.testing.assert_allclose(P.sum(axis=1), WALTERS_DEMAND, atol=1e-9)
     assert (dispatch.LOWEST - 1e-9 <= P).all()
     assert (dispatch.HIGHEST + 1e-9 >= P).all()
 
@@ -58,7 +59,7 @@ def best_at_valve_points(relax):
         for pair in itertools.product(dispatch.valve_points(first), dispatch.valve_points(second)):
             P = np.empty(3)
             P[[first, second]] = pair
-            P[closing] = dispatch.DEMAND - sum(pair)
+            P[closing] = WALTERS_DEMAND - sum(pair)
             if dispatch.LOWEST[closing] <= P[closing] <= highest[closing]:
                 best = min(best, (float(dispatch.fuel_cost(P[None])[0]), P), key=lambda it: it[0])
     cost, P = best
@@ -84,9 +85,9 @@ def lower_bounds(low, high, limits):
     valve points is concave, so that its least value is at an end, or 0 at a valve point within.
     """
     marginal = 8.5  # $/MWh: any number is valid; near the mean slope the bounds are tight
-    total = np.full(len(low), dispatch.DEMAND * marginal)
-    slack_low = np.maximum(dispatch.DEMAND - high.sum(axis=1), limits[0])
-    slack_high = np.minimum(dispatch.DEMAND - low.sum(axis=1), limits[1])
+    total = np.full(len(low), WALTERS_DEMAND * marginal)
+    slack_low = np.maximum(WALTERS_DEMAND - high.sum(axis=1), limits[0])
+    slack_high = np.minimum(WALTERS_DEMAND - low.sum(axis=1), limits[1])
     intervals = {0: (low[:, 0], high[:, 0]), 1: (slack_low, slack_high), 2: (low[:, 1], high[:, 1])}
     for unit, (start, end) in intervals.items():
         b, c = dispatch.B[unit] - marginal, dispatch.C[unit]
@@ -127,7 +128,7 @@ def test_optimum_is_proven(relax):
 
 
 def test_the_printed_best_cost_needs_the_relaxed_slack():
-    printed = dispatch.TABLE_1["rank-distance-mpso"].best
+    printed = KAO_TABLE_1["rank-distance-mpso"].best
     assert dispatch.RELAXED_OPTIMUM == pytest.approx(printed, abs=1e-4)
     assert printed + 0.4 < dispatch.OPTIMUM
 

@@ -8,7 +8,9 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen
 from activesuit.identification.benchmarks import scott_russell as mechanism
 from activesuit.identification.benchmarks import scott_russell_fit as fitting
-from activesuit.identification.benchmarks.scott_russell import TABLE_2, simulate, steady_cycle
+from activesuit.identification.benchmarks.scott_russell import simulate, steady_cycle
+from activesuit.identification.optimizers.registry import KAO_FUNG_SWARMS
+from activesuit.published import KAO_TABLE_2
 
 TRUTH = np.array(fitting.TRUTH)
 
@@ -23,11 +25,11 @@ PUBLISHED = [
 
 @pytest.mark.parametrize(("key", "f_n", "zeta", "low", "high", "stroke"), PUBLISHED)
 def test_published_sets(key, f_n, zeta, low, high, stroke):
-    x = simulate([TABLE_2[key]])[0, fitting.FIRST_SAMPLE :] * 1e6
+    x = simulate([KAO_TABLE_2[key]])[0, fitting.FIRST_SAMPLE :] * 1e6
     assert x.min() == pytest.approx(low, abs=0.006)
     assert x.max() == pytest.approx(high, abs=0.006)
     assert np.ptp(x) == pytest.approx(stroke, abs=0.006)
-    cycle = steady_cycle(TABLE_2[key])
+    cycle = steady_cycle(KAO_TABLE_2[key])
     assert cycle.natural_frequency == pytest.approx(f_n, abs=0.06)
     assert cycle.damping_ratio == pytest.approx(zeta, abs=6e-4)
 
@@ -137,7 +139,7 @@ def test_mass_cannot_be_identified():
     np.testing.assert_allclose(simulate([scaled]), simulate([TRUTH]), rtol=1e-12)
 
 
-@pytest.mark.parametrize("method", fitting.METHODS)
+@pytest.mark.parametrize("method", KAO_FUNG_SWARMS)
 def test_identification_reaches_the_noise(method):
     measurement = fitting.regenerate(noise=50e-9, rng=1)
     fit = fitting.identify_mechanism(measurement, method=method, population=1000, rng=2)

@@ -5,17 +5,18 @@ import sys
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.identification.optimizers.libraries import BASELINES, cma_es
+from activesuit.identification.optimizers.libraries import cma_es
+from activesuit.identification.optimizers.registry import LIBRARIES
 
 PACKAGES = {"ga": "pymoo", "cma-es": "cma"}
 BOUNDS = [(-5.0, 10.0), (-2.0, 2.0), (0.0, 3.0)]
 
 
-@pytest.fixture(params=BASELINES)
+@pytest.fixture(params=LIBRARIES)
 def minimize(request):
     if request.param in PACKAGES:
         pytest.importorskip(PACKAGES[request.param])
-    return BASELINES[request.param]
+    return LIBRARIES[request.param]
 
 
 def sphere(x):
@@ -100,7 +101,7 @@ def test_a_missing_library_is_one_sentence(monkeypatch, name, package):
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(InputError, match=rf"package {package}, .*pip install 'activesuit\[comp"):
-        BASELINES[name](sphere, BOUNDS, 100)
+        LIBRARIES[name](sphere, BOUNDS, 100)
 
 
 def test_cma_es_needs_two_parameters():

@@ -9,22 +9,21 @@ from activesuit.assets import curves_path
 from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit, load_curves
-from activesuit.identification.identify import PAPER_BOUNDS
 from activesuit.identification.optimizers.sa_pso import sa_pso
 from activesuit.identification.study.figures import figures
-from activesuit.identification.study.summary import CLAIMS, judge, summarize
+from activesuit.identification.study.summary import judge, summarize
 from activesuit.identification.study.trial import (
-    METHODS,
+    STUDY_METHODS,
     Prediction,
     StudyConfig,
     StudyTrial,
     TrialKey,
     check,
     fingerprint,
-    fitted,
     is_multi_order,
     run_trial,
 )
+from activesuit.published import LI_BOUNDS, LI_CLAIMS
 
 ELBOW = load_curves(curves_path("elbow"))
 MOTIONS = load_curves(curves_path("elbow").with_stem("elbow_multi_order"))
@@ -45,7 +44,7 @@ def made_up(
         parameters=(10.0, 100.0, 0.0, 5.0, 20.0),
         held=None,
         fitness=fitness,
-        nrmse=fitness * np.sqrt(CurveObjective(fitted(ELBOW)).torque.size),
+        nrmse=fitness * np.sqrt(CurveObjective(ELBOW.fitted()).torque.size),
         evaluations=130,
         improvements=((1, 10 * fitness), (spent, 1.005 * fitness), (spent + 5, fitness)),
         predictions=predictions | motions,
@@ -65,11 +64,11 @@ def judged(sa_pso: dict, mpso: dict, trials: int = 30):
     return {judgement.claim.quantity: judgement for judgement in found}
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", STUDY_METHODS)
 def test_every_method_runs_within_its_budget(method):
     setup = config(methods=(method,))
     trial = run_trial(setup, TrialKey("elbow", method, 0), ELBOW)
-    objective = CurveObjective(fitted(ELBOW), loss="paper")
+    objective = CurveObjective(ELBOW.fitted(), loss="paper")
     assert trial.fitness == objective(trial.parameters)[0]
     assert trial.nrmse == objective.nrmse(trial.parameters)[0]
     assert trial.evaluations <= (200 if method == "certified" else setup.evaluations)
@@ -87,8 +86,8 @@ def test_the_history_is_the_swarms_own():
     key = TrialKey("elbow", "sa-pso", 1)
     trial = run_trial(setup, key, ELBOW)
     own = sa_pso(
-        CurveObjective(fitted(ELBOW), loss="paper"),
-        PAPER_BOUNDS,
+        CurveObjective(ELBOW.fitted(), loss="paper"),
+        LI_BOUNDS,
         swarm_size=10,
         max_iterations=12,
         rng=np.random.default_rng(setup.seed_of(key)),
@@ -148,7 +147,7 @@ def test_prediction_errors_by_hand():
     trial = run_trial(config(), TrialKey("elbow", "mpso", 0), [*ELBOW, *MOTIONS])
     Ms, a, alpha, c, k = trial.parameters
     model = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
-    peak = max(np.abs(curve.torque).max() for curve in fitted(ELBOW))
+    peak = ELBOW.fitted().peak
     for curve in (ELBOW[1], MOTIONS[0]):
         assert curve.role == "predict"
         error = model.response(curve.angle) - curve.torque
@@ -204,7 +203,7 @@ def test_multi_order_beside_first_order_by_hand():
 
 def test_without_first_order_curves_to_predict_there_is_nothing_to_compare():
     setup = config(methods=("mpso",), trials=1)
-    family = [*fitted(ELBOW), *MOTIONS]
+    family = [*ELBOW.fitted(), *MOTIONS]
     (summary,) = summarize(setup, {"elbow": family}, [run_trial(setup, setup.keys[0], family)])
     assert summary.predictions == {}
     assert summary.multi_order is not None
@@ -265,7 +264,7 @@ def test_undecidable():
 
 
 def test_the_printed_percentages_are_of_sa_pso():
-    printed = {(claim.joint, claim.quantity): claim.advantage for claim in CLAIMS}
+    printed = {(claim.joint, claim.quantity): claim.advantage for claim in LI_CLAIMS}
     ratios = {
         ("shoulder", "convergence"): (51, 48),
         ("shoulder", "fitness"): (1.7709, 1.5473),
@@ -278,7 +277,7 @@ def test_the_printed_percentages_are_of_sa_pso():
 
 def test_figures_of_a_study_with_and_without_held_out_curves():
     setup = config(methods=("sa-pso", "certified"))
-    for family in (ELBOW, fitted(ELBOW), [*ELBOW, *MOTIONS]):
+    for family in (ELBOW, ELBOW.fitted(), [*ELBOW, *MOTIONS]):
         trials = [run_trial(setup, key, family) for key in setup.keys]
         summaries = summarize(setup, {"elbow": family}, trials)
         drawn = figures(setup, {"elbow": family}, summaries)
@@ -324,4 +323,4 @@ def test_bad_configurations(options, message):
 
 def test_unusable_curves_are_found_before_any_trial():
     with pytest.raises(InputError, match="no curve to fit"):
-        check(config(), {"elbow": [curve for curve in ELBOW if curve.role == "predict"]})
+        check(config(), {"elbow": ELBOW.held_out()})

@@ -1,32 +1,26 @@
-"""Which methods `identify` has, and which options each of them takes."""
+"""The methods of `identify`, and the checks of what a user asks of them."""
 
 import inspect
-from collections.abc import Callable
 from typing import Any
 
 from ..checks import at_least
 from ..errors import InputError, unknown_name
+from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
-from .optimizers.libraries import BASELINES
-from .optimizers.mpso import mpso
-from .optimizers.pso import pso
-from .optimizers.rank_distance_mpso import rank_distance_mpso
-from .optimizers.sa_pso import sa_pso
+from .optimizers.registry import OPTIMIZERS
 
-SWARMS = {
-    "pso": pso,
-    "sa-pso": sa_pso,
-    "mpso": mpso,
-    "rank-distance-mpso": rank_distance_mpso,
-}
-SEARCHES: dict[str, Callable[..., Any]] = {**SWARMS, **BASELINES}
-METHODS = ("certified", "auto", *SEARCHES)
+METHODS = ("certified", "auto", *OPTIMIZERS)
+DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
 SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
 
 
 def check_method(model: str | None, method: str) -> None:
-    """Refuses unknown names, and methods that a model does not have."""
+    """Refuses unknown names, and methods that a model does not have.
+
+    Raises:
+        InputError: the model or the method is unknown, or they do not go together.
+    """
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
     if model is None:
@@ -35,7 +29,7 @@ def check_method(model: str | None, method: str) -> None:
         raise unknown_name("model", model, FITS)
     if method == "auto":
         raise InputError(f"model is {model!r}, but method 'auto' chooses the model: leave one out")
-    if method != "certified" and model != "jiles-atherton":
+    if method != "certified" and model != DEFAULT_MODEL:
         raise InputError(f"method is {method!r}: model {model!r} has the method 'certified' only")
 
 
@@ -48,19 +42,23 @@ def check_options(
     trials: int | None,
     options: dict[str, Any],
 ) -> None:
-    """Refuses options that the method would ignore; None stands for one that is left out."""
+    """Refuses options that the method would ignore; None stands for one that is left out.
+
+    Raises:
+        InputError: an option is unknown, or the method would ignore it.
+    """
     for option, given in (("objective", objective), ("normalize", normalize)):
-        if given is not None and method not in SEARCHES:
+        if given is not None and method not in OPTIMIZERS:
             raise InputError(
                 f"{option} is {given!r}: method {method!r} always minimizes the NRMSE over the "
                 "family; leave it out, or use a swarm or a baseline"
             )
-    name = model or "jiles-atherton"
-    identifies = method == "auto" or name != "jiles-atherton"
+    name = model or DEFAULT_MODEL
+    identifies = method == "auto" or name != DEFAULT_MODEL
     if identifies and initial_torque not in (None, "identified"):
         raise InputError(
-            f"initial_torque is {initial_torque!r}: the fits of other models than 'jiles-atherton' "
-            "identify it; leave it out"
+            f"initial_torque is {initial_torque!r}: the fits of other models than "
+            f"{DEFAULT_MODEL!r} identify it; leave it out"
         )
     if trials is not None:
         at_least("trials", trials, 1)
@@ -76,5 +74,5 @@ def check_options(
 def _own_options(model: str, method: str) -> list[str]:
     if method == "auto":
         return []
-    function = FITS[model] if method == "certified" else SEARCHES[method]
+    function = FITS[model] if method == "certified" else OPTIMIZERS[method]
     return [name for name in inspect.signature(function).parameters if name not in SET_BY_IDENTIFY]

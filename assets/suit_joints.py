@@ -1,0 +1,178 @@
+"""One joint of a suit: its hysteresis model, and where the numbers come from."""
+
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    FiniteFloat,
+    InstanceOf,
+    PlainSerializer,
+    ValidationError,
+    model_validator,
+)
+
+from ..errors import InputError
+from ..hysteresis import HysteresisModel, model_from_dict
+from .fitted import FittedModel
+
+JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
+Grade = Literal["published", "identified", "assumed"]
+GRADES: tuple[str, ...] = get_args(Grade)
+
+
+def _model(given: Any) -> HysteresisModel:
+    return given if isinstance(given, HysteresisModel) else model_from_dict(given)
+
+
+Model = Annotated[
+    InstanceOf[HysteresisModel],
+    BeforeValidator(_model),
+    PlainSerializer(lambda model: model.to_dict()),
+]
+
+
+class Strict(BaseModel):
+    """A part of a suit file, which refuses unknown fields."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class SuitJoint(Strict):
+    """The resistance of one joint and its provenance.
+
+    Attributes:
+        model: any hysteresis model, in the file as its `to_dict`.
+        samples: other models that the data also allow, to randomize with.
+        range: angles [rad] in which the model was identified or is meant to be used.
+        start_angle: where the memory begins [rad].
+        start_torque: the resistance there [N·m].
+        grade: published (printed in a paper), identified (fitted to curves) or assumed.
+        source: where the numbers come from, in words.
+        data_sha256: hash of the curve file, if identified.
+        fit_nrmse: NRMSE on the fitted curves, if identified.
+        certificate_margin: the model's certificate margin when the file was made.
+    """
+
+    model: Model
+    samples: tuple[Model, ...] = ()
+    range: tuple[FiniteFloat, FiniteFloat]
+    start_angle: FiniteFloat
+    start_torque: FiniteFloat = 0.0
+    grade: Grade
+    source: str
+    data_sha256: str | None = None
+    fit_nrmse: FiniteFloat | None = None
+    certificate_margin: FiniteFloat | None = None
+
+    @classmethod
+    def from_model(cls, model: HysteresisModel, **provenance: Any) -> "SuitJoint":
+        """Returns the entry of a model; `provenance` fills the other fields but the margin.
+
+        Raises:
+            InputError: a field is missing, unknown or wrong.
+        """
+        margin = model.certificate().margin
+        try:
+            return cls(model=model, certificate_margin=margin, **provenance)
+        except ValidationError as error:
+            raise InputError(first_problem(error)) from error
+
+    @classmethod
+    def from_fit(
+        cls, fit: FittedModel, *, note: str = "", samples: Sequence[HysteresisModel] = ()
+    ) -> "SuitJoint":
+        """Returns the entry of a fit, with the curves it was fitted to as its source.
+
+        The memory of the joint begins where the curves do, and its range is theirs.
+
+        Args:
+            fit: what `activesuit.identification.identify` returned.
+            note: a sentence that is added to the source.
+            samples: other models that the curves also allow, as `uncertainty` draws them.
+
+        Raises:
+            InputError: `fit` is no fit, or a sample is less safe than the model.
+        """
+        if not isinstance(fit, FittedModel):
+            raise InputError(f"fit is {fit!r}: give what identify returned")
+        curves, fitted = fit.curves, fit.curves.fitted()
+        start = fit.initial_torque
+        file = f" of {curves.source}" if curves.source else ""
+        source = f"{fit.method} fit{file}, curves {', '.join(fitted.names)}."
+        return cls.from_model(
+            fit.model,
+            samples=tuple(samples),
+            range=curves.angle_range,
+            start_angle=curves.start_angle,
+            start_torque=fitted.start_torque if isinstance(start, str) else start,
+            grade="identified",
+            source=f"{source} {note}" if note else source,
+            data_sha256=curves.sha256,
+            fit_nrmse=fit.nrmse,
+        )
+
+    @model_validator(mode="after")
+    def _angles_are_radians(self) -> "SuitJoint":
+        if not self.range[0] < self.range[1]:
+            raise ValueError(
+                f"range is {list(self.range)}: the first angle must be the smaller one"
+            )
+        if max(map(abs, (*self.range, self.start_angle))) > 2 * math.pi:
+            raise ValueError(
+                f"range is {list(self.range)} and start_angle {self.start_angle}: more than a full "
+                "turn; both are radians"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _samples_are_as_safe(self) -> "SuitJoint":
+        for i, sample in enumerate(self.samples):
+            if _is_safe(self.model) and not _is_safe(sample):
+                raise ValueError(
+                    f"samples[{i}] has certificate margin {sample.certificate().margin:.3g}, but "
+                    "the model itself is certified: remove that sample"
+                )
+        return self
+
+    def scaled(self, *, torque: float) -> "SuitJoint":
+        """Returns the joint with `torque` times the resistance, as its source then says.
+
+        Raises:
+            InputError: `torque` is not finite or not above 0.
+        """
+        model = self.model.scaled(torque=torque)
+        changes = {
+            "model": model,
+            "samples": tuple(sample.scaled(torque=torque) for sample in self.samples),
+            "start_torque": torque * self.start_torque,
+            "certificate_margin": self.certificate_margin and model.certificate().margin,
+            "source": f"{self.source}; then {torque:.3g} times that torque",
+        }
+        return SuitJoint(**(dict(self) | changes))
+
+
+def first_problem(error: ValidationError) -> str:
+    """Returns the first thing that is wrong with the fields of a suit, and its fix."""
+    problem: Any = error.errors()[0]
+    place = ".".join(str(part) for part in problem["loc"] if part != "[key]") or "the file"
+    if problem["type"] == "extra_forbidden":
+        return f"{place} is not a known field: remove it"
+    if problem["type"] == "literal_error":
+        return f"{place} is {problem['input']!r}: use {problem['ctx']['expected']}"
+    if problem["type"] == "missing":
+        return f"{place} is missing: add it"
+    if problem["type"] == "value_error":  # ours, which names the value
+        return f"{place}: {problem['ctx']['error']}"
+    value = problem["input"]
+    return f"{place}: {problem['msg']}" + (
+        "" if isinstance(value, (dict, list)) else f" (it is {value!r})"
+    )
+
+
+def _is_safe(model: HysteresisModel) -> bool:
+    certificate = model.certificate()
+    return certificate.certified and certificate.dissipative

@@ -1,0 +1,100 @@
+"""How far a fitted model is from measured curves, and the torque that it begins them with."""
+
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+
+from ...arrays import Array
+from ...errors import InputError
+from ...hysteresis.around.held import Held
+from ...hysteresis.certificate import PoleError
+from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ...hysteresis.protocol import HysteresisModel
+from ..curves import Curve, Curves
+from ..objective import InitialTorque
+
+BEGINNINGS = 1001  # tried in each direction, up to the peak of the curves
+REJECTED = 10.0  # peaks, in place of an error that is infinite
+
+
+def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
+    """Returns the torque [N·m] with which a model that begins all curves fits them best.
+
+    One measured sample would bring its whole noise into a prediction. Where the model's certificate
+    does not cover that beginning, it is the nearest that is covered.
+
+    Raises:
+        InputError: the model cannot begin so.
+    """
+
+    def residual(torque: Array) -> Array:
+        try:
+            errors = torque_errors(model, float(torque[0]), curves)
+        except InputError:  # the model cannot begin so
+            errors = np.full(samples, np.inf)
+        return np.where(np.isfinite(errors), errors, REJECTED * size)
+
+    guess = np.median([curve.torque[0] for curve in curves])
+    size = Curves(curves).peak
+    samples = sum(curve.torque.size for curve in curves)
+    best = float(least_squares(residual, [guess], x_scale=size).x[0])
+    for distance in np.linspace(0, size, BEGINNINGS).tolist():
+        for torque in (best - distance, best + distance):
+            if _begins_safely(model, torque, curves):
+                return torque
+    raise InputError(
+        f"the fitted {model.name} model cannot begin as the curves do, at {best:.3g} N·m: check "
+        "the sign of the torque, or measure curves that begin nearer to the torque at rest"
+    )
+
+
+def _begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]) -> bool:
+    try:
+        states = [model.start(float(curve.angle[0]), torque) for curve in curves]
+    except InputError:  # the model cannot hold that torque there
+        return False
+    return all(model.start_is_certified(state) for state in states)
+
+
+def torque_errors(
+    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
+) -> Array:
+    """Returns Tc - Tm [N·m] along all curves, end to end; infinite on a curve with a pole."""
+    return np.concatenate(
+        [predicted(model, initial_torque, curve) - curve.torque for curve in curves]
+    )
+
+
+def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curve) -> Array:
+    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there."""
+    start = curve.torque[0] if initial_torque == "measured" else initial_torque
+    try:
+        return model.response(curve.angle, cast(float, start))
+    except PoleError:
+        return np.full(curve.angle.size, np.inf)
+
+
+def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
+    """Returns the NRMSE: the root mean square of errors [N·m] over the curves' largest |Tm|."""
+    return float(np.sqrt(np.mean(errors**2))) / Curves(curves).peak
+
+
+def bare(model: HysteresisModel) -> JilesAtherton:
+    """Returns the Jiles-Atherton model inside a fitted one that may be held outside a range.
+
+    Raises:
+        InputError: it is of another kind.
+    """
+    inner = model.model if isinstance(model, Held) else model
+    if not isinstance(inner, JilesAtherton):
+        raise InputError(f"model is {model.name!r}: give a Jiles-Atherton model, held or not")
+    return inner
+
+
+def paper_model(parameters: ArrayLike) -> JilesAtherton:
+    """Returns the model of one parameter row (Ms, a, alpha, c, k) in degrees, whatever its c."""
+    Ms, a, alpha, c, k = np.asarray(parameters, dtype=np.float64).tolist()
+    return JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg", allow_active=c < 1)

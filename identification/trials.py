@@ -1,0 +1,136 @@
+"""Independent trials of `identify`: one certified fit, or one run of an optimizer."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..hysteresis.protocol import HysteresisModel
+from ..published import LI_BOUNDS
+from .curves import Curve
+from .fits.registry import fit_model
+from .fits.residuals import nrmse, paper_model, torque_errors
+from .objective import CurveObjective, InitialTorque
+from .optimizers.registry import LIBRARIES, OPTIMIZERS
+
+LIBRARY_EVALUATIONS = 5000  # as many as the paper's swarms
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One independent run of a method.
+
+    Attributes:
+        index: its number, which fixes its random numbers.
+        model: what it found, held outside the fitted angles if it is safe inside only.
+        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
+        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        loss: what the method minimized: the NRMSE, or the objective that was asked for.
+        evaluations: how often the model ran on all curves; None where the fit does not count.
+        history: the smallest objective so far, per iteration of a swarm or of a library's
+            optimizer.
+    """
+
+    index: int
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    nrmse: float
+    loss: float
+    evaluations: int | None
+    history: tuple[float, ...] = field(default=(), repr=False)
+
+
+def fit_trial(
+    curves: Sequence[Curve],
+    model: str,
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Runs the certified fit of a model once."""
+    found = fit_model(model, curves, np.random.default_rng(seed), **options)
+    return Trial(
+        index=index,
+        model=found.model,
+        initial_torque=found.initial_torque,
+        nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
+        loss=found.loss,
+        evaluations=found.evaluations,
+    )
+
+
+def optimizer_trial(
+    curves: Sequence[Curve],
+    method: str,
+    goal: dict[str, Any],
+    options: dict[str, Any],
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Runs an optimizer once on the Jiles-Atherton parameters; `goal` is for `CurveObjective`."""
+    objective = CurveObjective(curves, **goal)
+    run = run_optimizer(objective, method, np.random.default_rng(seed), options)
+    model, start = paper_model(run.row[:5]), objective.initial_torque
+    start = float(run.row[5]) if start == "identified" else start
+    return Trial(
+        index=index,
+        model=model,
+        initial_torque=start,
+        nrmse=nrmse(torque_errors(model, start, curves), curves),
+        loss=run.loss,
+        evaluations=objective.evaluations,
+        history=run.history,
+    )
+
+
+class OptimizerRun(NamedTuple):
+    """What one run of an optimizer found.
+
+    Attributes:
+        row: the best parameters, as `CurveObjective` takes them.
+        loss: their loss.
+        history: the smallest loss so far, per iteration of a swarm or evaluation of a library's
+            optimizer.
+        improvements: (evaluations, best loss) whenever the best loss improved.
+    """
+
+    row: Array
+    loss: float
+    history: tuple[float, ...]
+    improvements: tuple[tuple[int, float], ...]
+
+
+def run_optimizer(
+    objective: CurveObjective, method: str, rng: np.random.Generator, options: dict[str, Any]
+) -> OptimizerRun:
+    """Minimizes the objective in the paper's search bounds by the optimizer `method`."""
+    bounds = LI_BOUNDS
+    if objective.initial_torque == "identified":
+        bounds = (*bounds, (-objective.peak, objective.peak))
+    if method in LIBRARIES:
+        options = {"max_evaluations": LIBRARY_EVALUATIONS, **options}
+    recorded = _Recorded(objective)
+    found = OPTIMIZERS[method](recorded, bounds, rng=rng, **options)
+    history = tuple(map(float, found.history))
+    return OptimizerRun(found.x, float(found.fun), history, tuple(recorded.improvements))
+
+
+class _Recorded:
+    """An objective that remembers when its best value improved."""
+
+    def __init__(self, objective: CurveObjective) -> None:
+        self.objective = objective
+        self.improvements: list[tuple[int, float]] = []
+        self._best = np.inf
+
+    def __call__(self, parameters: Array) -> Array:
+        before = self.objective.evaluations
+        values = self.objective(parameters)
+        for i in np.flatnonzero(values < self._best):
+            if values[i] < self._best:
+                self._best = float(values[i])
+                self.improvements.append((before + int(i) + 1, self._best))
+        return values
