@@ -4,4 +4,4 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-"""A NumPy array of float64; its docstring gives its shape and unit."""
+"""NumPy array of float64; the docstring of each function gives its shape and its unit."""

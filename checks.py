@@ -1,4 +1,4 @@
-"""Checks of the numbers that users give, each with a sentence for those that cannot be used."""
+"""Checks of values that users give; each raises an InputError for a value that cannot be used."""
 
 import math
 from numbers import Real
@@ -10,7 +10,7 @@ from .errors import InputError
 
 
 def number(name: str, value: Any, unit: str = "") -> float:
-    """Returns a finite number, or raises an InputError that says why it is none."""
+    """Returns `value` as a float; raises an InputError if it is not a finite number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
         raise InputError(f"{name} is {value!r}: give a number{_in(unit)}")
     try:
@@ -23,7 +23,7 @@ def number(name: str, value: Any, unit: str = "") -> float:
 
 
 def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
-    """Returns at least one finite number, or raises an InputError likewise."""
+    """Returns `values` as floats; raises an InputError without values, or for one not finite."""
     try:
         array = np.asarray(values)
     except ValueError:
@@ -37,37 +37,37 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
 
 
 def at_least(name: str, value: int, least: int) -> None:
-    """Refuses a number below `least`.
+    """Checks that a number is at least `least`.
 
     Raises:
-        InputError: it is.
+        InputError: The number is smaller.
     """
     if value < least:
         raise InputError(f"{name} is {value}: use at least {least}")
 
 
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Refuses what is no number from `low` to `high`.
+    """Checks that a value is a number from `low` to `high`.
 
     Raises:
-        InputError: it is not.
+        InputError: It is not a number, or outside that range.
     """
     if not (isinstance(value, Real) and low <= value <= high):
         raise InputError(f"{name} is {value!r}: use a number from {low:g} to {high:g}{unit}")
 
 
 def flag(name: str, value: bool) -> None:
-    """Refuses what is neither True nor False, as the text "no", which counts as true.
+    """Checks that a value is True or False; the text "no", for example, would count as true.
 
     Raises:
-        InputError: it is.
+        InputError: It is neither.
     """
     if not isinstance(value, bool):
         raise InputError(f"{name} is {value!r}: use True or False")
 
 
 def scales(**values: float) -> None:
-    """Refuses scale factors that are not finite and above 0."""
+    """Checks that scale factors are finite and above 0; raises an InputError otherwise."""
     for name, value in values.items():
         if not number(f"{name} scale", value) > 0:
             raise InputError(f"{name} scale is {value}: give a finite number above 0")

@@ -1,11 +1,11 @@
-"""The one exception that a user's mistake raises, and the hint that goes with a wrong name."""
+"""The exception that a user's mistake raises, and its sentence for an unknown name."""
 
 import difflib
 from collections.abc import Iterable
 
 
 class InputError(ValueError):
-    """Something the user gave cannot be used: a file, an argument, a parameter, an action.
+    """A value that the user gave cannot be used: a file, an argument, a parameter or an action.
 
     The message is one sentence that names the value, the allowed range and the fix. The command
     line prints it without a traceback and exits with code 2.
@@ -13,7 +13,7 @@ class InputError(ValueError):
 
 
 def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:
-    """Returns the error for a name that is none of `allowed`, with the closest one as a hint."""
+    """Returns the error for a name that is not in `allowed`, with the closest name as a hint."""
     allowed = sorted(allowed)
     close = difflib.get_close_matches(str(name), allowed, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""

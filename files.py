@@ -1,4 +1,4 @@
-"""Writing files so that a crash or a full disk never leaves half of one behind."""
+"""Writing files in one piece: a crash or a full disk leaves the old file, never half a new one."""
 
 import os
 import tempfile
@@ -11,10 +11,10 @@ from .errors import InputError
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yields a scratch path beside `path` that takes its place only if the block succeeds.
+    """Yields the path of a temporary file, which replaces `path` if the block succeeds.
 
     Raises:
-        InputError: the folder does not exist or cannot be written, or the disk is full.
+        InputError: The folder does not exist or cannot be written, or the disk is full.
     """
     path = Path(path)
     try:
@@ -43,6 +43,6 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Writes `text` to `path` (UTF-8) in one piece: afterwards it is all there, or untouched."""
+    """Writes `text` to `path` (UTF-8) in one piece: if that fails, the old file stays as it was."""
     with replacing(path) as scratch:
         scratch.write_text(text, encoding="utf-8")

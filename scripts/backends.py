@@ -1,4 +1,4 @@
-"""Where parallel work runs: threads or processes here, or a Ray or Dask cluster."""
+"""Parallel work in threads or processes of this machine, or on a Ray or Dask cluster."""
 
 import importlib
 import logging
@@ -20,10 +20,10 @@ LIBRARIES = {"dask": ("distributed",), "ray": ("ray", "ray.util.joblib")}
 
 
 def check_backend(backend: Backend, workers: int) -> None:
-    """Raises what would stop `run_all`, before any work.
+    """Checks, before any work is done, that `run_all` can use a backend.
 
     Raises:
-        InputError: `workers` is 0, or a package is not installed.
+        InputError: `workers` is 0, or a package of the backend is not installed.
     """
     if workers == 0:
         raise InputError("workers is 0: use a number of workers, or -1 for all cores")
@@ -40,16 +40,16 @@ def check_backend(backend: Backend, workers: int) -> None:
 def run_all(
     work: Callable[..., Result], arguments: Iterable[tuple], backend: Backend, workers: int
 ) -> Iterator[Result]:
-    """Yields what `work` returns for each tuple of arguments, in any order, as soon as it is known.
+    """Calls `work` with each tuple of arguments in parallel; yields each result as it is ready.
 
     `ray` and `dask` use the cluster that RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names, and
-    otherwise start one of `workers` processes on this machine.
+    otherwise start a cluster of `workers` processes on this machine.
 
     Args:
-        work: a function that can be pickled.
-        arguments: one tuple per call.
-        backend: where to run.
-        workers: how many at once; -1 uses all cores, or the whole cluster.
+        work: Function to call; it can be pickled.
+        arguments: Tuples of arguments, one for each call.
+        backend: Name of the backend.
+        workers: Number of calls at the same time; -1 uses all cores, or the whole cluster.
 
     Raises:
         InputError: see `check_backend`.
@@ -105,7 +105,7 @@ def _dask(workers: int) -> Iterator[None]:
 
 @contextmanager
 def _ctrl_c_waiting() -> Iterator[None]:
-    """Ctrl-C waits for the end of the block; processes that begin in it never get it."""
+    """Delays Ctrl-C until the end of the block, and keeps it from processes that start there."""
     resource_tracker.ensure_running()  # would let Ctrl-C through again if it began in the block
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:

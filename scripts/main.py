@@ -1,4 +1,4 @@
-"""The command `activesuit`."""
+"""The program `activesuit`: finds the command, runs it, and reports a mistake."""
 
 import os
 import sys
@@ -29,7 +29,7 @@ COMMANDS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Runs one command; a user's mistake ends with one sentence on stderr and exit code 2."""
+    """Runs one command; after a user's mistake, prints one sentence and exits with code 2."""
     try:
         _run(sys.argv[1:] if arguments is None else list(arguments))
         sys.stdout.flush()

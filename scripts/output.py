@@ -1,4 +1,4 @@
-"""What every command shares: printing for people or programs, and writing a run folder."""
+"""Output of the commands: tables or JSON, a progress bar, and the files of a run folder."""
 
 import csv
 import io
@@ -35,7 +35,7 @@ class RunFolder:
     """A folder of results; every file in it is written in one piece.
 
     Raises:
-        InputError: it cannot be created or written.
+        InputError: The folder cannot be created or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -61,7 +61,7 @@ class RunFolder:
         write_text(self.path / name, to_json(content) + "\n")
 
     def csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-        """Writes rows under a header."""
+        """Writes a header and rows as CSV."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(header)
@@ -69,7 +69,7 @@ class RunFolder:
         write_text(self.path / name, text.getvalue())
 
     def text(self, name: str, content: str) -> None:
-        """Writes text."""
+        """Writes a text file."""
         write_text(self.path / name, content)
 
     def figure(self, name: str, figure: "Figure") -> None:
@@ -88,7 +88,7 @@ class RunFolder:
 
 @contextmanager
 def telling(kept: Callable[[], str]) -> Iterator[None]:
-    """Ctrl-C in the block says what is `kept`, unless something inside has said more already."""
+    """Makes Ctrl-C in the block report what is `kept`, unless a report has been made inside."""
     try:
         yield
     except KeyboardInterrupt as interrupt:
@@ -98,7 +98,7 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 
 
 def to_json(content: Any) -> str:
-    """Returns strict JSON; numbers that are not finite become null."""
+    """Returns `content` as strict JSON, where numbers that are not finite become null."""
     return json.dumps(_plain(content), indent=2, allow_nan=False)
 
 
@@ -131,22 +131,22 @@ def progress(description: str, total: int) -> Iterator["Bar"]:
 
 
 class Bar:
-    """One line of progress."""
+    """A progress bar on one line."""
 
     def __init__(self, bars: Progress, task: Any) -> None:
         self._bars, self._task = bars, task
 
     def advance(self, steps: float = 1) -> None:
-        """Moves on by `steps`."""
+        """Moves the bar forward by `steps`."""
         self._bars.advance(self._task, steps)
 
     def move_to(self, steps: float) -> None:
-        """Sets how far it is."""
+        """Moves the bar to `steps` of its total."""
         self._bars.update(self._task, completed=steps)
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:
-    """Prints a table; the first `left` columns are aligned left, the others, numbers, right."""
+    """Prints a table; the first `left` columns are aligned left, the others right, as numbers."""
     rows = [list(row) for row in rows]
     shown = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
     for i, name in enumerate(header):
@@ -168,7 +168,7 @@ def conclude(
     folder: RunFolder | None,
     json: bool,
 ) -> None:
-    """Writes result.json if there is a folder; prints the result as JSON, or tables and remarks."""
+    """Prints the result, as JSON or as tables and remarks; writes result.json into a folder."""
     if folder:
         folder.json("result.json", result)
     if json:
@@ -183,7 +183,7 @@ def conclude(
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Returns the same as a Markdown table."""
+    """Returns a table as Markdown text."""
     lines = ["| " + " | ".join(name.replace("\n", " ") for name in header) + " |"]
     lines.append("|" + "---|" * len(header))
     lines += ["| " + " | ".join(cell.replace("\n", "<br>") for cell in row) + " |" for row in rows]

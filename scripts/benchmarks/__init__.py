@@ -1,1 +1,1 @@
-"""What `activesuit bench` measures, one topic a file."""
+"""The measurements of `activesuit bench`, one topic a file."""

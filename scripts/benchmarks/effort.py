@@ -1,4 +1,4 @@
-"""What a suit costs the wearer when no exoskeleton helps: the same motions with and without it."""
+"""The effort that a suit costs a wearer without exoskeleton, beside the same motions unsuited."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -19,18 +19,18 @@ CONDITIONS = (("earth", 0.0), ("microgravity", 0.0), ("microgravity", 5.0))  # k
 
 @dataclass(frozen=True, kw_only=True)
 class SuitCost:
-    """Effort in a suit over effort without one, at one joint.
+    """Effort at one joint in a suit, divided by the effort without one.
 
     Attributes:
-        suit: its name.
-        gravity: where.
-        payload: mass in the hand [kg].
-        joint: of the wearer.
+        suit: Name of the suit.
+        gravity: Name of the place.
+        payload: Mass in the hand [kg].
+        joint: Joint of the wearer.
         unsuited_torque: RMS torque without the suit [N·m].
-        torque: ratio of RMS torque.
-        work: ratio of positive work.
-        work_cost: ratio of the metabolic energy of working.
-        torque_cost: ratio of the metabolic energy of holding.
+        torque: Ratio of the RMS torques.
+        work: Ratio of the positive work.
+        work_cost: Ratio of the metabolic energy of working.
+        torque_cost: Ratio of the metabolic energy of holding.
     """
 
     suit: str
@@ -49,7 +49,7 @@ class SuitCost:
 
 
 def suit_costs() -> list[SuitCost]:
-    """Compares every shipped suit with none over the same motions, without an exoskeleton."""
+    """Compares every shipped suit with no suit on the same motions, without an exoskeleton."""
     found = []
     for condition in CONDITIONS:
         unsuited = _score(NO_SUIT, *condition)
@@ -60,7 +60,7 @@ def suit_costs() -> list[SuitCost]:
 
 
 def cost_table(costs: Sequence[SuitCost]) -> tuple[list[str], list[list[str]]]:
-    """Returns header and rows."""
+    """Returns the table of the costs: header and rows."""
     header = ["suit", "gravity", "load\n[kg]", "joint", "unsuited\n[N·m]", "torque", "work"]
     header += ["cost of\nworking", "cost of\nholding"]
     rows = []

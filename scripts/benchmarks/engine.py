@@ -1,4 +1,4 @@
-"""What hysteresis costs inside `mj_step`, and what the other ways to add it cost."""
+"""The time that hysteresis takes in `mj_step`, beside other ways to add it to a simulation."""
 
 import ctypes
 import itertools
@@ -25,7 +25,7 @@ ALLOCATION_STEPS = 20_000
 
 
 def rows(repeats: int) -> list[Row]:
-    """Times the suited arm's physics against the same model without a suit."""
+    """Times a physics step of the suited arm against one of the same model without a suit."""
     plain = mujoco.MjSpec.from_file(str(SCENE)).compile()
     bare, with_sensors = _suited(sensors=False), _suited(sensors=True)
     cases: list[tuple[str, Callable[[], None], int, float | None]] = [
@@ -94,7 +94,7 @@ def _stepper(model: mujoco.MjModel) -> Callable[[], None]:
 
 
 class _Memories:
-    """The suit's torque computed in Python, as one would without the plugin."""
+    """The suit's torque computed by a Python callback, as one would without the plugin."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self.models = {name: e.model for name, e in load_suit("mock-suit").joints.items()}
@@ -103,12 +103,12 @@ class _Memories:
         self.states: list[State] = []
 
     def start(self, data: mujoco.MjData) -> None:
-        """Forgets the past."""
+        """Begins a new motion, without memory of the past."""
         starts = zip(self.models.values(), self.qpos, strict=True)
         self.states = [model.start(float(data.qpos[address])) for model, address in starts]
 
     def advance(self, data: mujoco.MjData, force: np.ndarray) -> None:
-        """Moves on to the present angles and subtracts the torques from `force`."""
+        """Steps the models to the present angles and subtracts their torques from `force`."""
         for i, model in enumerate(self.models.values()):
             self.states[i], torque = model.step(self.states[i], float(data.qpos[self.qpos[i]]))
             force[self.dof[i]] -= torque
@@ -158,7 +158,7 @@ def _batch(model: mujoco.MjModel) -> Callable[[], None]:
 
 
 def _allocations(model: mujoco.MjModel) -> list[Row]:
-    """Counts memory that stepping allocates: by numba's counter, and by the C library's."""
+    """Counts the memory that stepping allocates, by the counters of numba and of the C library."""
     data = mujoco.MjData(model)
     _start(model, data)
     _nrt_python.memsys_enable_stats()
@@ -175,7 +175,7 @@ def _allocations(model: mujoco.MjModel) -> list[Row]:
 
 
 def _in_use() -> list[int]:
-    """Returns numba's arrays so far and, where the C library is glibc, the bytes of its heap."""
+    """Returns the number of numba's arrays so far and, with glibc, the bytes of its heap."""
     arrays, mallinfo = rtsys.get_allocation_stats().alloc, _mallinfo()
     if mallinfo is None:
         return [arrays]

@@ -1,4 +1,4 @@
-"""The environment's step against the physics in it."""
+"""The time of an environment's step, against the physics inside it."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""The models' kernels against the usual ways to integrate Jiles-Atherton, and the clock."""
+"""The speed of the models' kernels, alone and against the usual integrators of Jiles-Atherton."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ BOX = np.array([[1, 100], [3, 5000], [-10, 10], [-10, 10], [1, 1000]])  # Table 
 
 @njit(error_model="numpy")
 def textbook_langevin(x):
-    """Returns L and L' as everybody writes them: closed forms, a series very near 0."""
+    """Returns L and L' as usually programmed: closed forms, and a series very near 0."""
     if abs(x) < 1e-3:
         return x / 3 - x * x * x / 45, 1 / 3 - x * x / 15
     if abs(x) > 300:
@@ -32,7 +32,7 @@ def textbook_langevin(x):
 
 @njit(error_model="numpy")
 def our_langevin(x):
-    """Returns L and L' of the package."""
+    """Returns L and L' as this package computes them."""
     L, dL, _ = langevin(x)
     return L, dL
 
@@ -96,7 +96,7 @@ def _cycles(name: str, count: int) -> np.ndarray:
 
 
 def _solved(model: JilesAtherton, turns: np.ndarray, rtol: float, samples: int) -> np.ndarray:
-    """Returns the torque by SciPy's DOP853: one call from turn to turn, at so many samples each."""
+    """Returns the torque by SciPy's DOP853, in one call from each turn to the next."""
     Ms, a, alpha, c, k = model.parameter_vector[:5]
     torque = [np.zeros(1)]
     for start, end in pairwise(turns):
@@ -121,20 +121,20 @@ def _solved(model: JilesAtherton, turns: np.ndarray, rtol: float, samples: int) 
 
 
 def _cycle(name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Returns the turns of one cycle, and its samples."""
+    """Returns the turns of one cycle and the samples between them."""
     low, high = np.radians(RANGE[name.partition("-")[0]])
     up = np.linspace(low, high, BRANCH)
     return np.array([low, high, low]), np.concatenate([up, up[-2::-1]])
 
 
 def _error(name: str, model: JilesAtherton) -> float:
-    """Returns the largest difference [N·m] from a reference solution at 1e-12."""
+    """Returns the largest difference [N·m] from a solution with the tolerance 1e-12."""
     turns, angle = _cycle(name)
     return float(np.abs(model.response(angle) - _solved(model, turns, 1e-12, BRANCH)).max())
 
 
 def _against_scipy(repeats: int) -> list[Row]:
-    """Times SciPy at our error, told the turns; and sample by sample, as `response` is asked."""
+    """Times SciPy at the kernels' accuracy: with the turns known, and sample by sample."""
     name = "elbow-sa-pso"
     model = TABLE_2[name]
     turns, angle = _cycle(name)

@@ -1,4 +1,4 @@
-"""Our own fit against the published one, and the swarms' own time beside other libraries'."""
+"""The speed of the certified fit against a published swarm, and of swarms beside libraries."""
 
 import contextlib
 import importlib.util
@@ -79,7 +79,7 @@ def _quietly(study: Callable[[Path], None]) -> None:
 
 
 def _by_rk4(curves: list[Curve]) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """Returns eq. (7) of Li et al. 2022 on a population, by one RK4 step in H per sample."""
+    """Returns eq. (7) of Li et al. 2022 for a population, with one RK4 step in H per sample."""
     angles = [np.degrees(curve.angle) for curve in curves]
     measured = np.concatenate([curve.torque for curve in curves])
     work = [np.empty_like(angle) for angle in angles]
@@ -97,7 +97,7 @@ def _by_rk4(curves: list[Curve]) -> Callable[[NDArray[np.float64]], NDArray[np.f
 
 
 def swarm_rows(repeats: int) -> list[Row]:
-    """Times what each optimizer adds to a vectorized objective: 5-D Rastrigin, population 50."""
+    """Times the work that each optimizer adds to its objective: 5-D Rastrigin, population 50."""
     found = [
         Row(
             what=f"{name}: overhead beyond the objective",
@@ -135,12 +135,12 @@ def swarm_rows(repeats: int) -> list[Row]:
 
 
 def rastrigin(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the values, (n,), of positions (n, d)."""
+    """Returns Rastrigin's function at positions (n, d), shape (n,)."""
     return 10 * x.shape[1] + np.sum(x * x - 10 * np.cos(2 * np.pi * x), axis=1)
 
 
 def _overheads(repeats: int, *works: Work) -> list[list[float]]:
-    """Returns each work's microseconds per evaluation, the objective's own time taken off."""
+    """Returns the microseconds per evaluation of each work, without those of the objective."""
     points = np.random.default_rng(0).uniform(-5.12, 5.12, (POPULATION, DIMENSIONS))
 
     def objective() -> None:

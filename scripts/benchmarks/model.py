@@ -1,4 +1,4 @@
-"""What suit and wearer cost in a step of the composed model, and how long that step may be."""
+"""The time of a physics step with suit and wearer, and the accuracy of longer steps."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -52,7 +52,7 @@ def rows(repeats: int) -> list[Row]:
 
 
 def _chain(config: ArmConfig) -> mujoco.MjModel:
-    """Returns the model of `config` with a suit that resists nowhere, without wearer actuators."""
+    """Returns the model of `config` with a suit that does not resist, and without a wearer."""
     limp = load_suit(config.suit).model_copy(update={"joints": {}})
     with TemporaryDirectory() as folder:
         save_suit(limp, Path(folder) / "limp.json")
@@ -79,14 +79,14 @@ def _stepper(model: mujoco.MjModel) -> Callable[[], None]:
 
 @dataclass(frozen=True, kw_only=True)
 class StepError:
-    """What a physics step costs in accuracy, as RMS differences from a step of 0.125 ms.
+    """Error of a physics step, as RMS differences from a step of 0.125 ms.
 
     Attributes:
-        coupling: of the exoskeleton.
-        time_step: physics step [s].
-        human: of the wearer's torque [N·m], largest of the joints.
-        suit: of the suit's torque [N·m], largest of the joints.
-        angle: of the joint angles [rad], largest of the joints.
+        coupling: Coupling of the exoskeleton.
+        time_step: Physics step [s].
+        human: Error of the wearer's torque [N·m], the largest of the joints.
+        suit: Error of the suit's torque [N·m], the largest of the joints.
+        angle: Error of the joint angles [rad], the largest of the joints.
     """
 
     coupling: str
@@ -101,7 +101,7 @@ class StepError:
 
 
 def step_errors() -> list[StepError]:
-    """Compares physics steps over 9 s of arm tracking on Earth, by an intention of seed 0.
+    """Compares physics steps over 9 s of arm tracking on Earth, with the intention of seed 0.
 
     The wearer has the position and velocity gains of the actuators and the bare arm's feed-forward;
     motors are off.
@@ -120,7 +120,7 @@ def step_errors() -> list[StepError]:
 
 
 def step_table(errors: Sequence[StepError]) -> tuple[list[str], list[list[str]]]:
-    """Returns header and rows."""
+    """Returns the table of the errors: header and rows."""
     rows = [
         [
             error.coupling,
@@ -142,7 +142,7 @@ def step_table(errors: Sequence[StepError]) -> tuple[list[str], list[list[str]]]
 
 
 def _torques(coupling: str, time_step: float) -> Array:
-    """Returns torque of wearer and suit, and angle, every period, shape (3, periods, joints)."""
+    """Returns the wearer's torque, the suit's torque and the angle, shape (3, periods, joints)."""
     config = ArmConfig.from_dict({"coupling": coupling, "sim_dt": time_step})
     model = compose(config)
     data, wiring = mujoco.MjData(model), Wiring.of(model)

@@ -1,4 +1,4 @@
-"""How often, how well and how fast each method fits the shipped curves from random starts."""
+"""Success, accuracy and speed of each method that fits the shipped curves from random starts."""
 
 import importlib.util
 import statistics
@@ -23,20 +23,20 @@ RUNS_LIMIT, TIME_LIMIT, SUCCESS_LIMIT = 200, 50.0, 0.95
 
 @dataclass(frozen=True, kw_only=True)
 class Starts:
-    """All starts of one method on one joint.
+    """Results of all starts of one method on one joint.
 
     Attributes:
-        joint: its name.
-        method: its name.
-        starts: how many random starts.
-        success_rate: share that ended within 5 % of the noise floor.
-        over_floor: median NRMSE over the noise floor.
-        evaluations: median of the model runs on all curves.
-        most_evaluations: largest of the same.
-        to_target: median of the model runs until a start was within 5 % of the noise floor;
-            infinite if most never were.
-        milliseconds: median time of one start, alone on the machine.
-        met: whether the limits are met; None for a method that has none.
+        joint: Name of the joint.
+        method: Name of the method.
+        starts: Number of random starts.
+        success_rate: Share of the starts that ended within 5 % of the noise floor.
+        over_floor: Median NRMSE, divided by the noise floor.
+        evaluations: Median number of model runs on all curves.
+        most_evaluations: Largest number of model runs on all curves.
+        to_target: Median number of model runs until a start was within 5 % of the noise floor;
+            infinite if most starts never were.
+        milliseconds: Median time of one start, alone on the machine.
+        met: Whether the limits are met; None for a method that has none.
     """
 
     joint: str
@@ -58,8 +58,8 @@ class Starts:
 def random_starts(repeats: int) -> list[Starts]:
     """Runs every method from random starts, in parallel; `repeats` of them are timed, one by one.
 
-    There are 25 starts per repeat and 200 at most.
-    The swarms and their rivals get the paper's budget, 50 x 101 model runs.
+    There are 25 starts per repeat, and 200 at most. The swarms and the other libraries' optimizers
+    get the paper's budget of 50 x 101 model runs.
     """
     methods = STARTED_METHODS
     if importlib.util.find_spec("cma") is None:
@@ -87,7 +87,7 @@ def random_starts(repeats: int) -> list[Starts]:
 
 
 def starts_table(found: list[Starts]) -> Rows:
-    """One row per joint and method."""
+    """Returns one row per joint and method."""
     header = ["joint", "method", "starts", "success", "NRMSE /\nfloor", "model\nruns"]
     header += ["runs to\nfloor", "ms per\nstart", "limits"]
     rows = [

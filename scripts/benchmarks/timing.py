@@ -1,4 +1,4 @@
-"""Times as paired medians: two things in turn in one run, so that a noisy machine hits both."""
+"""Paired timing: two pieces of work run in turn, so that a noisy machine slows both of them."""
 
 import statistics
 import time
@@ -15,16 +15,16 @@ class Row:
     """One measurement.
 
     Attributes:
-        what: what was measured.
-        against: what ran in turn with it, if anything.
-        unit: of the times, for example "ns/sample".
-        ours: median time.
-        reference: median time of the other.
-        ratio: median of the paired ratios, reference / ours: above 1 is faster.
-        lowest: smallest ratio.
-        highest: largest ratio.
-        target: what the ratio should reach, if anything.
-        limit: what `ours` should stay below, if anything.
+        what: Name of the work that was measured.
+        against: Name of the work that ran in turn with it; empty if none did.
+        unit: Unit of the times, for example "ns/sample".
+        ours: Median time of the work.
+        reference: Median time of the other work.
+        ratio: Median of the paired ratios, reference / ours; above 1 the work is faster.
+        lowest: Smallest ratio.
+        highest: Largest ratio.
+        target: Ratio that should be reached, if there is a target.
+        limit: Time that `ours` should not exceed, if there is a limit.
     """
 
     what: str
@@ -40,7 +40,7 @@ class Row:
 
     @property
     def met(self) -> bool:
-        """Whether target and limit are met; true if there are none."""
+        """Whether the target and the limit are met; true if there are none."""
         fast = self.target is None or (self.ratio is not None and self.ratio >= self.target)
         return fast and (self.limit is None or self.ours <= self.limit)
 
@@ -61,7 +61,7 @@ def compare(
     reference_count: int | None = None,
     target: float | None = None,
 ) -> Row:
-    """Times two things in turn; `count` is how many units of work a call does."""
+    """Times two pieces of work in turn; `count` is the number of units that one call does."""
     ours()
     reference()
     other = reference_count or count
@@ -84,7 +84,7 @@ def compare(
 def measure(
     what: str, work: Work, *, repeats: int, unit: str, count: int, limit: float | None = None
 ) -> Row:
-    """Times one thing that has a limit of its own."""
+    """Times one piece of work against a limit of its own."""
     work()
     scale = UNITS[unit.partition("/")[0]] / count
     ours = statistics.median(seconds(work) for _ in range(repeats)) * scale
@@ -92,7 +92,7 @@ def measure(
 
 
 def seconds(work: Work) -> float:
-    """Returns how long one call takes."""
+    """Returns the time of one call [s]."""
     start = time.perf_counter()
     work()
     return time.perf_counter() - start

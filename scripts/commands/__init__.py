@@ -1,1 +1,1 @@
-"""The commands of `activesuit`, one a file: a function of the file's name."""
+"""The commands of `activesuit`: each is a function in a file with its name."""

@@ -71,7 +71,7 @@ def animate(
 
 
 class _Reaching(ArmEnv):
-    """Shoulder and elbow reach out twice, the second time from halfway, in every cycle."""
+    """A task whose shoulder and elbow reach out twice a cycle, the second time from halfway."""
 
     duration: ClassVar[float] = CYCLES * PERIOD
 
@@ -85,7 +85,7 @@ class _Reaching(ArmEnv):
 
 
 class _Filming:
-    """Acts as another policy, and takes pictures of the last cycle."""
+    """A policy that acts as another one and takes pictures of the last cycle."""
 
     def __init__(self, env: ArmEnv, policy: Policy, bar: Bar) -> None:
         self._env, self._policy, self._bar = env, policy, bar
@@ -128,7 +128,7 @@ def _film(env: ArmEnv, policy: Policy, bar: Bar) -> list[Picture]:
 
 
 def _periodic(time: Array, turns: Sequence[tuple[float, float]]) -> Array:
-    """Returns angle, rate and acceleration of minimum-jerk moves between `turns`, for ever."""
+    """Returns angle, rate and acceleration of periodic minimum-jerk moves between `turns`."""
     motion = np.empty((3, len(time)))
     begin = turns[0][0]
     phase = begin + (time / PERIOD - begin) % 1.0

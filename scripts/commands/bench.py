@@ -1,4 +1,4 @@
-"""`activesuit bench`: speed as ratios of paired medians measured in one run, and exactness."""
+"""`activesuit bench`: measures speed, as ratios of paired medians, and exactness."""
 
 import platform
 from collections.abc import Callable, Sequence

@@ -69,7 +69,7 @@ def demo(
 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
-    """Fills `fits` by joint and method."""
+    """Runs all fits and puts them into `fits`, by joint and method."""
     runs = {"sa-pso": trials, "mpso": trials, "certified": 1}
     with progress("identifying", sum(runs.values()) * len(curves)) as bar:
 
@@ -133,7 +133,7 @@ def _identified_suit(fits: Fits) -> Suit:
 
 
 def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[str, list[Score]]:
-    """Simulates, prints, draws and writes; returns the scores by gravity."""
+    """Compares all policies; prints, draws and writes the results; returns scores by gravity."""
     scores, traces = _simulate(suit, episodes, seed)
     for gravity in GRAVITIES:
         table(f"Human torque: {ENV}, {gravity}", *score_table(scores[gravity]))
@@ -149,7 +149,7 @@ def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[st
 def _simulate(
     suit: Path, episodes: int, seed: int
 ) -> tuple[dict[str, list[Score]], dict[str, dict[str, Trace]]]:
-    """Runs all policies on Earth and without weight; keeps the first motion of each."""
+    """Runs all policies on Earth and in microgravity; keeps the first motion of each."""
     scores: dict[str, list[Score]] = {}
     traces: dict[str, dict[str, Trace]] = {gravity: {} for gravity in GRAVITIES}
     with progress("simulating", len(GRAVITIES) * len(POLICIES) * episodes) as bar:

@@ -1,4 +1,4 @@
-"""`activesuit evaluate`: policies side by side on the same motions."""
+"""`activesuit evaluate`: compares policies on the same motions."""
 
 from pathlib import Path
 from typing import Annotated
@@ -70,7 +70,7 @@ def _trained_on(policies: tuple[str, ...]) -> str | None:
 def run(
     env: str, policies: tuple[str, ...], episodes: int, seed: int, **options: object
 ) -> list[Score]:
-    """Evaluates with a progress bar."""
+    """Evaluates policies and shows a progress bar."""
     with progress(env, max(1, len(policies) * episodes)) as bar:
 
         def report(policy: str, episode: int, trace: Trace) -> None:

@@ -1,4 +1,4 @@
-"""`activesuit identify`: a model from a file of measured curves."""
+"""`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`activesuit kao-fung`: the second paper, Kao and Fung (2009), in our data."""
+"""`activesuit kao-fung`: repeats the second paper, Kao and Fung (2009), on regenerated data."""
 
 import time
 from dataclasses import asdict

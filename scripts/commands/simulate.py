@@ -1,4 +1,4 @@
-"""`activesuit simulate`: one motion under one policy, as a time series."""
+"""`activesuit simulate`: simulates one motion under one policy, and writes its time series."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""`activesuit study`: methods compared on joints by many trials, and the paper's claims judged."""
+"""`activesuit study`: compares methods by many trials, and judges the paper's claims."""
 
 from collections.abc import Sequence
 from json import loads
@@ -131,10 +131,10 @@ def _families(joints: Sequence[str]) -> Families:
 
 
 def _folder(out: Path, config: StudyConfig) -> RunFolder:
-    """Opens the folder of a new study, or of the same one.
+    """Opens the folder of a new study, or of one with the same configuration.
 
     Raises:
-        InputError: it holds another study.
+        InputError: The folder holds another study.
     """
     folder = RunFolder(out)
     wanted = loads(to_json({"version": __version__, **config.to_dict()}))
@@ -166,7 +166,7 @@ def _read_config(path: Path) -> dict[str, Any] | None:
 def _run(
     folder: RunFolder, config: StudyConfig, families: Families, backend: Backend, workers: int
 ) -> list[StudyTrial]:
-    """Returns all trials: those on disk, and the rest, run now and written one by one."""
+    """Returns all trials: reads those on disk, and runs and writes the others one by one."""
     finished = [trial for key in config.keys if (trial := _load(folder, key)) is not None]
     done = {trial.key for trial in finished}
     calls = [(config, key, families[key.joint]) for key in config.keys if key not in done]

@@ -1,4 +1,4 @@
-"""`activesuit suits`: what suits there are, and what is in one."""
+"""`activesuit suits`: lists the shipped suits, or shows and checks one suit."""
 
 import math
 from dataclasses import asdict
@@ -143,7 +143,7 @@ def _end_torque(entry: SuitJoint, model: HysteresisModel) -> float:
 
 
 def _problem(entry: SuitJoint) -> str | None:
-    """Returns what speaks against simulating a joint."""
+    """Returns the reason why a joint is not safe to simulate, or None."""
     model = entry.model
     if not _is_safe(model):
         certificate = model.certificate()
@@ -165,7 +165,7 @@ def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> 
 
 
 def _write(suit: Suit, export: Path | None, out: Path | None) -> list[Path]:
-    """Writes what was asked for; returns the files."""
+    """Writes the suit file and the figures that were asked for; returns their paths."""
     written = []
     if export:
         save_suit(suit, export)

@@ -1,4 +1,4 @@
-"""`activesuit train`: a policy by reinforcement learning (needs the extra `train`)."""
+"""`activesuit train`: trains a policy by reinforcement learning (needs the extra `train`)."""
 
 import json as jsonlib
 from contextlib import closing
@@ -132,7 +132,7 @@ def _resumed(algo: str, environments: Any, folder: RunFolder) -> Any:
 def _learn(
     learner: Any, steps: int, folder: RunFolder, config: dict[str, Any], resume: bool
 ) -> None:
-    """Learns until `steps` are done in all, and saves; Ctrl-C ends it earlier."""
+    """Trains until `steps` are done in total, and saves; Ctrl-C ends the training earlier."""
     done, algo = learner.num_timesteps, config["algo"]
     if done >= steps:
         raise InputError(f"the run has {done} steps already: give --steps above that to go on")
@@ -166,7 +166,7 @@ def _callback(learner: Any, folder: RunFolder, bar: Bar, steps: int) -> Any:
     from stable_baselines3.common.callbacks import BaseCallback
 
     class Checkpoints(BaseCallback):
-        """Saves ten times per run and moves the progress bar."""
+        """Callback that saves ten times a run and moves the progress bar."""
 
         next_save = learner.num_timesteps + steps // CHECKPOINTS
 

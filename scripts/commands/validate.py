@@ -1,4 +1,4 @@
-"""`activesuit validate`: how well a controller that believes one suit cancels another."""
+"""`activesuit validate`: scores a controller whose model of the suit is not the simulated one."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""`activesuit view`: the moving arm in a window or a browser, or a picture of it."""
+"""`activesuit view`: shows the moving arm in a window or a browser, or draws a picture of it."""
 
 import itertools
 import time
@@ -70,7 +70,7 @@ def view(
 
 
 def _move(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[None]:
-    """Runs episode after episode, for ever; stops after the reset and after every step."""
+    """Runs episodes without end; yields after each reset and after each step."""
     for episode in itertools.count(seed):
         observation, info = env.reset(seed=episode)
         policy.reset()
@@ -112,7 +112,7 @@ def _serve(motion: Iterator[None], simulated: ArmEnv) -> None:
 
 
 def _drawing(config: ArmConfig) -> mujoco.MjModel:
-    """Returns the model without engine plugins: MuJoCo in a browser does not know ours."""
+    """Returns the model without engine plugins, which MuJoCo in a browser does not have."""
     spec = arm_spec(config)
     for sensor in spec.sensors:  # MuJoCo deletes the plugin that a sensor reads with it
         spec.delete(sensor)

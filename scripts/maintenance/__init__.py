@@ -1,1 +1,1 @@
-"""Programs for the developers: they remake what ships with the package, and check its prose."""
+"""Programs for developers: they remake shipped files and check the prose of docstrings."""

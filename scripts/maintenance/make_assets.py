@@ -115,8 +115,8 @@ def emu_like(models: dict[str, JilesAtherton]) -> Suit:
     """Returns the loops of the mock suit with torques of the size of a pressurized suit's.
 
     Args:
-        models: of "shoulder" and "elbow", certified at all angles: an arm that bends further than
-            the mock suit did then meets a torque that goes on rising.
+        models: Models of "shoulder" and "elbow", certified at all angles: the torque goes on rising
+            when an arm bends further than the mock suit did.
     """
     factor = EMU_ELBOW[1] / _torque_at(models["elbow"], LI_LOWEST["elbow"], EMU_ELBOW[0])
     aside = ASSUMED["shoulder_abduction"][1]

@@ -33,7 +33,7 @@ What the numbers mean is told in [The model](model.md) and by the module that ea
 
 
 def quantities() -> dict[str, tuple[Quantity, ...]]:
-    """Returns the numbers by the module that holds them; those of arm.xml under its name."""
+    """Returns the quantities by the name of the module, or of arm.xml, that holds them."""
     found = {}
     for package in PACKAGES:
         for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
@@ -44,7 +44,7 @@ def quantities() -> dict[str, tuple[Quantity, ...]]:
 
 
 def page() -> str:
-    """Returns docs/provenance.md as it must be."""
+    """Returns the text of docs/provenance.md."""
     parts = [BEGINNING]
     for place, numbers in quantities().items():
         parts += [f"## `{place}`\n", markdown_table(HEADER, map(_cells, numbers)) + "\n"]

@@ -25,7 +25,7 @@ from .study_tables import (
 def to_dict(
     config: StudyConfig, summaries: Sequence[Summary], judgements: Sequence[Judgement]
 ) -> dict[str, Any]:
-    """Returns the study's result as plain values for JSON, without the single trials."""
+    """Returns the result of the study as plain values for JSON, without its single trials."""
     return {
         **config.to_dict(),
         "definitions": _definitions(config),

@@ -17,7 +17,7 @@ NO_CURVE = ("", "")  # cells of a held-out curve that a joint does not have
 def trial_rows(
     config: StudyConfig, summaries: Sequence[Summary]
 ) -> tuple[list[str], list[list[Any]]]:
-    """One row per trial and, for what there are several of, one column each that any joint has."""
+    """Returns one row per trial; every held-out curve of any joint has its own columns."""
     held_out = sorted({name for summary in summaries for name in summary.best.predictions})
     header = ["joint", "method", "trial", *PARAMETERS, "fitness", "nrmse", "evaluations"]
     header += ["convergence_iteration", "evaluations_to_target"]
@@ -42,7 +42,7 @@ def trial_rows(
 
 
 def summary_rows(summaries: Sequence[Summary]) -> tuple[list[str], list[list[Any]]]:
-    """One row per joint and method: the best trial, then quartiles over all, in full precision."""
+    """Returns one row per joint and method: its best trial, and the quartiles over all trials."""
     held_out = sorted({name for summary in summaries for name in summary.predictions})
     header = ["joint", "method", "trials", "noise_floor", "best_trial", *PARAMETERS]
     header += ["best_fitness", "best_nrmse", *(f"best_max_error_{name}_nm" for name in held_out)]
@@ -81,7 +81,7 @@ def summary_rows(summaries: Sequence[Summary]) -> tuple[list[str], list[list[Any
 
 
 def best_table(summaries: Iterable[Summary]) -> Rows:
-    """Table 2 of the paper in our data: the best trials; a, alpha and k in degrees."""
+    """Returns Table 2 of the paper for our data: the best trials; a, alpha and k in degrees."""
     header = ["joint", "method", "Ms\n[N·m]", "a\n[deg]", "alpha\n[deg/N·m]", "c", "k\n[deg]"]
     header += ["fitness,\neq. (7)", "NRMSE"]
     rows = []
@@ -100,7 +100,7 @@ def best_table(summaries: Iterable[Summary]) -> Rows:
 
 
 def typical_table(summaries: Iterable[Summary]) -> Rows:
-    """How good, how sure and how fast each method is: medians with quartiles."""
+    """Returns the fitness, the success rate and the speed of each method: median and quartiles."""
     header = ["joint", "method", "fitness,\nmedian", "quartiles", "success"]
     header += ["converged\nat", "runs to\ntarget"]
     rows = []
@@ -122,7 +122,7 @@ def typical_table(summaries: Iterable[Summary]) -> Rows:
 
 
 def prediction_table(summaries: Iterable[Summary]) -> Rows:
-    """The largest error [N·m] on held-out first-order curves: of the best trial, and over all."""
+    """Returns the largest error [N·m] on each held-out curve: best trial, median and quartiles."""
     header = ["joint", "method", "held-out\ncurve", "best trial\n[N·m]", "median\n[N·m]"]
     header += ["quartiles\n[N·m]"]
     rows = []
@@ -135,7 +135,7 @@ def prediction_table(summaries: Iterable[Summary]) -> Rows:
 
 
 def multi_order_table(summaries: Iterable[Summary]) -> Rows:
-    """How well held-out motions of many turns are predicted, beside first-order curves: medians."""
+    """Returns the median errors on held-out motions of many turns, beside first-order curves."""
     header = ["joint", "method", "largest error\n[N·m]", "NRMSE", "NRMSE,\nfirst-order"]
     header += ["ratio,\nquartiles", "as well"]
     rows = []
@@ -159,7 +159,7 @@ def multi_order_table(summaries: Iterable[Summary]) -> Rows:
 
 
 def verdict_table(judgements: Iterable[Judgement]) -> Rows:
-    """One row per claim of the paper, ours beside it."""
+    """Returns one row per claim of the paper, with our result beside it."""
     header = ["joint", "SA-PSO better in", "printed", "verdict", "medians,\nSA-PSO / MPSO"]
     header += ["advantage", "95 % interval"]
     rows = []

@@ -20,12 +20,12 @@ def first_order_loops(entry: SuitJoint, model: HysteresisModel) -> Mapping[str, 
     """Computes loops from the lower end of a joint's range to turns and back.
 
     Args:
-        entry: tells the range, and where the memory begins.
-        model: the entry's own, or one of its samples.
+        entry: Joint of a suit, with its range and the angle at which its memory begins.
+        model: Model of the joint, or one of its samples.
 
     Returns:
-        Angle [rad] and resistance [N·m], shape (2, n), by the turn. Those in which the torque
-        becomes infinite are left out.
+        The loops by the angle of their turn: angle [rad] and resistance [N·m], shape (2, n). Loops
+        in which the torque becomes infinite are left out.
     """
     low, high = entry.range
     approach = np.linspace(entry.start_angle, low, SAMPLES)
