@@ -1,4 +1,4 @@
-"""Files that ship with the package (MJCF, suits, curves) and the loader of suit files."""
+"""Files that ship with the package (MJCF, suits, curves), and the suits as Python objects."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ def curves_path(name: str) -> Path:
     """Returns the path of a curve file that ships with the package: "shoulder" or "elbow".
 
     Raises:
-        InputError: it is neither.
+        InputError: There are no such curves.
     """
     if name not in CURVES:
         raise unknown_name("shipped curves", name, CURVES)

@@ -1,4 +1,4 @@
-"""What a suit takes from a fit; `activesuit.identification.Fit` has all of it."""
+"""The protocol of a fit that becomes a suit; `activesuit.identification.Fit` keeps it."""
 
 from typing import Protocol, runtime_checkable
 

@@ -1,4 +1,4 @@
-"""Suit files: those that ship with the package, and the reading and writing of JSON."""
+"""Reads and writes suit files as JSON, and lists the shipped ones."""
 
 import json
 import os
@@ -19,10 +19,10 @@ def suit_names() -> list[str]:
 
 
 def load_suit(name_or_path: str | os.PathLike[str]) -> Suit:
-    """Reads a suit by the name of a shipped one, or from a JSON file.
+    """Reads a shipped suit by its name, or any suit from a JSON file.
 
     Raises:
-        InputError: there is no such suit or file, or the file is not a valid suit.
+        InputError: There is no such suit or file, or the file is not a valid suit.
     """
     text = os.fspath(name_or_path)
     is_path = text.endswith(".json") or Path(text).name != text

@@ -36,7 +36,7 @@ Model = Annotated[
 
 
 class Strict(BaseModel):
-    """A part of a suit file, which refuses unknown fields."""
+    """A part of a suit file; unknown fields raise an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -45,16 +45,17 @@ class SuitJoint(Strict):
     """The resistance of one joint and its provenance.
 
     Attributes:
-        model: any hysteresis model, in the file as its `to_dict`.
-        samples: other models that the data also allow, to randomize with.
-        range: angles [rad] in which the model was identified or is meant to be used.
-        start_angle: where the memory begins [rad].
-        start_torque: the resistance there [N·m].
-        grade: published (printed in a paper), identified (fitted to curves) or assumed.
-        source: where the numbers come from, in words.
-        data_sha256: hash of the curve file, if identified.
-        fit_nrmse: NRMSE on the fitted curves, if identified.
-        certificate_margin: the model's certificate margin when the file was made.
+        model: Any hysteresis model; the file holds its `to_dict`.
+        samples: Other models that the data allow too, to randomize with.
+        range: Lowest and highest angle [rad] at which the model was identified or may be used.
+        start_angle: Angle at which the memory of the joint begins [rad].
+        start_torque: Resistance at that angle [N·m].
+        grade: Grade of the numbers: published (printed in a paper), identified (fitted to curves)
+            or assumed.
+        source: Source of the numbers, in words.
+        data_sha256: Hash of the curve file; None if the model was not identified.
+        fit_nrmse: NRMSE on the fitted curves; None if the model was not identified.
+        certificate_margin: Margin of the model's certificate when the file was made.
     """
 
     model: Model
@@ -70,10 +71,10 @@ class SuitJoint(Strict):
 
     @classmethod
     def from_model(cls, model: HysteresisModel, **provenance: Any) -> "SuitJoint":
-        """Returns the entry of a model; `provenance` fills the other fields but the margin.
+        """Returns the joint of a model; `provenance` holds the other fields, except the margin.
 
         Raises:
-            InputError: a field is missing, unknown or wrong.
+            InputError: A field is missing, unknown or wrong.
         """
         margin = model.certificate().margin
         try:
@@ -85,14 +86,14 @@ class SuitJoint(Strict):
     def from_fit(
         cls, fit: FittedModel, *, note: str = "", samples: Sequence[HysteresisModel] = ()
     ) -> "SuitJoint":
-        """Returns the entry of a fit, with the curves it was fitted to as its source.
+        """Returns the joint of a fit, whose source is the curves of the fit.
 
-        The memory of the joint begins where the curves do, and its range is theirs.
+        The memory of the joint begins where the curves begin, and its range is theirs.
 
         Args:
-            fit: what `activesuit.identification.identify` returned.
-            note: a sentence that is added to the source.
-            samples: other models that the curves also allow, as `uncertainty` draws them.
+            fit: Result of `activesuit.identification.identify`.
+            note: Sentence that is added to the source.
+            samples: Other models that the curves allow too, as `uncertainty` draws them.
 
         Raises:
             InputError: `fit` is no fit, or a sample is less safe than the model.
@@ -139,7 +140,7 @@ class SuitJoint(Strict):
         return self
 
     def scaled(self, *, torque: float) -> "SuitJoint":
-        """Returns the joint with `torque` times the resistance, as its source then says.
+        """Returns the joint with `torque` times the resistance; its source then says so.
 
         Raises:
             InputError: `torque` is not finite or not above 0.
@@ -156,7 +157,7 @@ class SuitJoint(Strict):
 
 
 def first_problem(error: ValidationError) -> str:
-    """Returns the first thing that is wrong with the fields of a suit, and its fix."""
+    """Returns the first error in the fields of a suit, and its fix, as a sentence."""
     problem: Any = error.errors()[0]
     place = ".".join(str(part) for part in problem["loc"] if part != "[key]") or "the file"
     if problem["type"] == "extra_forbidden":

@@ -1,4 +1,4 @@
-"""Suits: which hysteresis model resists which joint, from fits, and at which pressure."""
+"""A suit: a hysteresis model for each joint that it resists, and its operating pressure."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -21,14 +21,15 @@ class Suit(Strict):
     """A suit: hysteresis models by joint. Joints that are not listed move freely.
 
     Attributes:
-        schema_version: version of this file format.
-        name: what it is called.
-        description: what it is, including how far to trust it.
-        label: "from paper" (its numbers come from published ones), "illustrative" (of a plausible
-            size, but no real suit's) or "extrapolated" (to another pressure); None for your own.
-        pressure_kpa: operating pressure that its torques belong to [kPa], above 0 and at most 110;
-            None if it is not known.
-        joints: resistance by joint name.
+        schema_version: Version of the file format.
+        name: Name of the suit.
+        description: Description of the suit, which tells how far to trust it.
+        label: Origin of the numbers: "from paper" (they come from published ones), "illustrative"
+            (they have a plausible size, but belong to no real suit) or "extrapolated" (they belong
+            to another pressure); None for your own suits.
+        pressure_kpa: Operating pressure at which the torques were measured [kPa], above 0 and at
+            most 110; None if it is not known.
+        joints: Resistance of each joint, by the name of the joint.
     """
 
     schema_version: Literal[2] = SCHEMA_VERSION
@@ -59,19 +60,19 @@ class Suit(Strict):
         note: str = "",
         samples: Mapping[str, Sequence[HysteresisModel]] | None = None,
     ) -> "Suit":
-        """Returns the suit whose joints resist as fits say.
+        """Returns the suit whose joints resist as the fitted models do.
 
         Args:
-            fits: what `activesuit.identification.identify` returned, by joint.
-            name: the name of the suit.
-            description: what the suit is; by default which methods fitted which curves.
-            base: another suit whose joints without a fit are taken over; by default they move
-                freely.
-            note: a sentence that is added to the source of each fitted joint.
-            samples: other models that the curves also allow, by joint, to randomize with.
+            fits: Results of `activesuit.identification.identify`, by joint.
+            name: Name of the suit.
+            description: Description of the suit; by default the methods and the fitted curves.
+            base: Other suit, whose joints are taken over where there is no fit; by default these
+                joints move freely.
+            note: Sentence that is added to the source of each fitted joint.
+            samples: Other models that the curves allow too, by joint, to randomize with.
 
         Raises:
-            InputError: there is no fit, a joint is unknown, or a sample has no fit or is less safe.
+            InputError: There is no fit, a joint is unknown, or a sample has no fit or is less safe.
         """
         if not isinstance(fits, Mapping) or not fits:
             raise InputError(f"fits is {fits!r}: give fits by joint, as {{'elbow_flexion': fit}}")
@@ -102,21 +103,21 @@ class Suit(Strict):
         """Writes a suit file that `load_suit` reads back, in one piece.
 
         Raises:
-            InputError: the file cannot be written.
+            InputError: The file cannot be written.
         """
         write_text(path, self.model_dump_json(indent=2, exclude_none=True) + "\n")
 
     def at_pressure(self, pressure: float) -> "Suit":
         """Returns the suit at another operating pressure, to which its torques are proportional.
 
-        They come from the gas that bending displaces (volume effect: Holschuh 2010, MIT). The
-        fabric's own share is scaled too, though it would stay.
+        The torques come from the gas that bending displaces (volume effect: Holschuh 2010, MIT).
+        The share of the fabric is scaled too, although it would stay the same.
 
         Args:
-            pressure: of the suit [kPa], 0 to 110; at 0 no joint resists.
+            pressure: Operating pressure [kPa], 0 to 110; at 0 no joint resists.
 
         Raises:
-            InputError: the pressure is out of its range, or `pressure_kpa` is not known.
+            InputError: The pressure is out of its range, or `pressure_kpa` is not known.
         """
         if not 0 <= pressure <= HIGHEST_PRESSURE:
             raise InputError(f"pressure is {pressure:g} kPa: give 0 to {HIGHEST_PRESSURE:g} kPa")

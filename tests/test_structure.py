@@ -122,7 +122,8 @@ def test_no_circle_between_the_parts_of_a_package(package):
         if name[: len(folder)] != folder or name[len(folder)] == "__init__":
             continue
         for one in imports(path):
-            if one.target[: len(folder)] == folder and one.target[len(folder)] != "__init__":
+            inside = one.target[: len(folder)] == folder and one.target[len(folder)] != "__init__"
+            if inside and one.early:
                 graph[name[len(folder)]].add(one.target[len(folder)])
     assert not circles({part: targets - {part} for part, targets in graph.items()})
 
