@@ -9,7 +9,8 @@ from ..hysteresis.around.held import Held
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves, noise_floor
-from .fits.certified import EXCESS, MARGIN, SHAPE
+from .fits.certified import EXCESS, SHAPE
+from .fits.search import MARGIN
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
 POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2

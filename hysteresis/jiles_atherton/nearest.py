@@ -8,10 +8,14 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ..certificate import PoleError
-from .model import JilesAtherton
+from . import coordinates
+from .coordinates import LOG_EXCESS, LOG_REACH, STEEPNESS
+from .model import PARAMETERS, JilesAtherton
 
 MARGIN = 0.02  # that the result keeps
 LEAST_EXCESS = 0.01  # of c above 1
+REACH = 5.0  # of the search, in e-folds to either side
+C = PARAMETERS.index("c")
 WIDEST = 100.0  # in units of a or k, where the search for a common range of angles begins
 SAMPLES = 60  # per branch
 TIE_BREAK = 1e-3  # of the curve's peak, per e-fold of a parameter that the curves do not determine
@@ -30,7 +34,7 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
     The curves compared are a first loading, a full loop and a half loop between -R and R, R the
     largest angle up to which the model itself is safe (its certificate for that range), so that
     there is a curve to compare with. The search runs in coordinates in which every point is
-    certified: log Ms, log a, alpha (2c-1) Ms / (3a), log (c-1), log k.
+    certified; `coordinates` has them.
 
     Args:
         model: any Jiles-Atherton model; one that is certified already comes back as it is. Of
@@ -58,23 +62,38 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
 
     def residual(point: Array) -> Array:
         change = (_torque(_at(point, model), angle) - wanted) / (scale * np.sqrt(angle.size))
-        return np.concatenate([change, TIE_BREAK * (point - start)])
+        return np.concatenate([change, TIE_BREAK * (_folds(point) - _folds(start))])
 
-    excess = max(model.c - 1, LEAST_EXCESS)
-    steepness = model.alpha * (2 * model.c - 1) * model.Ms / (3 * model.a)
-    limits = (-2 + MARGIN, 1 - MARGIN)
-    start = np.array([np.log(model.Ms), np.log(model.a), 0, np.log(excess), np.log(model.k)])
-    low, high = start - 5, start + 5
-    start[2], (low[2], high[2]) = np.clip(steepness, limits[0] + MARGIN, limits[1] - MARGIN), limits
-    low[3] = np.log(LEAST_EXCESS) - 1e-9
+    start, low, high = _box(model)
     fit = least_squares(residual, start, bounds=(low, high), x_scale="jac", max_nfev=100)
     return Nearest(_at(fit.x, model), float(np.linalg.norm(fit.fun[: angle.size])))
 
 
+def _box(model: JilesAtherton) -> tuple[Array, Array, Array]:
+    """Returns where the search begins, and its bounds."""
+    row = np.array([getattr(model, name) for name in PARAMETERS])
+    steepness = model.alpha * (2 * model.c - 1) * model.Ms / (3 * model.a)
+    row[C] = max(model.c, 1 + LEAST_EXCESS)
+    start = coordinates.point(row)
+    low, high = start - REACH, start + REACH
+    least, most = coordinates.STEEPNESS_LIMITS
+    low[STEEPNESS], high[STEEPNESS] = least + MARGIN, most - MARGIN
+    start[STEEPNESS] = np.clip(steepness, least + 2 * MARGIN, most - 2 * MARGIN)
+    low[LOG_EXCESS] = np.log(LEAST_EXCESS) - 1e-9
+    return start, low, high
+
+
+def _folds(point: Array) -> Array:
+    """Returns the point with log k in place of log(k (c-1))."""
+    folds = point.copy()
+    folds[LOG_REACH] -= folds[LOG_EXCESS]
+    return folds
+
+
 def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
-    Ms, a, excess, k = np.exp(point[[0, 1, 3, 4]]).tolist()
-    alpha = float(point[2]) * 3 * a / ((2 * excess + 1) * Ms)
-    return replace(_plain(model), Ms=Ms, a=a, alpha=alpha, c=1 + excess, k=k, allow_active=False)
+    (row,) = coordinates.rows(point[None]).tolist()
+    parameters = dict(zip(PARAMETERS, row, strict=True))
+    return replace(_plain(model), **parameters, allow_active=False)
 
 
 def _plain(model: JilesAtherton) -> JilesAtherton:

@@ -8,13 +8,14 @@ from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.asymmetric import LARGEST_DEGREE, Asymmetric
 from ...hysteresis.around.held import Held
-from ...hysteresis.jiles_atherton import kernels
+from ...hysteresis.jiles_atherton import coordinates, kernels
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ..curves import Curve
-from .certified import MARGIN, search_box, unit_parameters
-from .projection import BesidePolynomial, Search
+from .certified import shape_box
+from .projection import BesidePolynomial, search_shapes
+from .search import MARGIN, Evaluation
 
 SCREENED = 64
 BUDGET = 600  # evaluations of the model on all curves
@@ -48,15 +49,9 @@ def fit_asymmetric(
     """
     if not 1 <= degree <= LARGEST_DEGREE:
         raise InputError(f"degree is {degree}: use 1 to {LARGEST_DEGREE}")
-    problem = BesidePolynomial(curves, degree)
-    unit = _UnitModels(problem)
-
-    def evaluate(point: Array) -> tuple[Array, float]:
-        return problem.residual(unit.response(point)), unit.missing_margin(point)
-
-    low, high = search_box(problem.curves)
-    search = Search(evaluate, np.append(low, -1.0), np.append(high, 1.0), BUDGET)
-    search.run(rng, SCREENED, problem.floor)
+    beside = BesidePolynomial(curves, degree)
+    unit = _UnitModels(beside)
+    search = search_shapes(unit, beside.floor, screened=SCREENED, budget=BUDGET, rng=rng)
     if search.best is None:
         raise InputError(
             f"none of {search.evaluations} models tried on these curves is certified: check the "
@@ -64,29 +59,36 @@ def fit_asymmetric(
         )
     shape = unit.response(search.best)
     (_, a, alpha, c, k), _ = _unit(search.best)
-    Ms = problem.scale(shape)
+    Ms = beside.scale(shape)
     inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha / Ms, c=c, k=k, angle_unit="deg")
     safe = unit.excess(search.best, everywhere=True) <= MARGIN / 2
     return Asymmetric(
-        model=inner if safe else Held(model=inner, angle_range=(problem.low, problem.high)),
-        polynomial=problem.polynomial(shape),
+        model=inner if safe else Held(model=inner, angle_range=(beside.low, beside.high)),
+        polynomial=beside.polynomial(shape),
     )
 
 
 def _unit(point: Array) -> tuple[tuple[float, ...], float]:
     """Returns 1, a, alpha, c, k in degrees, and the torque at the beginning, all for Ms = 1."""
-    (row,) = unit_parameters(point[None, :4])
+    (row,) = coordinates.unit_rows(point[None, :4])
     bound = float(np.exp(point[3])) / (3 * row[1])  # k (c - 1) / (3a), the certificate's
     return tuple(row.tolist()), float(point[4]) * bound
 
 
 class _UnitModels:
-    """Models with Ms = 1 on the curves of a problem."""
+    """The errors of models with Ms = 1 beside the best polynomial."""
 
-    def __init__(self, problem: BesidePolynomial) -> None:
-        self.degrees, self.starts = np.degrees(problem.angle), problem.starts
-        self.start = float(np.degrees(problem.start))
-        self.range = np.degrees(problem.low), np.degrees(problem.high)
+    def __init__(self, beside: BesidePolynomial) -> None:
+        self.beside, self.starts = beside, beside.starts
+        self.degrees, self.start = np.degrees(beside.angle), float(np.degrees(beside.start))
+        self.range = np.degrees(beside.low), np.degrees(beside.high)
+        low, high = shape_box(beside.curves)
+        self.low, self.high = np.append(low, -1.0), np.append(high, 1.0)
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """Returns the errors of a point, with the projection done, and its missing margin."""
+        errors = self.beside.residual(self.response(point))
+        return Evaluation(errors, self.missing_margin(point), point.copy())
 
     def response(self, point: Array) -> Array:
         """Returns the torque along all curves, shape (samples,)."""

@@ -7,7 +7,8 @@ import numpy as np
 from ...arrays import Array
 from ...hysteresis.bouc_wen.model import BoucWen
 from ..curves import Curve
-from .projection import BesidePolynomial, Search
+from .projection import BesidePolynomial, search_shapes
+from .search import Evaluation
 
 # Search box.
 YIELD = (0.003, 10.0)  # beta^(-1/n), the z where it yields, over the span of the angles
@@ -30,8 +31,8 @@ def fit_bouc_wen(
     Args:
         curves: first-order curves, which all begin at one angle and with one torque, zero or not;
             those with role "fit" are used.
-        rng: seed or generator of the Sobol scrambling.
-        budget: most evaluations of the model on all curves.
+        rng: a seed or generator of the Sobol scrambling.
+        budget: the most evaluations of the model on all curves.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
@@ -39,28 +40,35 @@ def fit_bouc_wen(
     Raises:
         InputError: there is no usable curve, they begin apart, or the budget is too small.
     """
-    problem = BesidePolynomial(curves, degree=1)
-    span = problem.high - problem.low
-    low = np.array([np.log(YIELD[0] * span), BEND[0], np.log(SHARPNESS[0]), -1.0])
-    high = np.array([np.log(YIELD[1] * span), BEND[1], np.log(SHARPNESS[1]), 1.0])
-
-    def evaluate(point: Array) -> tuple[Array, float]:
-        return problem.residual(_memory(point, problem.curves)), 0.0
-
-    search = Search(evaluate, low, high, budget)
-    search.run(rng, SCREENED, problem.floor)
+    beside = BesidePolynomial(curves, degree=1)
+    search = search_shapes(_Shapes(beside), beside.floor, screened=SCREENED, budget=budget, rng=rng)
     assert search.best is not None  # all points are allowed
-    z = _memory(search.best, problem.curves)
-    offset, elastic = problem.polynomial(z)
+    z = _memory(search.best, beside.curves)
+    offset, elastic = beside.polynomial(z)
     beta, gamma, n, _ = _parameters(search.best)
     return BoucWen(
         elastic=elastic,
-        hysteretic=problem.scale(z),
+        hysteretic=beside.scale(z),
         beta=beta,
         gamma=gamma,
         n=n,
-        rest_angle=-offset / elastic if elastic else problem.start,
+        rest_angle=-offset / elastic if elastic else beside.start,
     )
+
+
+class _Shapes:
+    """The errors of Bouc-Wen memories, with the projection done."""
+
+    def __init__(self, beside: BesidePolynomial) -> None:
+        span = beside.high - beside.low
+        self.beside = beside
+        self.low = np.array([np.log(YIELD[0] * span), BEND[0], np.log(SHARPNESS[0]), -1.0])
+        self.high = np.array([np.log(YIELD[1] * span), BEND[1], np.log(SHARPNESS[1]), 1.0])
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """Returns the errors of a point; every one in the box is certified."""
+        errors = self.beside.residual(_memory(point, self.beside.curves))
+        return Evaluation(errors, 0.0, point.copy())
 
 
 def _parameters(point: Array) -> tuple[float, float, float, float]:

@@ -1,19 +1,18 @@
-"""What fits beside an elastic polynomial share: its projection, and the search over shapes."""
+"""The projection that fits beside an elastic polynomial share, and how they search their shapes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial import Polynomial
-from scipy.optimize import least_squares
 
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
 from ..curves import Curve, noise_floor
-from .certified import DIFFERENCE, MARGIN, NOISE_MARGIN, PENALTY, REJECTED, STALLED
 from .linear import SAME_START, usable
+from .search import REJECTED, Problem, Search, sobol_points
 
-AGREED = 1e-3  # two searches that end within this relative score found the same optimum
+AGREED = 1e-3  # two runs that end within this relative score found the same optimum
 LEAST_SCALE = 1e-9  # of the hysteretic part, in place of one that would drive the joint
 FEWEST_BEYOND = 7  # angles that take part, so that the fits leave nothing open
 
@@ -86,82 +85,28 @@ def common_start(curves: Sequence[Curve]) -> float:
     return float(np.mean(starts))
 
 
-class BudgetSpent(Exception):
-    """The search has used up its evaluations."""
+def search_shapes(
+    problem: Problem,
+    floor: float,
+    *,
+    screened: int,
+    budget: int,
+    rng: int | np.random.Generator | None,
+) -> Search:
+    """Returns a finished search from the best of some Sobol points, in turn.
 
+    Args:
+        problem: the errors of the shapes, with the projection done.
+        floor: the noise of the torque over the peak, which ends the search.
+        screened: the number of Sobol points, a power of 2.
+        budget: the most evaluations.
+        rng: a seed or generator of the Sobol scrambling.
 
-class Search:
-    """Bounded least squares from the best of some Sobol points, in turn.
-
-    Attributes:
-        best: the best allowed point so far; None before there is one.
-        score: its root mean square residual.
-        evaluations: how many points were evaluated.
+    Raises:
+        InputError: the budget does not suffice for the screening.
     """
-
-    def __init__(
-        self, evaluate: Callable[[Array], tuple[Array, float]], low: Array, high: Array, budget: int
-    ) -> None:
-        """Prepares a search.
-
-        Args:
-            evaluate: takes a point to its residuals (samples,) and the margin [1] that it lacks;
-                what lacks more than half of `MARGIN` is never the best.
-            low: lower bounds (d,).
-            high: upper bounds (d,).
-            budget: most evaluations.
-        """
-        self.evaluate, self.low, self.high, self.budget = evaluate, low, high, budget
-        self.best: Array | None = None
-        self.score, self.evaluations = np.inf, 0
-
-    def run(self, rng: int | np.random.Generator | None, screened: int, floor: float) -> None:
-        """Searches until the score is the noise `floor`, two searches agree, or the budget ends.
-
-        Raises:
-            InputError: the budget does not suffice for the screening.
-        """
-        at_least("budget", self.budget, screened + 1)
-        from scipy.stats import qmc  # slow to import
-
-        sobol = qmc.Sobol(self.low.size, rng=np.random.default_rng(rng)).random(screened)
-        points = self.low + sobol * (self.high - self.low)
-        costs = [np.mean(self._residual(point) ** 2) for point in points]
-        try:
-            for point in points[np.argsort(costs)]:
-                before = self.score
-                ended = self._minimize(point)
-                if self.score <= NOISE_MARGIN * floor or abs(ended / before - 1) < AGREED:
-                    return
-        except BudgetSpent:
-            return
-
-    def _minimize(self, start: Array) -> float:
-        result = least_squares(
-            self._residual,
-            start,
-            jac=self._jacobian,  # type: ignore[arg-type]
-            bounds=(self.low, self.high),
-            x_scale="jac",
-            ftol=STALLED,
-            xtol=STALLED,
-        )
-        return float(np.sqrt(2 * result.cost / (result.fun.size - 1)))
-
-    def _residual(self, point: Array) -> Array:
-        if self.evaluations >= self.budget:
-            raise BudgetSpent
-        self.evaluations += 1
-        residual, missing = self.evaluate(point)
-        score = float(np.sqrt(np.mean(residual**2)))
-        if missing <= MARGIN / 2 and score < self.score:
-            self.best, self.score = point.copy(), score
-        self._point, self._value = point.copy(), np.append(residual, PENALTY * missing)
-        return self._value
-
-    def _jacobian(self, point: Array) -> Array:
-        value = self._value if np.array_equal(point, self._point) else self._residual(point)
-        # Away from the nearer bound, so that every point stays inside the box.
-        step = np.where(point > (self.low + self.high) / 2, -DIFFERENCE, DIFFERENCE)
-        columns = [self._residual(moved) for moved in point + np.diag(step)]
-        return ((np.array(columns) - value) / step[:, None]).T
+    at_least("budget", budget, screened + 1)
+    search = Search(problem, budget)
+    starts = search.screened(sobol_points(problem.low, problem.high, screened, rng))
+    search.run(starts, floor, AGREED)
+    return search

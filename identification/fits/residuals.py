@@ -15,9 +15,9 @@ from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..objective import InitialTorque
+from .search import REJECTED
 
 BEGINNINGS = 1001  # tried in each direction, up to the peak of the curves
-REJECTED = 10.0  # peaks, in place of an error that is infinite
 
 
 def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:

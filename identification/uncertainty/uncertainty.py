@@ -16,8 +16,8 @@ from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
 from ..objective import CurveObjective, InitialTorque
-from ._likelihood import Likelihood
-from ._sloppy import beside_best, sloppy_directions
+from .likelihood import Likelihood
+from .sloppy_directions import beside_best, sloppy_directions
 
 NAMES = ("Ms", "a", "alpha", "c", "k")
 LOWEST = (0.0, 0.0, -np.inf, 1.0, 0.0, -np.inf)

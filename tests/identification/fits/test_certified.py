@@ -7,7 +7,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Held, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit
-from activesuit.identification.fits.certified import _Search
+from activesuit.identification.fits.certified import CertifiedProblem
 from helpers import sweep
 
 NOISE = 0.05
@@ -29,8 +29,9 @@ def response(fit, curve):
 
 @pytest.mark.parametrize("initial_torque", [0.0, 0.3, "measured", "identified"])
 def test_derivatives_are_those_of_the_residuals(elbow, initial_torque):
-    search = _Search(family(elbow, 0.3), initial_torque, budget=1000)
-    for point in search.screened(0)[:8]:
+    problem = CertifiedProblem(family(elbow, 0.3), initial_torque)
+    search = problem.search(budget=1000)
+    for point in problem.starts(search, 0)[:8]:
         expected = []
         for step in 1e-4 * np.eye(point.size):
             rise = search.residual(point + step) - search.residual(point - step)

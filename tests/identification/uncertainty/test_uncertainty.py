@@ -11,8 +11,8 @@ from activesuit.identification import Curve, certified_fit
 from activesuit.identification.fits.certified import refined
 from activesuit.identification.objective import CurveObjective
 from activesuit.identification.uncertainty import uncertainty
-from activesuit.identification.uncertainty._likelihood import Likelihood
-from activesuit.identification.uncertainty._sloppy import sloppy_directions
+from activesuit.identification.uncertainty.likelihood import Likelihood
+from activesuit.identification.uncertainty.sloppy_directions import sloppy_directions
 from helpers import TABLE_2, sweep
 from scipy.stats import binom
 

@@ -9,7 +9,8 @@ from scipy.linalg import null_space
 from scipy.optimize import brentq, least_squares
 
 from ...arrays import Array
-from ..fits.certified import REJECTED, TINY
+from ..fits.certified import TINY
+from ..fits.search import REJECTED
 from ..objective import CurveObjective
 
 CONVERGED = 1e-10

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import f
 
 from ...arrays import Array
-from ._likelihood import Likelihood
+from .likelihood import Likelihood
 
 MORE_ERROR = 0.01  # of the root mean square, that counts as the same fit
 LOOSE = np.log(1.1)  # change of a coordinate that is worth a sentence

@@ -1,0 +1,41 @@
+"""Coordinates of the Jiles-Atherton model in which a box of certified models is a box.
+
+A point is
+
+    log a,  alpha (2c-1) Ms / (3a),  log(c-1),  log(k (c-1)),  log Ms.
+
+The second is the certificate's steepness: below 1, and above -2, no motion meets the pole at any
+angle. A row is Ms, a, alpha, c, k. All angles are in one unit. Each of the first four coordinates
+describes the shape of the loops alone: at fixed ones the torque is proportional to Ms.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+
+LOG_A, STEEPNESS, LOG_EXCESS, LOG_REACH, LOG_MS = range(5)
+STEEPNESS_LIMITS = (-2.0, 1.0)  # between them every model with c > 1 is certified at all angles
+
+
+def unit_rows(shapes: NDArray[Any]) -> NDArray[Any]:
+    """Returns the rows with Ms = 1 of points without their last coordinate, (n, 4) -> (n, 5)."""
+    log_a, steepness, log_excess, log_reach = shapes.T
+    a, excess = np.exp(log_a), np.exp(log_excess)
+    alpha = steepness * 3 * a / (2 * excess + 1)
+    return np.stack([np.ones_like(a), a, alpha, 1 + excess, np.exp(log_reach) / excess], axis=1)
+
+
+def rows(points: NDArray[Any]) -> NDArray[Any]:
+    """Returns the rows of points, (n, 5) -> (n, 5); complex ones keep their imaginary part."""
+    unit, Ms = unit_rows(points[:, :LOG_MS]), np.exp(points[:, LOG_MS])
+    return np.column_stack([Ms, unit[:, 1], unit[:, 2] / Ms, unit[:, 3:]])
+
+
+def point(row: Array) -> Array:
+    """Returns the point of a row with c > 1, (5,) -> (5,)."""
+    Ms, a, alpha, c, k = row.tolist()
+    steepness = alpha * (2 * c - 1) * Ms / (3 * a)
+    return np.array([np.log(a), steepness, np.log(c - 1), np.log(k * (c - 1)), np.log(Ms)])

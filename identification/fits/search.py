@@ -1,0 +1,178 @@
+"""The search that all certified fits share: Sobol points, then least squares on a budget."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ...arrays import Array
+
+MARGIN = 0.01  # of the certificate, that a fit keeps
+PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
+REJECTED = 10.0  # in place of a residual that is infinite
+STALLED = 1e-5  # relative change of cost or point that ends one least-squares run
+NOISE_MARGIN = 1.03  # times the noise floor: a score below it is as good as the truth
+DIFFERENCE = 1e-5  # step of a derivative where nothing better is at hand
+DERIVATIVES_COST = 3  # model runs; a response with all its derivatives takes the time of 1.7 to 2.3
+
+
+class Evaluation(NamedTuple):
+    """What a problem says about a point.
+
+    Attributes:
+        errors: the relative errors of the torque, (samples,).
+        missing: the margin that is missing to a certificate with `MARGIN`.
+        answer: what the search shall remember if this is the best point.
+    """
+
+    errors: Array
+    missing: float
+    answer: Array
+
+
+class Problem(Protocol):
+    """What the search minimizes: the errors of a model over a box of coordinates."""
+
+    low: Array
+    high: Array
+
+    def evaluate(self, point: Array) -> Evaluation:
+        """Runs the model of a point on all curves."""
+        ...
+
+
+class Derivatives(NamedTuple):
+    """Exact derivatives, for a problem that has them.
+
+    Attributes:
+        errors: takes a point to the derivatives of its errors, (samples, coordinates).
+        missing: takes points (n, coordinates) to their missing margins (n,), cheaply.
+    """
+
+    errors: Callable[[Array], Array]
+    missing: Callable[[Array], Array]
+
+
+class BudgetSpent(Exception):
+    """The search has used up its evaluations."""
+
+
+class Search:
+    """Bounded least squares from several starts, which keeps the best certified point.
+
+    A point that lacks more than half of `MARGIN` is penalized, and never the best.
+
+    Attributes:
+        best: the answer of the best point so far; None before there is one.
+        score: the root mean square of its errors.
+        evaluations: how often the model ran; exact derivatives count as three runs.
+        history: (evaluations, score) whenever the best one improved.
+    """
+
+    def __init__(
+        self, problem: Problem, budget: int, derivatives: Derivatives | None = None
+    ) -> None:
+        """Prepares a search.
+
+        Args:
+            problem: what to minimize.
+            budget: the most evaluations.
+            derivatives: the exact derivatives of the problem; by default they are differences.
+        """
+        self.problem, self.budget, self.derivatives = problem, budget, derivatives
+        self.best: Array | None = None
+        self.score, self.evaluations = np.inf, 0
+        self.history: list[tuple[int, float]] = []
+
+    def spend(self, evaluations: int) -> None:
+        """Counts model runs.
+
+        Raises:
+            BudgetSpent: the budget does not allow them.
+        """
+        if self.evaluations + evaluations > self.budget:
+            raise BudgetSpent
+        self.evaluations += evaluations
+
+    def keep(self, answer: Array, score: float, missing: float) -> None:
+        """Makes an answer the best so far, if it is and is certified."""
+        if missing <= MARGIN / 2 and score < self.score:
+            self.best, self.score = answer, score
+            self.history.append((self.evaluations, score))
+
+    def screened(self, points: Array) -> Array:
+        """Evaluates points (n, coordinates); returns them with the best one first."""
+        costs = np.array([np.mean(self.residual(point) ** 2) for point in points])
+        return points[np.argsort(costs)]
+
+    def run(self, starts: Iterable[Array], floor: float = 0.0, agreement: float = 0.0) -> None:
+        """Minimizes from each start in turn until one reason to end is met.
+
+        Args:
+            starts: points to begin at, the most promising one first.
+            floor: the noise; a score as low as this ends the search.
+            agreement: two runs that end within this relative score found the same optimum, which
+                ends the search; 0 tries all starts.
+        """
+        try:
+            for start in starts:
+                before = self.score
+                ended = self._minimize(start)
+                if self.score <= NOISE_MARGIN * floor:
+                    return
+                if agreement and abs(ended / before - 1) < agreement:
+                    return
+        except BudgetSpent:
+            return
+
+    def residual(self, point: Array) -> Array:
+        """Returns the errors of a point and its penalty, (samples + 1,)."""
+        self.spend(1)
+        errors, missing, answer = self.problem.evaluate(point)
+        self.keep(answer, float(np.sqrt(np.mean(errors**2))), missing)
+        self._point, self._value = point.copy(), np.append(errors, PENALTY * missing)
+        return self._value
+
+    def jacobian(self, point: Array) -> Array:
+        """Returns the derivatives of `residual`, (samples + 1, coordinates)."""
+        return self._differences(point) if self.derivatives is None else self._exact(point)
+
+    def _minimize(self, start: Array) -> float:
+        """Runs least squares from a start; returns the score, penalty included, where it ended."""
+        result = least_squares(
+            self.residual,
+            start,
+            jac=self.jacobian,  # type: ignore[arg-type]
+            bounds=(self.problem.low, self.problem.high),
+            x_scale="jac",
+            ftol=STALLED,
+            xtol=STALLED,
+        )
+        return float(np.sqrt(2 * result.cost / (result.fun.size - 1)))
+
+    def _exact(self, point: Array) -> Array:
+        assert self.derivatives is not None
+        self.spend(DERIVATIVES_COST)
+        errors = self.derivatives.errors(point)
+        missing = self.derivatives.missing(point[None])
+        moved = self.derivatives.missing(point + DIFFERENCE * np.eye(point.size))
+        return np.vstack([errors, PENALTY * (moved - missing) / DIFFERENCE])
+
+    def _differences(self, point: Array) -> Array:
+        value = self._value if np.array_equal(point, self._point) else self.residual(point)
+        # Away from the nearer bound, so that every point stays inside the box.
+        middle = (self.problem.low + self.problem.high) / 2
+        step = np.where(point > middle, -DIFFERENCE, DIFFERENCE)
+        columns = [self.residual(moved) for moved in point + np.diag(step)]
+        return ((np.array(columns) - value) / step[:, None]).T
+
+
+def sobol_points(
+    low: Array, high: Array, count: int, rng: int | np.random.Generator | None
+) -> Array:
+    """Returns scrambled Sobol points in a box, (count, coordinates)."""
+    from scipy.stats import qmc  # slow to import
+
+    drawn = qmc.Sobol(low.size, rng=np.random.default_rng(rng)).random(count)
+    return low + drawn * (high - low)
