@@ -134,9 +134,9 @@ class CertifiedProblem:
 
     def evaluate(self, point: Array) -> Evaluation:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| along all curves, the missing margin, and the row."""
-        (row,) = self.rows(point[None])
         if point[4] < np.log(LEAST * self.objective.peak):  # as on curves that drive the joint
-            return Evaluation(np.full(self.objective.torque.size, REJECTED), 1.0, row)
+            return Evaluation(np.full(self.objective.torque.size, REJECTED), 1.0, point)
+        (row,) = self.rows(point[None])
         errors = (self.objective.responses(row)[0] - self.objective.torque) * self.scale
         errors = np.where(np.isfinite(errors), errors, REJECTED)
         missing = self.missing_margin(row, self.objective.first_torques(row))
