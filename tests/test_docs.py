@@ -65,6 +65,15 @@ def test_three_joints_is_short_and_stands_on_its_page():
     assert "\n".join(lines) + "\n" == examples("robot.md")[0]
 
 
+def test_the_plugin_example_is_short_and_stands_on_its_page():
+    script = (DOCS / "stribeck.py").read_text(encoding="utf-8")
+    plugin, demonstration = examples("robot.md")[-2:]
+    assert plugin + "\n" + demonstration == script
+    comments = ("#", '"""')
+    code = [line for line in plugin.splitlines() if line.strip()]
+    assert sum(not line.lstrip().startswith(comments) for line in code) <= 40
+
+
 def test_all_pages_are_in_the_navigation():
     navigation = re.findall(r"^  - [^:]+: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
     assert sorted(navigation) == PAGES

@@ -84,8 +84,7 @@ def push(m, d, body, point, force, torque, at):
 def evaluate(m, d, instance, capability, at):
     """Adds the forces at the current position and velocity, or writes the sensors."""
     ids = word_of(d, instance, at)
-    address, _ = state_of(m, d, instance, at)
-    p = doubles(address, PARAMETER_SIZE)
+    p = doubles(state_of(m, d, instance, at), PARAMETER_SIZE)
     limb_site, exo_site = number_of(ids, LIMB), number_of(ids, EXO)
     position, Ra = site_frame(d, limb_site, at)
     origin, Rb = site_frame(d, exo_site, at)
@@ -131,7 +130,7 @@ def build(at: Layout) -> Any:
         fault, ids = connect(m, instance, at)
         if fault[0] == FINE:
             set_word(d, instance, ids, at)
-            fault = configure(m, instance, state_of(m, d, instance, at)[0], at)
+            fault = configure(m, instance, state_of(m, d, instance, at), at)
         if fault[0] == FINE:
             return 0
         complain(m, instance, b"limb site", LIMB, fault[1], SENTENCES[fault[0]], at)

@@ -70,7 +70,6 @@ class Layout(NamedTuple):
     m_sensor_adr: int
     m_plugin: int
     m_plugin_stateadr: int
-    m_plugin_statenum: int
     m_plugin_attr: int
     m_plugin_attradr: int
     m_names: int

@@ -37,6 +37,7 @@ from .native import (
     sensor_values,
     set_word,
     state_of,
+    state_size,
     word_of,
 )
 
@@ -74,7 +75,7 @@ def evaluate(kernels, m, d, instance, capability, at):
     if capability != at.mjPLUGIN_PASSIVE and not has_sensors(ids):
         return
     joint = joint_of(ids)
-    address, size = state_of(m, d, instance, at)
+    address, size = state_of(m, d, instance, at), state_size(m, instance, at)
     fault, memory, p, polynomial, limits = parts(kernels, ids, address, size)
     position = angle_of(m, d, joint, at)
     inside = within(limits, position)
@@ -125,7 +126,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         fault, ids = connect(m, instance, at)
         if fault[0] == FINE:
             set_word(d, instance, ids, at)
-            address, size = state_of(m, d, instance, at)
+            address, size = state_of(m, d, instance, at), state_size(m, instance, at)
             fault = configure(kernels, kinds, words, m, instance, ids, address, size, at)
         if fault[0] == FINE:
             return 0
@@ -138,7 +139,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
 
     @callback
     def reset(m, plugin_state, plugin_data, instance):
-        size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
+        size = state_size(m, instance, at)
         configure(kernels, kinds, words, m, instance, plugin_data, plugin_state, size, at)
 
     @callback
@@ -148,7 +149,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
     @callback
     def advance(m, d, instance):
         ids = word_of(d, instance, at)
-        address, size = state_of(m, d, instance, at)
+        address, size = state_of(m, d, instance, at), state_size(m, instance, at)
         fault, memory, p, _, limits = parts(kernels, ids, address, size)
         angle = within(limits, angle_of(m, d, joint_of(ids), at))
         if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):

@@ -4,7 +4,7 @@ A plugin is a set of callbacks that MuJoCo calls from C, without Python's lock a
 it adds passive forces and measures them with sensors. No C compiler is needed. docs/robot.md builds
 one, a joint with Stribeck friction, in forty lines. The steps are
 
-1. a NamedTuple class of the fields that the callbacks touch, filled by `layout`;
+1. a named tuple class of the fields that the callbacks touch, filled by `layout`;
 2. a function that defines the callbacks with the decorator `callback`; they get addresses as
    integers, and reach numbers with `pointer_at`, `int32_at` and `doubles`, the config with `config`
    and `parse_numbers`, their own state with `state_of`;
@@ -25,6 +25,7 @@ from ._instance import (
     sensor_values,
     set_word,
     state_of,
+    state_size,
     word_of,
 )
 from ._layout import layout
@@ -77,6 +78,7 @@ __all__ = [
     "set_word",
     "starts_with",
     "state_of",
+    "state_size",
     "store_pointer",
     "word_of",
 ]

@@ -2,6 +2,9 @@
 
 Every function takes the addresses of mjModel (`m`) or mjData (`d`), the number of the instance, and
 `at`, the `layout` of the plugin with the fields that the function names.
+
+None of them has a cache of its own: it would hold the layout classes of all plugins, and could not
+be read where the module of one of them is missing. They are part of the plugin's own machine code.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -14,7 +17,7 @@ from ._memory import character_at, doubles, int32_at, plugin_at, pointer_at, sto
 from ._text import SENTENCE_LIMIT, add, add_text, issue
 
 
-@njit(cache=True)
+@njit
 def config(m, instance, key, at):
     """Returns the address of the value of config key number `key`, a C string ("" if not given).
 
@@ -30,13 +33,13 @@ def config(m, instance, key, at):
     return text
 
 
-@njit(cache=True)
+@njit
 def plugin_name(m, instance, at):
     """Returns the address of the name of an instance's plugin; it reads m_plugin."""
     return pointer_at(plugin_at(int32_at(pointer_at(m + at.m_plugin), instance)))
 
 
-@njit(cache=True)
+@njit
 def key_name(m, instance, key, at):
     """Returns the address of the name of a config key; it reads m_plugin."""
     plugin = plugin_at(int32_at(pointer_at(m + at.m_plugin), instance))
@@ -45,28 +48,33 @@ def key_name(m, instance, key, at):
 
 @njit(inline="always")
 def state_of(m, d, instance, at):
-    """Returns the address and the number of an instance's values in `mjData.plugin_state`.
+    """Returns the address of an instance's numbers in `mjData.plugin_state`.
 
-    It reads m_plugin_stateadr, m_plugin_statenum and d_plugin_state.
+    It reads m_plugin_stateadr and d_plugin_state.
     """
     address = int32_at(pointer_at(m + at.m_plugin_stateadr), instance)
-    size = int32_at(pointer_at(m + at.m_plugin_statenum), instance)
-    return pointer_at(d + at.d_plugin_state) + 8 * address, size
+    return pointer_at(d + at.d_plugin_state) + 8 * address
 
 
-@njit(cache=True)
+@njit(inline="always")
+def state_size(m, instance, at):
+    """Returns how many numbers of `plugin_state` an instance has; it reads m_plugin_statenum."""
+    return int32_at(pointer_at(m + at.m_plugin_statenum), instance)
+
+
+@njit
 def word_of(d, instance, at):
     """Returns the integer that an instance keeps in `plugin_data`; it reads d_plugin_data."""
     return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
 
 
-@njit(cache=True)
+@njit
 def set_word(d, instance, word, at):
     """Stores that integer, which no reset and no saved state changes."""
     store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, word)
 
 
-@njit(cache=True)
+@njit
 def is_sensor_of(m, sensor, instance, at):
     """Returns whether a sensor belongs to an instance.
 
@@ -76,7 +84,7 @@ def is_sensor_of(m, sensor, instance, at):
     return ours and int32_at(pointer_at(m + at.m_sensor_type), sensor) == at.mjSENS_PLUGIN
 
 
-@njit(cache=True)
+@njit
 def sensor_name(m, sensor, at):
     """Returns the address of a sensor's name; it reads m_names and m_name_sensoradr."""
     return pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), sensor)
@@ -89,7 +97,7 @@ def sensor_values(m, d, sensor, count, at):
     return doubles(pointer_at(d + at.d_sensordata) + 8 * address, count)
 
 
-@njit(cache=True)
+@njit
 def begin_complaint(m, instance, noun, subject, key, at):
     """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
 
@@ -119,7 +127,7 @@ def begin_complaint(m, instance, noun, subject, key, at):
     return sentence, n
 
 
-@njit(cache=True)
+@njit
 def complain(m, instance, noun, subject, key, reason, at):
     """Issues a sentence about a config that ends with `reason`, as a MuJoCo warning."""
     sentence, n = begin_complaint(m, instance, noun, subject, key, at)

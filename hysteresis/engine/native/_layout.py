@@ -78,7 +78,7 @@ def layout(kind: type[Layout]) -> Layout:
     """Returns the fields that a plugin asks for, found in the installed MuJoCo and checked.
 
     Args:
-        kind: A NamedTuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
+        kind: A named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
             mjModel, `d_NAME` that in mjData, and the name of a value of one of MuJoCo's enums, as
             `mjOBJ_JOINT`, that value. Other fields keep their defaults.
 

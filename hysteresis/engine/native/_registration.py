@@ -34,15 +34,25 @@ def callback(function: Callable[..., Any]) -> Any:
     """Compiles a callback (a decorator); the name of the function says which one it is.
 
     The machine code is cached on disk, separately for each set of values that the function takes
-    from the function around it.
+    from the function around it; but not where the function has no file, as in a notebook.
+
+    Raises:
+        KeyError: The name is that of no callback.
     """
-    return cfunc(SIGNATURES[function.__name__], cache=True)(function)
+    signature = SIGNATURES[function.__name__]
+    try:
+        return cfunc(signature, cache=True)(function)
+    except RuntimeError:  # numba found no place for a cache
+        return cfunc(signature)(function)
 
 
 def register_plugin(
     name: str, keys: Sequence[str], build: Callable[[], Iterable[Any]], stage: int = STAGE_POS
 ) -> int:
-    """Registers a plugin of passive forces and sensors with MuJoCo, once per process.
+    """Registers a plugin of passive forces with MuJoCo, once per process.
+
+    A plugin with the callback `nsensordata` has sensors too: MuJoCo then calls `compute` with
+    mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Args:
         name: Unique name of the plugin, which MJCF refers to.
@@ -55,11 +65,11 @@ def register_plugin(
     """
     with _lock:
         if name not in _slots:
-            _slots[name] = _register(name, keys, build(), stage)
+            _slots[name] = _register(name, keys, list(build()), stage)
         return _slots[name]
 
 
-def _register(name: str, keys: Sequence[str], callbacks: Iterable[Any], stage: int) -> int:
+def _register(name: str, keys: Sequence[str], callbacks: Sequence[Any], stage: int) -> int:
     library = mujoco_library()
     attributes = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
     plugin = Plugin()
@@ -67,7 +77,8 @@ def _register(name: str, keys: Sequence[str], callbacks: Iterable[Any], stage: i
     plugin.name = name.encode()
     plugin.nattribute = len(keys)
     plugin.attributes = attributes
-    plugin.capabilityflags = PASSIVE | SENSOR
+    has_sensors = any(compiled.__name__ == "nsensordata" for compiled in callbacks)
+    plugin.capabilityflags = PASSIVE | SENSOR if has_sensors else PASSIVE
     plugin.needstage = stage
     for compiled in callbacks:
         setattr(plugin, compiled.__name__, compiled.address)

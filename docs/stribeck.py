@@ -1,0 +1,90 @@
+"""A joint with Stribeck friction as an engine plugin; draws the friction of a wheel that runs out."""
+
+import math
+from collections import namedtuple
+
+from activesuit.hysteresis.engine import native
+
+KEYS = ("joint", "coulomb", "static", "stribeck_rate")  # N·m, N·m, rad/s
+JOINT, COULOMB = 0, 1
+# What the callbacks touch: fields of mjModel (m_) and of mjData (d_), and a value of an enum.
+FIELDS = """m_jnt_dofadr m_plugin m_plugin_attr m_plugin_attradr m_plugin_stateadr
+    d_qvel d_qfrc_passive d_plugin_state d_plugin_data mjOBJ_JOINT"""
+Layout = namedtuple("Layout", FIELDS)
+
+
+def build():
+    """Compiles what MuJoCo calls; m and d are the addresses of mjModel and mjData."""
+    at = native.layout(Layout)
+
+    @native.callback
+    def nstate(m, instance):  # how many numbers an instance keeps in mjData.plugin_state
+        return 3
+
+    @native.callback
+    def init(m, d, instance):
+        joint = native.name2id(m, at.mjOBJ_JOINT, native.config(m, instance, JOINT, at))
+        if joint < 0:
+            native.complain(m, instance, b"joint", JOINT, JOINT, b"there is none; name one", at)
+            return -1
+        native.set_word(d, instance, joint, at)  # in mjData.plugin_data, which no reset changes
+        return 0
+
+    @native.callback
+    def copy(destination, m, source, instance):
+        native.set_word(destination, instance, native.word_of(source, instance, at), at)
+
+    @native.callback
+    def reset(m, plugin_state, plugin_data, instance):
+        p = native.doubles(plugin_state, 3)
+        for i in range(3):
+            native.parse_numbers(native.config(m, instance, COULOMB + i, at), p[i : i + 1])
+
+    @native.callback
+    def compute(m, d, instance, capability):
+        coulomb, static, scale = native.doubles(native.state_of(m, d, instance, at), 3)
+        joint = native.word_of(d, instance, at)
+        dof = native.int32_at(native.pointer_at(m + at.m_jnt_dofadr), joint)
+        rate = native.doubles(native.pointer_at(d + at.d_qvel), dof + 1)[dof]
+        force = native.doubles(native.pointer_at(d + at.d_qfrc_passive), dof + 1)
+        strength = coulomb + (static - coulomb) * math.exp(-((rate / scale) ** 2))
+        force[dof] -= strength * math.tanh(10 * rate / scale)
+
+    return nstate, init, copy, reset, compute
+
+
+native.register_plugin("demo.stribeck", KEYS, build, native.STAGE_VEL)
+
+import matplotlib.pyplot as plt
+import mujoco
+import numpy as np
+
+WHEEL = """
+<mujoco>
+  <option timestep="0.001" gravity="0 0 0"/>
+  <extension>
+    <plugin plugin="demo.stribeck">
+      <instance name="bearing">
+        <config key="joint" value="axle"/> <config key="coulomb" value="0.4"/>
+        <config key="static" value="0.7"/> <config key="stribeck_rate" value="0.2"/>
+      </instance>
+    </plugin>
+  </extension>
+  <worldbody><body><joint name="axle"/><geom size=".2" mass="20"/></body></worldbody>
+</mujoco>"""
+wheel = mujoco.MjData(mujoco.MjModel.from_xml_string(WHEEL))
+wheel.qvel[0] = 1.5
+run = []
+while wheel.qvel[0] > 1e-3:
+    mujoco.mj_step(wheel.model, wheel)
+    run.append((wheel.time, wheel.qvel[0], -wheel.qfrc_passive[0]))
+time, rate, friction = np.transpose(run)
+
+figure, axes = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+axes[0].plot(time, rate)
+axes[0].set(xlabel="time [s]", ylabel="rate [rad/s]")
+axes[1].plot(rate, friction)
+axes[1].set(xlabel="rate [rad/s]", ylabel="friction [N·m]")
+for axis in axes:
+    axis.grid(alpha=0.3)
+figure.savefig("stribeck.png", dpi=110)

@@ -1,0 +1,141 @@
+"""A hysteresis model from outside the package: fit, suit file, engine, command line."""
+
+import json
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import load_suit
+from activesuit.errors import InputError
+from activesuit.hysteresis import (
+    MODELS,
+    Asymmetric,
+    Held,
+    HysteresisModel,
+    model_from_dict,
+    register_model,
+)
+from activesuit.hysteresis.engine import attach, register, replace_model
+from activesuit.identification import (
+    first_order_motions,
+    identify,
+    measure,
+    register_fit,
+    save_curves,
+)
+from activesuit.identification.fits.registry import FITS
+from activesuit.scripts.main import main
+from maxwell_slip import MaxwellSlip, fit_maxwell_slip
+
+TRUTH = MaxwellSlip(elastic=2.0, spring=20.0, limit=3.0)
+ARM = """<mujoco><option timestep="0.005" gravity="0 0 0"/>
+  <worldbody><body><geom size=".1"/><joint name="hinge" armature="1"/></body></worldbody>
+  <actuator><position joint="hinge" kp="4000" dampratio="1"/></actuator></mujoco>"""
+
+
+@pytest.fixture(autouse=True)
+def known():
+    register_model(MaxwellSlip)
+    register_fit("maxwell-slip", fit_maxwell_slip)
+    yield
+    del MODELS["maxwell-slip"], FITS["maxwell-slip"]
+
+
+@pytest.fixture
+def curves():
+    motions = first_order_motions((0.5, 0.8, 1.1), start_angle=0.1, angle_step=0.01)
+    return measure(TRUTH, motions, rng=0, noise_fraction=0.01, predict=["0.80"])
+
+
+def test_dictionaries_know_it():
+    assert model_from_dict(TRUTH.to_dict()) == TRUTH
+    held = Held(model=TRUTH, angle_range=(0.0, 1.0))
+    assert model_from_dict(held.to_dict()) == held
+
+
+def test_it_is_fitted(curves):
+    fit = identify(curves, model="maxwell-slip")
+    assert fit.model.spring == pytest.approx(TRUTH.spring, rel=0.05)
+    assert fit.model.limit == pytest.approx(TRUTH.limit, rel=0.05)
+    assert fit.nrmse < 0.012
+    assert max(fit.prediction_errors.values()) < 0.3
+
+
+def test_auto_tries_it(curves):
+    fit = identify([*curves.fitted()], method="auto")
+    assert "maxwell-slip" in {one.name for one in fit.candidates}
+    assert fit.model_name == "maxwell-slip"  # it has the fewest parameters
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        TRUTH,
+        Held(model=TRUTH, angle_range=(-0.2, 0.3)),
+        Asymmetric(model=TRUTH, polynomial=[0.2, -1.0]),
+    ],
+    ids=lambda model: model.name,
+)
+def test_the_engine_has_its_torque(model):
+    spec = mujoco.MjSpec.from_string(ARM)
+    attach(spec, "hinge", model)
+    data = mujoco.MjData(spec.compile())
+    angle, torque = [0.0], [0.0]
+    for i in range(300):
+        data.ctrl[0] = 0.5 * np.sin(0.05 * i)
+        mujoco.mj_step(data.model, data)
+        mujoco.mj_forward(data.model, data)
+        angle.append(float(data.qpos[0]))
+        torque.append(-float(data.sensor("hinge_suit_torque").data[0]))
+    np.testing.assert_allclose(torque, model.response(angle), atol=1e-12)
+    state = model.start(0.0)
+    for one in angle[1:]:
+        state, _ = model.step(state, one)
+    lost = data.sensor("hinge_suit_dissipated_energy").data[0]
+    assert lost == pytest.approx(model.energy(state).dissipated)
+    assert lost > 0.5
+
+
+def test_each_simulation_may_have_its_own():
+    spec = mujoco.MjSpec.from_string(ARM)
+    attach(spec, "hinge", TRUTH)
+    data = mujoco.MjData(spec.compile())
+    replace_model(data.model, data.plugin_state, "hinge", TRUTH.scaled(torque=2))
+    data.qpos[0] = 0.4
+    mujoco.mj_forward(data.model, data)
+    assert -data.sensor("hinge_suit_torque").data[0] == 2 * TRUTH.response([0, 0.4])[-1]
+
+
+def test_plain_mjcf_and_its_own_complaints():
+    assert "activesuit.maxwell_slip" in register()
+    spec = mujoco.MjSpec.from_string(ARM)
+    attach(spec, "hinge", TRUTH)
+    text = spec.to_xml()
+    mujoco.MjModel.from_xml_string(text)
+    with pytest.raises(ValueError, match="spring is '-1': a slider needs a number above 0"):
+        mujoco.MjModel.from_xml_string(text.replace('value="20.0"', 'value="-1"'))
+
+
+def test_the_command_line_takes_it_from_curves_to_a_motion(curves, tmp_path, capsys):
+    save_curves(tmp_path / "elbow_flexion.csv", curves)
+    fit = str(tmp_path / "fit")
+    main(["identify", str(tmp_path / "elbow_flexion.csv"), "--model", "maxwell-slip", "--out", fit])
+    suit = tmp_path / "fit" / "suit.json"
+    assert load_suit(suit).joints["elbow_flexion"].model.name == "maxwell-slip"
+    capsys.readouterr()
+    main(["simulate", "--suit", str(suit), "--json", "--out", str(tmp_path / "motion")])
+    assert json.loads(capsys.readouterr().out)
+
+
+def test_what_is_no_model_is_refused():
+    class Nameless(HysteresisModel):
+        pass
+
+    for wrong, message in (
+        (MaxwellSlip(elastic=1, spring=1, limit=1), "give a class derived from HysteresisModel"),
+        (dict, "give a class derived from HysteresisModel"),
+        (Nameless, "model Nameless lacks certificate, .*, name, kernels: define that"),
+        (type("Other", (MaxwellSlip,), {}), "there is another model 'maxwell-slip'"),
+    ):
+        with pytest.raises(InputError, match=message):
+            register_model(wrong)
