@@ -1,4 +1,4 @@
-"""A joint with Stribeck friction as an engine plugin; draws the friction of a wheel that runs out."""
+"""A joint with Stribeck friction as an engine plugin, and a wheel that runs out on it."""
 
 import math
 from collections import namedtuple
