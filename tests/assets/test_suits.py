@@ -1,5 +1,6 @@
 import hashlib
 import json
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -255,3 +256,69 @@ def test_bad_files(tmp_path, content):
         load_suit(tmp_path / "none.json")
     with pytest.raises(InputError, match=r"unknown suit 'mocksuit'.*did you mean 'mock-suit'"):
         load_suit("mocksuit")
+
+
+class Measured:
+    """The curves that a fit has, as `assets` sees them."""
+
+    source, sha256 = "knee.csv", "5e5f"
+    names = ("a", "b")
+    angle_range, start_angle, start_torque = (0.1, 1.2), 0.1, 0.3
+
+    def fitted(self):
+        return self
+
+
+@dataclass
+class Found:
+    model: object = SAFE
+    method: str = "certified"
+    initial_torque: float | str = "measured"
+    nrmse: float = 0.01
+    curves: object = field(default_factory=Measured)
+
+
+def test_suits_from_fits(tmp_path):
+    base = load_suit("mock-suit")
+    fits = {"wrist_flexion": Found(), "elbow_flexion": Found(initial_torque=0.2)}
+    samples = {"wrist_flexion": [SAFE.scaled(torque=1.1)]}
+    suit = Suit.from_fits(fits, name="mine", base=base, samples=samples, note="By hand.")
+    suit.save(tmp_path / "mine.json")
+    assert load_suit(tmp_path / "mine.json") == suit
+    assert suit.description.startswith("Identified: wrist_flexion from knee.csv by certified; elb")
+    wrist, elbow = suit.joints["wrist_flexion"], suit.joints["elbow_flexion"]
+    assert wrist.source == "certified fit of knee.csv, curves a, b. By hand."
+    assert (wrist.grade, wrist.data_sha256, wrist.fit_nrmse) == ("identified", "5e5f", 0.01)
+    assert (wrist.range, wrist.start_angle, wrist.start_torque) == ((0.1, 1.2), 0.1, 0.3)
+    assert wrist.certificate_margin == SAFE.certificate().margin
+    assert (wrist.samples, elbow.samples) == ((SAFE.scaled(torque=1.1),), ())
+    assert elbow.start_torque == 0.2
+    assert suit.joints["shoulder_flexion"] == base.joints["shoulder_flexion"]
+    assert set(Suit.from_fits(fits).joints) == set(fits)
+
+
+@pytest.mark.parametrize(
+    ("fits", "options", "message"),
+    [
+        ({}, {}, r"fits is \{\}: give fits by joint, as \{'elbow_flexion': fit\}"),
+        (Found(), {}, "fits is .*Found.*: give fits by joint"),
+        ({"knee": Found()}, {}, "unknown joint 'knee': use one of elbow_flexion"),
+        ({"elbow_flexio": Found()}, {}, "did you mean 'elbow_flexion'"),
+        ({"elbow_flexion": SAFE}, {}, "fit is JilesAtherton.*: give what identify returned"),
+        ({"elbow_flexion": Found()}, {"name": ""}, "name: String should have at least 1"),
+        (
+            {"elbow_flexion": Found()},
+            {"samples": {"wrist_flexion": []}},
+            "samples has 'wrist_flexion', which has no fit: leave it out",
+        ),
+        (
+            {"elbow_flexion": Found()},
+            {"samples": {"elbow_flexion": [UNSAFE]}},
+            r"samples\[0\] has certificate margin -0.2.* remove that sample",
+        ),
+    ],
+)
+def test_bad_fits(fits, options, message):
+    with pytest.raises(InputError, match=message) as error:
+        Suit.from_fits(fits, **options)
+    assert "\n" not in str(error.value)

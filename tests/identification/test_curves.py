@@ -1,10 +1,13 @@
+import hashlib
 import math
+import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.identification import Curve, load_curves, save_curves
+from activesuit.identification import Curve, Curves, load_curves, save_curves
 
 HEADER = "curve,angle_rad,torque_nm\n"
 
@@ -134,3 +137,28 @@ def test_saving_fails_without_leftovers(tmp_path, small_family):
     with pytest.raises(InputError, match="cannot write"):
         save_curves(tmp_path / "no" / "where.csv", small_family)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_curves_know_their_roles_and_their_file(tmp_path):
+    path = curves_path("elbow")
+    curves = load_curves(path)
+    assert isinstance(curves, Curves)
+    assert curves.held_out().names == ["1.05", "1.40"]
+    assert sorted([*curves.fitted().names, *curves.held_out().names]) == sorted(curves.names)
+    assert curves.peak == max(np.abs(curve.torque).max() for curve in curves)
+    assert curves.angle_range == pytest.approx((0.52, 1.57), abs=1e-6)
+    assert curves.start_angle == 0.52
+    assert curves.start_torque == pytest.approx(0, abs=0.1)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    for part in (curves, curves.fitted(), Curves(curves), pickle.loads(pickle.dumps(curves))):
+        assert (part.source, part.sha256) == ("elbow.csv", digest)
+    made = Curves(list(curves))
+    assert (made.source, made.sha256) == ("", None)
+    assert made == curves
+
+
+def test_without_curves_there_is_nothing_to_ask():
+    assert Curves().peak == 0
+    for question in ("angle_range", "start_angle", "start_torque"):
+        with pytest.raises(InputError, match="there is no curve"):
+            getattr(Curves(), question)

@@ -1,11 +1,12 @@
 import math
 from dataclasses import replace
 
+import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import curves_path
+from activesuit.assets import Suit, SuitJoint, curves_path, load_suit
 from activesuit.errors import InputError
-from activesuit.hysteresis import MODELS, Held, JilesAtherton
+from activesuit.hysteresis import MODELS, BoucWen, Held, JilesAtherton
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Curve,
@@ -14,8 +15,11 @@ from activesuit.identification import (
     certified_fit,
     identify,
     load_curves,
+    register_fit,
+    save_curves,
 )
 from activesuit.identification.curves import noise_floor
+from activesuit.identification.fits.registry import FITS
 from activesuit.published import LI_BOUNDS
 from helpers import TABLE_2, sweep
 
@@ -234,3 +238,52 @@ def test_nothing_to_fit(small_family):
     flat = [Curve(np.linspace(0, 1, 20), np.zeros(20), "flat")]
     with pytest.raises(InputError, match="every torque is zero"):
         identify(flat)
+
+
+def test_a_fit_becomes_a_suit_file(small_family, tmp_path):
+    save_curves(tmp_path / "mine.csv", small_family)
+    curves = load_curves(tmp_path / "mine.csv")
+    fit = identify(curves)
+    assert fit.curves == curves
+    Suit.from_fits({"elbow_flexion": fit}, base=load_suit("mock-suit")).save(tmp_path / "suit.json")
+    suit = load_suit(tmp_path / "suit.json")
+    entry = suit.joints["elbow_flexion"]
+    assert entry.model == fit.model
+    assert entry.source == "certified fit of mine.csv, curves 0.87, 1.22, 1.57."
+    assert entry.data_sha256 == curves.sha256
+    assert (entry.range, entry.start_angle, entry.fit_nrmse) == ((0.52, 1.57), 0.52, fit.nrmse)
+    assert set(suit.joints) == set(load_suit("mock-suit").joints)
+    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", suit=str(tmp_path / "suit.json"))
+    env.reset(seed=0)
+    env.close()
+
+
+def test_a_suit_begins_where_curves_without_a_file_do(small_family):
+    loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
+    fit = identify(loaded, initial_torque="measured")
+    entry = SuitJoint.from_fit(fit, note="Mine.")
+    assert entry.source == "certified fit, curves 0.87, 1.22, 1.57. Mine."
+    assert entry.data_sha256 is None
+    assert entry.start_torque == np.mean([c.torque[0] for c in loaded if c.role == "fit"])
+
+
+def test_a_fit_from_outside_the_package(small_family, monkeypatch):
+    monkeypatch.setitem(FITS, "soft", None)  # so that the name goes after the test
+    del FITS["soft"]
+
+    def soft(curves, scale: float = 1.0):
+        return BoucWen(elastic=scale, hysteretic=4.0, beta=4.0, gamma=1.0, n=1.0, rest_angle=0.52)
+
+    register_fit("soft", soft)
+    register_fit("soft", soft)
+    fit = identify(small_family, model="soft", scale=2.0)
+    assert (fit.model_name, fit.model.elastic) == ("soft", 2.0)
+    assert fit.evaluations is None
+    with pytest.raises(InputError, match="unknown certified option 'size': use one of scale"):
+        identify(small_family, model="soft", size=2)
+    with pytest.raises(InputError, match="trials is 2: the fit of 'soft' is made once"):
+        identify(small_family, model="soft", trials=2)
+    with pytest.raises(InputError, match="model 'bouc-wen' has a fit already"):
+        register_fit("bouc-wen", soft)
+    with pytest.raises(InputError, match="fit of 'hard' is 3: give a function"):
+        register_fit("hard", 3)
