@@ -1,4 +1,4 @@
-"""Moving pictures: the torque-angle loops of a periodic motion, as a panel beside the arm."""
+"""Draws the torque-angle loops of a periodic motion, as a moving panel beside the arm."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,17 +21,17 @@ SUIT, WEARER = "#62b4f5", "#ff8b3d"
 class LoopPanel:
     """Torque over angle of shoulder and elbow flexion along one cycle of a periodic motion.
 
-    Whole loops are faint; the part just behind the present shines.
+    The whole loops are faint, and the part just before the present is bright.
 
-    All series are evenly sampled, of shape (n, 4) with columns as `JOINTS`, and their end meets
-    their beginning.
+    All series are evenly sampled, have the shape (n, 4) with columns as `JOINTS`, and end where
+    they begin.
 
     Args:
-        angle: joint angles [rad].
-        resistance: minus the suit's torque on the joints [N·m].
-        human_torque: the wearer's torque [N·m].
-        width: picture width [pixels].
-        height: picture height [pixels].
+        angle: Joint angles [rad].
+        resistance: Resistance of the suit, minus its torque on the joints [N·m].
+        human_torque: The wearer's torque [N·m].
+        width: Width of the picture [pixels].
+        height: Height of the picture [pixels].
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class _Curve:
         ax.plot(*np.vstack([self._points, self._points[:1]]).T, color=color, alpha=0.45, lw=1.3)
 
     def move_to(self, sample: int) -> None:
-        """Ends the tail at `sample`; before the beginning it goes on from the end."""
+        """Moves the end of the tail to `sample`; the tail goes on across the start of the loop."""
         points = self._points[(sample + self._tail) % len(self._points)]
         self._line.set_segments([*np.stack([points[:-1], points[1:]], axis=1)])
         self._dot.set_data(*points[-1:].T)

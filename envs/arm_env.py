@@ -1,4 +1,4 @@
-"""The Gymnasium environment: a suited arm follows an intention, the agent drives the motors."""
+"""The Gymnasium environment: the wearer moves a suited arm, and the agent drives the motors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -31,16 +31,16 @@ FAR_OFF = (LOST,) * len(ASSISTED)  # rad, the tracking error that a diverged ste
 
 
 class ArmEnv(gymnasium.Env):
-    """Base of the tasks: physics, observation, reward, state; a task adds only its motion.
+    """Base class of the tasks: physics, observation, reward and state; a task adds its motion.
 
     The wearer tracks a minimum-jerk intention with engine-native PID actuators, delayed feedback
     and a feed-forward of the bare arm, within human strength (see `envs.person`). The suit resists
     every joint inside the physics. The agent sets the assist torque of shoulder and elbow.
 
     Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
-    motors' peak. What lies outside is clipped and counted in `info["clipped_actions"]`. A motor
-    that its continuous torque has heated through gives no more than that. Without an exoskeleton
-    (`coupling="none"`) there is nothing to act with: the shape is (0,).
+    motors' peak. Values outside are clipped and counted in `info["clipped_actions"]`. A motor that
+    has reached its highest temperature gives no more than its continuous torque. Without an
+    exoskeleton (`coupling="none"`) there are no motors, and the shape is (0,).
 
     Observation: `Box` of float32, the parts of `layout` one after the other: joint angles [rad] and
     rates [rad/s] of the exoskeleton's four encoders, motor torque over peak, target angles of
@@ -49,7 +49,7 @@ class ArmEnv(gymnasium.Env):
     joints. Positions, rates, cuff forces and suit torques are those of this instant; the torques of
     motors and wearer are the ones applied in the last physics step.
 
-    `info` tells what no sensor does: angle, rate and target_angle of the arm, human_torque,
+    `info` holds what no sensor measures: angle, rate and target_angle of the arm, human_torque,
     suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
     square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
     the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint.
@@ -65,21 +65,23 @@ class ArmEnv(gymnasium.Env):
     both joints. All numbers stay finite.
 
     Args:
-        observe: "sensors" (what an exoskeleton can measure) or "oracle" (with the suit torque).
-        control_dt: time between actions [s], a multiple of the physics step that divides 0.02 s.
-        control: how the wearer controls the arm, or a dict of what differs from the default, whose
-            delay is the multiple of `control_dt` that is next to 0.05 s.
-        fatigue: whether the wearer's muscles tire, from a rested start in every episode.
-        render_mode: None, "rgb_array" or "human".
-        camera: name of the camera to render from.
-        width: picture width [pixels].
-        height: picture height [pixels].
-        **arm: what is simulated, by the fields of `ArmConfig`: suit, pressure, gravity, wearer,
-            exo, coupling, payload, side, tilt, misalignment, sim_dt, allow_uncertified. Give
-            nested ones as dicts where `EnvSpec.to_json` is to work.
+        observe: Content of the observation: "sensors" (what an exoskeleton can measure) or
+            "oracle" (also the suit torque).
+        control_dt: Time between actions [s]; it is a multiple of the physics step and divides
+            0.02 s.
+        control: The wearer's control of the arm, or a dict of the fields that differ from the
+            default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
+        fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        render_mode: Render mode of Gymnasium: None, "rgb_array" or "human".
+        camera: Name of the camera to render from.
+        width: Width of the picture [pixels].
+        height: Height of the picture [pixels].
+        **arm: Fields of `ArmConfig`: suit, pressure, gravity, wearer, exo, coupling, payload,
+            side, tilt, misalignment, sim_dt, allow_uncertified. Give nested fields as dicts if you
+            need `EnvSpec.to_json`.
 
     Raises:
-        InputError: an argument is out of its range; the message names it.
+        InputError: An argument is out of its range; the message names it.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}  # noqa: RUF012
@@ -140,7 +142,7 @@ class ArmEnv(gymnasium.Env):
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Begins an episode with a new intention; the suit's memory begins at its start angle.
 
-        No `options` are known; any is an error.
+        There are no `options`: each one raises an error.
         """
         super().reset(seed=seed)
         if options:
@@ -167,7 +169,7 @@ class ArmEnv(gymnasium.Env):
         """Applies `action` for one control period.
 
         Raises:
-            InputError: the action has the wrong shape or is not finite, or there was no reset.
+            InputError: The action has the wrong shape or is not finite, or there was no reset.
         """
         self._require_reset("step")
         command, clipped = checked(action, self._previous_action.shape)
@@ -210,19 +212,19 @@ class ArmEnv(gymnasium.Env):
         return self.renderer.picture(self.model, self.data)
 
     def close(self) -> None:
-        """Frees the renderer; may be called any number of times."""
+        """Frees the renderer; later calls do nothing."""
         self.renderer.close()
 
     # --- State --------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:
-        """Returns everything that the future depends on, to branch from or to save.
+        """Returns the whole state of the episode, to save it or to continue from it more than once.
 
-        It holds the physics with the suit's memory, the intention, the counters and the random
-        generator, as arrays and plain values (picklable).
+        The state holds the physics with the suit's memory, the intention, the counters and the
+        random generator, as arrays and plain values (picklable).
 
         Raises:
-            InputError: there was no reset.
+            InputError: There was no reset.
         """
         self._require_reset("get_state")
         return {
@@ -240,14 +242,14 @@ class ArmEnv(gymnasium.Env):
         }
 
     def set_state(self, state: dict[str, Any]) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Continues from what `get_state` returned, bit for bit.
+        """Restores a state of `get_state`; the episode then continues bit for bit.
 
         Returns:
             The observation and info of that moment, without new reward terms.
 
         Raises:
-            InputError: the state is of an environment with another suit, gravity or step, or of an
-                episode that has diverged, or not what `get_state` returned; nothing has changed.
+            InputError: The state belongs to another suit, gravity or step, or to an episode that
+                has diverged, or does not come from `get_state`; nothing has changed.
         """
         memory = self._memory()
         identity, samples = self._identity(), self._samples()
@@ -277,7 +279,7 @@ class ArmEnv(gymnasium.Env):
         }
 
     def _memory(self) -> dict[str, Array]:
-        """What wearer, motors and agent remember: the arrays themselves."""
+        """The memory of wearer, motors and agent, as the arrays themselves."""
         return {
             "previous_action": self._previous_action,
             "motor_heat": self._motors.mean_square,
@@ -293,7 +295,7 @@ class ArmEnv(gymnasium.Env):
     def intended_motion(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
         """Returns the angles [rad] of an episode and two derivatives, (samples, 4) each.
 
-        Override it for a motion of your own; the others see the same arm and wearer.
+        Override it for a motion of your own, with the same arm and the same wearer.
         """
         samples, dt = self._samples(), self.control_dt
         return random_motion(
@@ -317,7 +319,7 @@ class ArmEnv(gymnasium.Env):
         return warned or not math.isfinite(torque + self._meter.dissipated_in(self.data))
 
     def _look(self) -> None:
-        """Takes in what this answer shows, and later ones should the physics diverge."""
+        """Keeps the present values; they are shown again if the physics diverges later."""
         now = self.reference.at(self._step)
         self._observation = self._observer(self.data, now, self._previous_action)
         others = {}

@@ -1,4 +1,4 @@
-"""Closed-loop evaluation: the same intentions under several policies, and what the wearer pays."""
+"""Closed-loop evaluation: scores several policies on the same intended motions."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -25,20 +25,21 @@ ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """One episode, sampled after every control period.
+    """Time series of one episode, sampled after every control period.
 
     Attributes:
-        time: [s], shape (n,).
-        angle: joint angles [rad], shape (n, 4), columns as `JOINTS`.
-        rate: joint rates [rad/s], shape (n, 4).
-        target_angle: intended angles [rad], shape (n, 4).
-        human_torque: the wearer's torque [N·m], shape (n, 4).
-        suit_torque: the suit's torque on the joints [N·m], shape (n, 4).
-        assist_torque: the motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
-        cuff_force: on upper arm, forearm and hand [N], shape (n, 3, 3); None without cuffs.
-        assist_energy: sum over the motors of the integral of |torque x rate| [J].
-        rewards: reward of each period, shape (n,).
-        terminated: whether it ended by failure.
+        time: Time since the reset [s], shape (n,).
+        angle: Joint angles [rad], shape (n, 4), columns as `JOINTS`.
+        rate: Joint rates [rad/s], shape (n, 4).
+        target_angle: Intended angles [rad], shape (n, 4).
+        human_torque: The wearer's torque [N·m], shape (n, 4).
+        suit_torque: The suit's torque on the joints [N·m], shape (n, 4).
+        assist_torque: The motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
+        cuff_force: Force of the cuffs on upper arm, forearm and hand [N], shape (n, 3, 3); None
+            without cuffs.
+        assist_energy: Energy of the motors, the integral of |torque x rate| [J].
+        rewards: Reward of each control period, shape (n,).
+        terminated: Whether the episode ended by failure.
     """
 
     time: Array
@@ -59,18 +60,18 @@ SERIES = ("time", "angle", "rate", "target_angle", "human_torque", "suit_torque"
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
-    """What a policy achieved over some episodes; by joint: shoulder and elbow flexion.
+    """Score of a policy over some episodes; the joints are shoulder and elbow flexion.
 
     Attributes:
-        policy: its name.
-        human_rms: root mean square of the wearer's torque [N·m] by joint.
-        human_peak: largest |torque| of the wearer [N·m] by joint.
-        effort: the other `EffortMetrics` of the wearer by joint, means over episodes.
-        tracking_rmse: tracking error [rad] by joint.
-        cuff_peak: greatest force [N] by limb segment; None without cuffs.
-        assist_energy: mean over episodes [J].
-        mean_return: mean over episodes of the sum of rewards.
-        failures: episodes that ended early.
+        policy: Name of the policy.
+        human_rms: Root mean square of the wearer's torque [N·m] by joint.
+        human_peak: Largest |torque| of the wearer [N·m] by joint.
+        effort: Mean over episodes of the wearer's other `EffortMetrics`, by joint.
+        tracking_rmse: Tracking error [rad] by joint.
+        cuff_peak: Greatest force [N] by limb segment; None without cuffs.
+        assist_energy: Mean energy of the motors in an episode [J].
+        mean_return: Mean sum of the rewards of an episode.
+        failures: Number of episodes that ended early.
         reduction: 1 - human_rms / human_rms of "none", by joint; None if "none" was not run.
     """
 
@@ -86,12 +87,12 @@ class Score:
     reduction: dict[str, float] | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns it as plain values."""
+        """Returns the score as plain values."""
         return asdict(self)
 
 
 def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
-    """Runs one episode of `env` under `policy`, from a reset with `seed` to its end."""
+    """Resets `env` with `seed` and runs one whole episode under `policy`."""
     observation, info = env.reset(seed=seed)
     policy.reset()
     infos, rewards = [], []
@@ -115,8 +116,8 @@ def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
 def score(policy: str, traces: Sequence[Trace]) -> Score:
     """Summarizes the episodes of one policy.
 
-    Torque and tracking are scored after the first half second: at the start the wearer carries
-    everything, whatever the policy, and the motors take over.
+    The first half second does not count for torque and tracking: the wearer carries everything at
+    first, whatever the policy is, until the motors have taken over.
     """
     # An episode that fails before is scored whole.
     late = [trace.time > (TAKEOVER if trace.time[-1] > TAKEOVER else 0.0) for trace in traces]
@@ -145,21 +146,23 @@ def evaluate(
     on_episode: Callable[[str, int, Trace], None] | None = None,
     **env_options: Any,
 ) -> list[Score]:
-    """Runs every policy on the same `episodes` intentions and scores it.
+    """Runs every policy on the same `episodes` intended motions and scores it.
 
     Args:
-        env_id: a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
-        policies: names that `make_policy` knows; or your own: a name and a function from the
-            (unwrapped) environment to a policy for each.
-        episodes: episodes per policy; episode i is reset with seed + i.
-        seed: of the first episode.
-        believed_suit: what the named policy "feedforward" believes; by default the simulated suit.
-        on_episode: called with policy, episode number and trace after each episode.
-        **env_options: passed to the environment (`suit`, `gravity`, ...).
+        env_id: Id of a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
+        policies: Names that `make_policy` knows; or for policies of your own, a dict of their
+            names and of functions from the (unwrapped) environment to a policy.
+        episodes: Number of episodes of each policy; episode i is reset with seed + i.
+        seed: Seed of the first episode.
+        believed_suit: Suit that the named policy "feedforward" believes in; by default the
+            simulated one.
+        on_episode: Function that is called after each episode, with the name of the policy, the
+            number of the episode and its trace.
+        **env_options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
-        InputError: no such environment or policy, fewer than one episode, an own policy that is no
-            function, or own policies together with `believed_suit`.
+        InputError: An environment or policy is unknown, `episodes` is below 1, a policy of your own
+            is not a function, or such policies are given together with `believed_suit`.
     """
     _check_policies(policies, believed_suit)
     at_least("episodes", episodes, 1)
@@ -180,10 +183,10 @@ def evaluate(
 
 
 def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
-    """Returns feed-forward's reduction over the oracle's, by assisted joint that `suit` resists.
+    """Returns the reduction by feed-forward, divided by the oracle's, at each joint of `suit`.
 
-    The oracle knows the torque of this instant, and its motors lag; feed-forward looks ahead, so
-    that a good model can reach a little more than 1.
+    Only assisted joints count. The oracle knows the torque of this instant, but its motors lag;
+    feed-forward looks ahead, so that a good model can reach a little more than 1.
     """
     reductions = {score.policy: score.reduction or {} for score in scores}
     return {
@@ -197,7 +200,7 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
     """Makes a registered ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
 
     Raises:
-        InputError: the id is unknown, or not one of ours.
+        InputError: The id is unknown, or does not belong to this package.
     """
     known = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
     if env_id.removeprefix("activesuit:") not in known:
@@ -255,7 +258,7 @@ def _with_reduction(scores: list[Score]) -> list[Score]:
 def _effort(
     traces: Sequence[Trace], parts: Sequence[NDArray[np.bool_]]
 ) -> dict[str, dict[str, float]]:
-    """Means by joint of what a record must have three samples for, else NaN."""
+    """Returns mean effort metrics by joint; NaN if no record has the three samples they need."""
     found = [
         effort_metrics(trace.human_torque[part], trace.rate[part], trace.time[1] - trace.time[0])
         for trace, part in zip(traces, parts, strict=True)

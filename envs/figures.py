@@ -95,10 +95,10 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
 
 
 def cuff_forces_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws the size of the cuffs' forces over time and what a person should bear of each.
+    """Draws the forces of the cuffs over time, and the largest ones that a person should bear.
 
     Args:
-        traces: of motions with cuffs, by policy.
+        traces: Motions with cuffs, by the name of the policy.
     """
     figure = Figure(figsize=(10, 6.5), layout="constrained")
     axes = figure.subplots(len(FORCE_LIMITS), 1, sharex=True)

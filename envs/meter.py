@@ -1,4 +1,4 @@
-"""What an experimenter knows of the arm: angles, torques and energies, beyond any sensor."""
+"""Measurements on the simulated arm that no sensor makes: true angles, torques and energies."""
 
 import mujoco
 
@@ -9,16 +9,16 @@ ENERGIES = ("assist_energy", "human_energy")
 
 
 class Meter:
-    """Reads the physics, and adds up energies.
+    """Reads angles and torques of the physics, and adds up energies.
 
     Args:
-        wiring: where the model keeps things.
-        dt: control period [s].
+        wiring: Addresses of the model.
+        dt: Control period [s].
 
     Attributes:
-        values: what was read last, by its name in `info`.
-        energy: of motors and wearer since the reset, sums of |power| [J].
-        dissipated_at_reset: what the suit had dissipated by its own count [J].
+        values: Last readings, by their name in `info`.
+        energy: Energies of motors and wearer since the reset, sums of |power| [J].
+        dissipated_at_reset: Energy that the suit had dissipated at the reset, by its own count [J].
     """
 
     def __init__(self, wiring: Wiring, dt: float) -> None:
@@ -26,7 +26,7 @@ class Meter:
         self._driven = wiring.exo_joints[wiring.assisted]
 
     def begin(self, data: mujoco.MjData) -> None:
-        """Starts to count."""
+        """Starts all counts at zero."""
         self.energy = dict.fromkeys(ENERGIES, 0.0)
         self.dissipated_at_reset = self.dissipated_in(data)
 
@@ -35,7 +35,7 @@ class Meter:
         return sum(data.sensordata[self._wiring.dissipated].tolist(), 0.0)
 
     def read(self, data: mujoco.MjData, target_angle: Array, others: dict[str, Array]) -> None:
-        """Reads the present, to which `others` belong as well."""
+        """Reads the physics of this instant, to which the values in `others` belong as well."""
         wiring = self._wiring
         self.values = {
             "angle": data.qpos[wiring.joints],
@@ -51,14 +51,14 @@ class Meter:
         self._dissipated = self.dissipated_in(data)
 
     def count(self, data: mujoco.MjData) -> None:
-        """Adds the control period that ended with the last reading."""
+        """Adds the energies of the control period that ended with the last reading."""
         human = self.values["human_torque"] * self.values["rate"]
         assist = self.values["assist_torque"] * data.qvel[self._driven]
         self.energy["human_energy"] += sum(map(abs, human.tolist())) * self._dt
         self.energy["assist_energy"] += sum(map(abs, assist.tolist())) * self._dt
 
     def report(self) -> dict[str, Array | float]:
-        """Returns readings and energies; they are the caller's."""
+        """Returns copies of the readings and energies."""
         return {
             **{name: values.copy() for name, values in self.values.items()},
             **self.energy,

@@ -1,4 +1,4 @@
-"""The exoskeleton's motors under command: their torque, and how hot it makes them."""
+"""The exoskeleton's motors: the torque that they are commanded, and their thermal limit."""
 
 import math
 
@@ -13,10 +13,10 @@ from .wiring import Wiring
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...]) -> tuple[Array, bool]:
-    """Returns the action clipped to [-1, 1], and whether it had to be.
+    """Returns the action clipped to [-1, 1], and whether that changed it.
 
     Raises:
-        InputError: it has another shape, or is not finite.
+        InputError: The action has another shape, or is not finite.
     """
     command = np.array(action, dtype=np.float64)  # a copy: the caller may reuse the array
     if command.shape != shape:
@@ -32,15 +32,15 @@ def checked(action: ArrayLike, shape: tuple[int, ...]) -> tuple[Array, bool]:
 
 
 class Motors:
-    """Turns commands into torques that the windings bear.
+    """Turns commands into motor torques that do not overheat the windings.
 
     Args:
-        exo: the exoskeleton.
-        wiring: where the model keeps things; it may have no motors.
-        dt: control period [s].
+        exo: The exoskeleton.
+        wiring: Addresses of the model, which may have no motors.
+        dt: Control period [s].
 
     Attributes:
-        mean_square: running mean square of the torques [N²·m²], shape (motors,).
+        mean_square: Running mean square of the torques [N²·m²], shape (motors,).
     """
 
     def __init__(self, exo: Exo, wiring: Wiring, dt: float) -> None:
@@ -52,11 +52,11 @@ class Motors:
 
     @property
     def load(self) -> Array:
-        """Root mean square of the torques over the continuous ones, shape (motors,)."""
+        """Root mean square of the torques, divided by the continuous torques, shape (motors,)."""
         return np.sqrt(self.mean_square) / self._continuous
 
     def drive(self, data: mujoco.MjData, command: Array) -> None:
-        """Commands torques over their peaks, as far as none overloads its motor for ever."""
+        """Sets motor torques from normalized commands, clipped by the thermal limit."""
         data.ctrl[self._wiring.motors] = thermal_clip(
             command * self._wiring.peak_torque,
             self.mean_square,
@@ -66,7 +66,7 @@ class Motors:
         )
 
     def heat(self, data: mujoco.MjData) -> None:
-        """Counts the torque of the control period that has passed."""
+        """Updates the mean square by the torque of the control period that has passed."""
         self.mean_square = thermal_step(
             self.mean_square,
             data.actuator_force[self._wiring.assist],

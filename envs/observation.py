@@ -1,4 +1,4 @@
-"""What the agent sees: which numbers, in which order, between which limits."""
+"""The observation of the agent: its parts, their order and their limits."""
 
 import math
 
@@ -21,14 +21,14 @@ class Observer:
     """Assembles observations.
 
     Args:
-        wiring: where the model keeps things.
-        encoder_bits: counts of an encoder per turn, as a power of two.
-        control_dt: time between observations [s], which must divide 0.02 s.
-        mode: "sensors" or "oracle".
+        wiring: Addresses of the model.
+        encoder_bits: Resolution of the encoders; a turn has 2**bits counts.
+        control_dt: Time between observations [s], which must divide 0.02 s.
+        mode: Content of the observation, "sensors" or "oracle".
 
     Attributes:
-        layout: which part of the observation is what.
-        space: the observation space.
+        layout: Slice of the observation that holds each part, by the name of the part.
+        space: Observation space of Gymnasium.
     """
 
     def __init__(self, wiring: Wiring, encoder_bits: int, control_dt: float, mode: str) -> None:
@@ -50,7 +50,7 @@ class Observer:
         self.space = Box(-limit, limit, dtype=np.float32)
 
     def begin(self, reference: Reference) -> None:
-        """Prepares the targets that are shown along an intention."""
+        """Prepares the targets that are observed along an intention."""
         last = len(reference.angle) - 1
         shown = np.minimum(np.arange(last + 1)[:, None] + self._ahead, last)
         self._targets = reference.angle[shown][:, :, self._wiring.assisted].reshape(last + 1, -1)
@@ -58,12 +58,12 @@ class Observer:
     def __call__(
         self, data: mujoco.MjData, step: int, previous_action: NDArray[np.float64]
     ) -> NDArray[np.float32]:
-        """Returns a fresh observation of the present, clipped to its limits.
+        """Returns a new observation of this instant, clipped to its limits.
 
         Args:
-            data: the physics of this moment.
-            step: the control period in the intention that `begin` was given, not beyond its last.
-            previous_action: of the agent, one number per motor.
+            data: Physics of this instant.
+            step: The control period in the intention that `begin` was given, not beyond its last.
+            previous_action: Previous action of the agent, one number per motor.
         """
         wiring = self._wiring
         parts = [
@@ -82,7 +82,7 @@ class Observer:
 
 
 def _parts(wiring: Wiring, oracle: bool) -> dict[str, tuple[int, float]]:
-    """Size and limit of every part: rad, rad/s, N for the cuffs, N·m for the suit."""
+    """Returns size and limit of every part, in rad, rad/s, N (cuffs) and N·m (suit)."""
     motors = wiring.motors.size
     parts = {
         "angle": (len(JOINTS), math.pi),

@@ -1,4 +1,4 @@
-"""Where the numbers of the simulated person, suit and exoskeleton come from."""
+"""Quantities of the simulated person, suit and exoskeleton, with their sources."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -12,11 +12,11 @@ class Quantity:
     """One number of the model.
 
     Attributes:
-        name: what it is, dotted from the general to the particular.
-        value: the number the model uses.
-        unit: its unit, "1" for a ratio.
-        source: publication, derivation or reason.
-        grade: how well the number is supported.
+        name: Name of the quantity, with dots from the general to the particular.
+        value: Number that the model uses.
+        unit: Unit of the number, "1" for a ratio.
+        source: Publication, derivation or reason.
+        grade: Strength of the evidence for the number.
     """
 
     name: str

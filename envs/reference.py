@@ -16,14 +16,14 @@ ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """What the wearer intends, sampled at the control rate, shape (samples, joints) each.
+    """The motion that the wearer intends, at the control rate, shape (samples, joints) each.
 
     Attributes:
-        angle: intended joint angles [rad].
-        rate: their derivatives [rad/s].
-        feedforward: torque that moves the bare arm along them [N·m].
-        resistance: torque that the suit resists with along them [N·m]; zeros for a wearer who has
-            not learned any of it.
+        angle: Intended joint angles [rad].
+        rate: Rates of the intended angles [rad/s].
+        feedforward: Torque that moves the bare arm along the motion [N·m].
+        resistance: Resistance of the suit along the motion [N·m]; zeros for a wearer who has not
+            learned any of it.
     """
 
     angle: Array
@@ -32,7 +32,7 @@ class Reference:
     resistance: Array
 
     def at(self, step: int) -> int:
-        """Returns the sample of control period `step`: the last one past the end."""
+        """Returns the sample of control period `step`, and the last sample after the end."""
         return min(step, len(self.angle) - 1)
 
 
@@ -55,7 +55,7 @@ def random_moves(
 ) -> tuple[Array, Array, Array]:
     """Returns angle, rate and acceleration of minimum-jerk moves between random targets in `span`.
 
-    Every move covers at least a quarter of the span, so that the suit is really worked.
+    Every move covers at least a quarter of the span, so that the suit resists noticeably.
     """
     low, high = span
     least = (high - low) / 4
@@ -90,8 +90,8 @@ def random_motion(
 ) -> tuple[Array, Array, Array]:
     """Returns angle, rate and acceleration of the whole arm, shape (samples, joints) each.
 
-    The joints in `span` make `random_moves`, those in `hold` stay at a random angle, the others at
-    zero.
+    The joints in `span` make `random_moves`, the joints in `hold` stay at a random angle, and all
+    others stay at zero.
     """
     motion = np.zeros((3, samples, len(JOINTS)))
     for joint, between in span.items():
@@ -105,15 +105,15 @@ def random_motion(
 def valid_motion(
     motion: tuple[Array, Array, Array], samples: int, ranges: Array
 ) -> tuple[Array, Array, Array]:
-    """Returns an intended motion if the arm can be meant to do it.
+    """Checks that an arm can be asked for an intended motion, and returns the motion.
 
     Args:
-        motion: angle, rate and acceleration.
-        samples: how many an episode takes.
-        ranges: of the joints [rad], shape (joints, 2).
+        motion: Angle, rate and acceleration.
+        samples: Number of samples of an episode.
+        ranges: Ranges of the joints [rad], shape (joints, 2).
 
     Raises:
-        InputError: the arrays are not finite or have other shapes, or leave the range of a joint.
+        InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
     """
     parts = [np.asarray(part, dtype=float) for part in motion]
     shape, shapes = (samples, len(JOINTS)), [part.shape for part in parts]
@@ -140,14 +140,14 @@ def follow(
 ) -> Reference:
     """Returns the reference for a motion (angle, rate, acceleration), shape (samples, joints).
 
-    The feed-forward is the inverse dynamics of the wearer's own arm: a person has learned that, but
-    not the exoskeleton.
+    The feed-forward is the inverse dynamics of the wearer's own arm, which a person has learned;
+    the exoskeleton's dynamics are not part of it.
 
     Args:
-        arm: of `bare_arm`.
-        indices: of the joints in its qpos.
-        motion: what is intended.
-        known: how the suit resists which joints, for a wearer who has learned some of it.
+        arm: Model of the wearer's arm alone, from `bare_arm`.
+        indices: Indices of the joints in its qpos.
+        motion: Intended angle, rate and acceleration.
+        known: Joints of the suit that the wearer has learned to foresee.
     """
     angle, rate, acceleration = motion
     data = mujoco.MjData(arm)

@@ -1,4 +1,4 @@
-"""Pictures and windows, made lazily: an environment that never renders never touches OpenGL."""
+"""Pictures and windows; OpenGL is not used before the first of them is drawn."""
 
 import os
 import sys
@@ -16,16 +16,16 @@ WINDOW_CLOSES = 5.0  # s that a window may take to close
 
 
 class RenderingUnavailableError(InputError):
-    """This machine cannot render: there is no usable OpenGL."""
+    """Rendering is not possible on this machine, which has no usable OpenGL."""
 
 
 class Renderer:
-    """Renders one model from one camera; its OpenGL objects are made late and never pickled.
+    """Renders one model from one camera; its OpenGL objects are made when needed, never pickled.
 
     Args:
-        camera: name of a camera of the model.
-        width: picture width [pixels].
-        height: picture height [pixels].
+        camera: Name of a camera of the model.
+        width: Width of the picture [pixels].
+        height: Height of the picture [pixels].
     """
 
     # Why OpenGL does not work in this process: a second attempt could abort it.
@@ -45,11 +45,11 @@ class Renderer:
         self._shown = 0.0
 
     def picture(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.uint8]:
-        """Returns the scene as (height, width, 3).
+        """Returns a picture of the scene, shape (height, width, 3).
 
         Raises:
-            RenderingUnavailableError: there is no OpenGL here.
-            InputError: the model has no such camera.
+            RenderingUnavailableError: This machine has no OpenGL.
+            InputError: The model has no such camera.
         """
         cameras = [model.camera(i).name for i in range(model.ncam)]
         if self.camera not in cameras:
@@ -78,7 +78,7 @@ class Renderer:
         """Opens a window at the first call, and updates it at most once per `period` [s].
 
         Raises:
-            RenderingUnavailableError: no window can be opened here, or it was closed.
+            RenderingUnavailableError: No window can be opened on this machine, or it was closed.
         """
         if self._window is None:
             if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & os.environ.keys():
@@ -105,7 +105,7 @@ class Renderer:
         self._window.sync()
 
     def close(self) -> None:
-        """Frees the OpenGL objects; idempotent."""
+        """Frees the OpenGL objects; later calls do nothing."""
         for part in (self._offscreen, self._window):
             if part is not None:
                 part.close()

@@ -1,4 +1,4 @@
-"""What a control period costs: the wearer's effort, the tracking error, and unsteady assist."""
+"""The reward of a control period: costs of effort, tracking error and unsteady assist."""
 
 from collections.abc import Sequence
 
@@ -11,15 +11,15 @@ LOST = 1.0  # rad of tracking error at which an episode ends
 def reward_terms(
     human_torque: Sequence[float], error: Sequence[float], change: Sequence[float]
 ) -> dict[str, float]:
-    """Returns the terms of the reward, which sum to it.
+    """Returns the terms of the reward, whose sum is the reward.
 
-    The wearer's torque and the motors' command are limited, and an error counts `LOST` at most: no
-    reward is below -271 for the default wearer.
+    The wearer's torque and the motors' command are limited, and an error counts `LOST` at most.
+    So no reward of the default wearer is below -271.
 
     Args:
-        human_torque: the wearer's torque at shoulder and elbow flexion [N·m].
-        error: their tracking error [rad].
-        change: by how much the action changed.
+        human_torque: Torque of the wearer at shoulder and elbow flexion [N·m].
+        error: Tracking error of these joints [rad].
+        change: Change of the action since the last control period.
     """
     effort = [torque / scale for torque, scale in zip(human_torque, EFFORT_SCALE, strict=True)]
     return {

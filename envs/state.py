@@ -1,4 +1,4 @@
-"""Saved states: the physics as numbers, and the check before anything is restored."""
+"""Saved states of an environment: the physics as arrays, and the check before a restore."""
 
 import math
 import reprlib
@@ -31,14 +31,14 @@ KEYS = (
 
 
 def physics_of(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """Returns the physics of this instant, with the suit's memory."""
+    """Returns the state of the physics at this instant, with the suit's memory."""
     physics = np.empty(mujoco.mj_stateSize(model, PHYSICS))
     mujoco.mj_getState(model, data, physics, PHYSICS)
     return physics
 
 
 def restore_physics(model: mujoco.MjModel, data: mujoco.MjData, state: dict[str, Any]) -> None:
-    """Puts the physics of a checked state back, with all that follows from it."""
+    """Restores the physics of a checked state, and computes everything that follows from it."""
     data.warning.number[:] = 0
     mujoco.mj_setState(model, data, state["physics"], PHYSICS)
     mujoco.mj_step1(model, data)
@@ -53,19 +53,19 @@ def check_state(
     memory: dict[str, Array],
     random: np.random.Generator,
 ) -> None:
-    """Refuses what `get_state` of an environment like this one cannot have returned.
+    """Checks that `state` came from `get_state` of an identically configured environment.
 
     Args:
-        state: what the user gave.
-        config: what the environment is.
-        model: its model.
-        samples: of an intention.
-        memory: further arrays that the state holds, now.
-        random: its generator, which stays as it is.
+        state: State that the user gave.
+        config: Configuration of the environment.
+        model: Model of the environment.
+        samples: Number of samples of an intention.
+        memory: Present values of the further arrays that a state holds.
+        random: Random generator of the environment, which is not changed.
 
     Raises:
-        InputError: the state is of another environment or of an episode that has diverged; or a
-            part is missing, of another type or size, or no number.
+        InputError: The state belongs to another environment or to an episode that has diverged, or
+            a part of it is missing, has another type or size, or is not a number.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
@@ -105,7 +105,7 @@ def _parts(
     shapes: dict[str, tuple[int, ...]],
     random: np.random.Generator,
 ) -> Iterator[tuple[str, Any, str, bool]]:
-    """Yields name, value, what it must be, and whether it is; what follows relies on that."""
+    """Yields name, value, the required form, and whether the value has it; callers rely on it."""
     shapes = {
         "physics": (mujoco.mj_stateSize(model, PHYSICS),),
         "actuator_force": (model.nactuator,),

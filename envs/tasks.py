@@ -1,4 +1,4 @@
-"""The tasks: which joints move, and between which angles."""
+"""The tasks: each says which joints move, and between which angles."""
 
 from typing import ClassVar
 

@@ -1,7 +1,7 @@
-"""The wearer: from an intention to the inputs of the engine's actuators, once per control period.
+"""The wearer: turns an intention into inputs of the engine's actuators, every control period.
 
-Position and velocity inputs of the actuators are the intention; their feed-forward input is what
-`voluntary_torque` adds to it.
+The intention gives the position and velocity inputs of the actuators. `voluntary_torque` gives
+their feed-forward input.
 """
 
 from dataclasses import dataclass
@@ -31,16 +31,16 @@ NUDGE = 1e-6  # rad, for its derivatives
 
 @dataclass(eq=False)
 class Wearer:
-    """One person in control of one arm.
+    """A person who controls one arm.
 
     Attributes:
-        person: who it is.
-        settings: how they control the arm.
-        tires: whether effort costs them strength.
-        wiring: where the model keeps things.
-        dt: control period [s].
-        control: what their control remembers.
-        fatigued: part of every muscle group that is fatigued, as in `fatigue_step`, shape (2, 4).
+        person: Size, sex and strength of the wearer.
+        settings: Settings of the wearer's control of the arm.
+        tires: Whether effort tires the wearer.
+        wiring: Addresses of the model.
+        dt: Control period [s].
+        control: Memory of the wearer's control.
+        fatigued: Fatigued part of every muscle group, as in `fatigue_step`, shape (2, 4).
     """
 
     person: Person
@@ -55,14 +55,14 @@ class Wearer:
         self.begin(np.zeros(len(JOINTS)))
 
     def begin(self, intrinsic: Array) -> None:
-        """Begins rested, having held still with this intrinsic torque [N·m], shape (4,)."""
+        """Begins rested, after holding still with the intrinsic torque [N·m], shape (4,)."""
         self.control = start_control(self.settings, intrinsic, self.dt)
         self.fatigued = np.zeros_like(self._rested)
 
     def settle(self, model: mujoco.MjModel, data: mujoco.MjData, reference: Reference) -> None:
-        """Begins where the first intention is held at rest: feedback carries what is unforeseen.
+        """Begins an episode at rest at the first intention, where feedback holds unforeseen torque.
 
-        Strength does not limit that: who is too weak lets the arm go from there.
+        Strength does not limit that torque: a wearer who is too weak drops the arm from there.
         """
         joints, intended = self.wiring.joints, reference.angle[0]
         foreseen = reference.feedforward[0] + self.settings.suit_learning * reference.resistance[0]
@@ -94,7 +94,7 @@ class Wearer:
     def act(
         self, data: mujoco.MjData, reference: Reference, step: int, rng: np.random.Generator
     ) -> None:
-        """Acts on the intention of control period `step`; past the end, to stay there."""
+        """Acts on the intention of control period `step`; after its end, holds the last sample."""
         wiring, i = self.wiring, reference.at(step)
         intended, ahead = reference.angle[i], reference.rate[i] * (i == step)
         angle, rate = data.qpos[wiring.joints], data.qvel[wiring.joints]
@@ -112,7 +112,7 @@ class Wearer:
         self._intend(data, intended, ahead, torque)
 
     def tire(self, data: mujoco.MjData) -> None:
-        """Counts the torque of the control period that has passed."""
+        """Updates fatigue by the torque of the control period that has passed."""
         if not self.tires:
             return
         wiring = self.wiring

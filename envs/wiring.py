@@ -1,4 +1,4 @@
-"""Where a composed model keeps what the environment reads and writes."""
+"""The addresses in MuJoCo's arrays of everything that the environment reads and writes."""
 
 from dataclasses import dataclass
 
@@ -19,27 +19,26 @@ Indices = NDArray[np.int64]
 class Wiring:
     """Indices into mjData, in the order of `JOINTS` or `ASSISTED`.
 
-    Without an exoskeleton there are no motors, and without cuffs no forces of theirs: these arrays
-    are then empty.
+    The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.
 
     Attributes:
-        joints: the arm's angles in qpos and rates in qvel (all joints are hinges), shape (4,).
-        exo_joints: the same of the exoskeleton; with a rigid one they are the arm's, shape (4,).
-        assisted: the assisted joints among `JOINTS`, shape (2,).
-        human: the wearer's forces in actuator_force, shape (4,).
-        intention: the wearer's controls: position, velocity, feed-forward, shape (3, 4).
-        stiffness: the wearer's position gains [N·m/rad], shape (4,).
-        damping: the wearer's velocity gains [N·m·s/rad], shape (4,).
-        encoders: angles that the encoders tell in sensordata, shape (4,).
-        encoder_rates: their rates in sensordata, shape (4,).
-        assist: the motors' forces in actuator_force, shape (2,).
-        motors: the motors' controls, torques [N·m], shape (2,).
-        peak_torque: the motors' greatest torque [N·m], shape (2,).
-        cuffs: forces on upper arm, forearm and hand in sensordata, shape (3, 3).
-        suited: the joints among `JOINTS` that a suit resists, shape (n,).
-        suit_torque: their torque in sensordata, shape (n,).
-        dissipated: their dissipated energy in sensordata, shape (n,).
-        faults: fault flags in plugin_state, shape (n,).
+        joints: Angles of the arm in qpos, and rates in qvel (all joints are hinges), shape (4,).
+        exo_joints: Angles of the exoskeleton in qpos, shape (4,); those of the arm if it is rigid.
+        assisted: Positions of the assisted joints in `JOINTS`, shape (2,).
+        human: Torques of the wearer in actuator_force, shape (4,).
+        intention: Controls of the wearer: position, velocity, feed-forward, shape (3, 4).
+        stiffness: Position gains of the wearer [N·m/rad], shape (4,).
+        damping: Velocity gains of the wearer [N·m·s/rad], shape (4,).
+        encoders: Angles of the encoders in sensordata, shape (4,).
+        encoder_rates: Rates of the encoders in sensordata, shape (4,).
+        assist: Torques of the motors in actuator_force, shape (2,).
+        motors: Controls of the motors, which are torques [N·m], shape (2,).
+        peak_torque: Largest torque of each motor [N·m], shape (2,).
+        cuffs: Forces on upper arm, forearm and hand in sensordata, shape (3, 3).
+        suited: Positions in `JOINTS` of the joints that the suit resists, shape (n,).
+        suit_torque: Torques of the suit at these joints in sensordata, shape (n,).
+        dissipated: Energies dissipated at these joints in sensordata, shape (n,).
+        faults: Fault flags of these joints in plugin_state, shape (n,).
     """
 
     joints: Indices
@@ -62,7 +61,7 @@ class Wiring:
 
     @classmethod
     def of(cls, model: mujoco.MjModel) -> "Wiring":
-        """Looks everything up by name."""
+        """Returns the addresses of a model, which are found by name."""
         actuators = {model.actuator(i).name: i for i in range(model.nactuator)}
         sensors = {model.sensor(i).name: model.sensor_adr[i] for i in range(model.nsensor)}
         joints = {model.joint(i).name: model.jnt_qposadr[i] for i in range(model.njnt)}

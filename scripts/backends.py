@@ -52,7 +52,7 @@ def run_all(
         workers: Number of calls at the same time; -1 uses all cores, or the whole cluster.
 
     Raises:
-        InputError: see `check_backend`.
+        InputError: See `check_backend`.
     """
     check_backend(backend, workers)
     pending = list(arguments)

@@ -1,4 +1,4 @@
-"""The simulated arm as a MuJoCo model: a person, a suit and an exoskeleton made to measure."""
+"""The simulated arm as a MuJoCo model: a person, a suit, and an exoskeleton that fits both."""
 
 from .compose import arm_spec, bare_arm, compose, resisting_joints
 from .config import GRAVITY, ArmConfig, Payload

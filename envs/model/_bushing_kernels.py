@@ -97,7 +97,7 @@ def half_turn(x, y, z):
 
 @njit(cache=True)
 def curvature(angle, cosine, sine):
-    """Returns (1 - (angle/2) cot(angle/2)) / angle^2, given cosine and sine of angle/2."""
+    """Returns (1 - (angle/2) cot(angle/2)) / angle^2 from the cosine and the sine of angle/2."""
     square = angle * angle
     if angle < SMALL_ANGLE:
         return 1 / 12 + square * (1 / 720 + square * (1 / 30240 + square / 1209600))
@@ -106,7 +106,7 @@ def curvature(angle, cosine, sine):
 
 @njit(inline="always")
 def weighted(p, first, a):
-    """Returns a vector times a diagonal of the parameters."""
+    """Returns a vector times a diagonal matrix of the parameters."""
     return p[first] * a[0], p[first + 1] * a[1], p[first + 2] * a[2]
 
 
@@ -120,12 +120,12 @@ def load(p, arm, Ra, Rb, rate, spin):
     Analysis, section 5.3).
 
     Args:
-        p: parameters.
-        arm: from the exoskeleton's site to the limb's, in the world.
-        Ra: axes of the limb's site.
-        Rb: axes of the exoskeleton's.
-        rate: velocity of the limb's site relative to the exoskeleton's body, in the world.
-        spin: their relative angular velocity.
+        p: Parameters of the bushing.
+        arm: Vector from the exoskeleton's site to the limb's, in the axes of the world.
+        Ra: Axes of the limb's site.
+        Rb: Axes of the exoskeleton's site.
+        rate: Velocity of the limb's site relative to the exoskeleton's body, in the world.
+        spin: Angular velocity of the limb relative to the exoskeleton.
     """
     d = subtract(into(Rb, arm), triple(p, OFFSET))
     cosine, v = half_turn(into(Rb, column(Ra, 0)), into(Rb, column(Ra, 1)), into(Rb, column(Ra, 2)))

@@ -1,4 +1,4 @@
-"""Heat of motors, element by element."""
+"""Kernels of the motors' heat, element by element."""
 
 # pyright: reportCallIssue=false, reportFunctionMemberAccess=false
 
@@ -16,7 +16,7 @@ def _heat(mean_square, torque, time_constant, dt):
 
 @vectorize("f8(f8, f8, f8, f8, f8)", cache=True)
 def _clip(torque, mean_square, continuous, time_constant, dt):
-    """Returns the torque as far as it does not take the mean square beyond the continuous one's."""
+    """Returns the torque, limited so that the mean square stays below the continuous one."""
     remains = math.exp(-dt / time_constant)
     allowed = (continuous * continuous - remains * mean_square) / (1 - remains)
     limit = math.sqrt(max(allowed, 0.0))

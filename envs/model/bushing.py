@@ -2,8 +2,8 @@
 
 A weld of MuJoCo is no calibrated cuff: its stiffness depends on mass and posture. A bushing has the
 stiffness that it is given, adds no body and no constraint, and takes no energy or momentum from the
-motion but what its dampers do. Importing this module registers the plugin `activesuit.bushing`,
-once per process; it works in plain MJCF too:
+motion except what its dampers dissipate. Importing this module registers the plugin
+`activesuit.bushing`, once per process; it works in plain MJCF too:
 
     <extension>
       <plugin plugin="activesuit.bushing">
@@ -50,11 +50,11 @@ class Bushing:
     steps below 2 (sqrt(1 + z^2) - z) / w: 14 ms for 4500 N/m, 0.6 kg and z = 0.5.
 
     Attributes:
-        stiffness: K [N/m].
-        rotational_stiffness: Kr [N·m/rad].
-        damping: of the relative velocity at the limb's site [N·s/m].
-        rotational_damping: of the relative angular velocity [N·m·s/rad].
-        offset: where the limb's site rests in the axes of the exoskeleton's [m].
+        stiffness: Stiffness K of the springs [N/m].
+        rotational_stiffness: Stiffness Kr of the rotational springs [N·m/rad].
+        damping: Damping of the relative velocity at the limb's site [N·s/m].
+        rotational_damping: Damping of the relative angular velocity [N·m·s/rad].
+        offset: Position of the limb's site at rest, in the axes of the exoskeleton's site [m].
     """
 
     stiffness: Triple = (0.0, 0.0, 0.0)
@@ -95,12 +95,12 @@ def attach_bushing(
     renames its sites, but not the sites in the plugin's config.
 
     Args:
-        spec: any model specification; it is changed in place.
-        name: of the plugin instance, new in the spec.
-        limb_site: name of a site on the one body.
-        exo_site: name of a site on the other; its axes are those of the bushing.
-        bushing: the springs and dampers.
-        sensors: whether to add the three sensors.
+        spec: Any model specification; it is changed in place.
+        name: Unique name of the new plugin instance.
+        limb_site: Name of a site on the one body.
+        exo_site: Name of a site on the other body, whose axes are those of the bushing.
+        bushing: Springs and dampers of the bushing.
+        sensors: Whether to add the three sensors.
 
     Raises:
         InputError: a site is unknown, both are on one body, or the name is taken.
@@ -130,16 +130,17 @@ def replace_bushing(
 ) -> None:
     """Gives one simulation another bushing, as in a batch of cuffs strapped on differently.
 
-    A reset brings the compiled model's back.
+    A reset restores the bushing of the compiled model.
 
     Args:
-        mj_model: the compiled model.
-        plugin_state: `data.plugin_state`, or one simulation's row of a batch; changed in place.
-        name: of the bushing.
-        bushing: the new springs and dampers.
+        mj_model: Compiled model.
+        plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
+            in place.
+        name: Name of the bushing.
+        bushing: New springs and dampers.
 
     Raises:
-        InputError: there is no such bushing, or the state is not one of this model.
+        InputError: There is no such bushing, or the state belongs to another model.
     """
     ours = np.flatnonzero(mj_model.plugin == register())
     kind = mujoco.mjtObj.mjOBJ_PLUGIN
@@ -159,7 +160,7 @@ def register() -> int:
     """Registers the plugin with MuJoCo, once; returns its slot (`mjModel.plugin`).
 
     Raises:
-        RuntimeError: the installed MuJoCo is laid out differently from what it says.
+        RuntimeError: The structs of the installed MuJoCo differ from their own description.
     """
     return register_plugin(PLUGIN_NAME, KEYS, lambda: build(layout(Layout)), STAGE_VEL)
 

@@ -1,4 +1,4 @@
-"""From a configuration to a MuJoCo model with the suit inside the physics."""
+"""Turns a configuration into a MuJoCo model with the suit inside the physics."""
 
 import copy
 import math
@@ -18,21 +18,21 @@ from .suit import attach_suit, remove_suit
 
 
 def compose(config: ArmConfig) -> mujoco.MjModel:
-    """Builds the arm, suit and exoskeleton of `config`; every call returns a model of its own.
+    """Builds the arm, suit and exoskeleton of `config`; every call returns a new model.
 
     Raises:
-        InputError: an unknown suit, or a pressure for a suit file that does not tell its own.
-        UncertifiedModelError: the suit is not certified and `allow_uncertified` is not set.
+        InputError: The suit is unknown, or a pressure is given for a suit without one of its own.
+        UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     suit = _suit_of(config)
     return copy.copy(_compiled(config, None if suit is None else suit.model_dump_json()))
 
 
 def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
-    """Returns what `compose` compiles, to add things to it: tools, sensors, a scene.
+    """Returns the specification that `compose` compiles, to add tools, sensors or a scene to it.
 
     Raises:
-        InputError, UncertifiedModelError: see `compose`.
+        InputError, UncertifiedModelError: See `compose`.
     """
     return _built(config, _suit_of(config))
 
@@ -55,10 +55,10 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
 
 
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
-    """Returns how the suit resists which joints, at the pressure it is worn at.
+    """Returns the joints that the suit resists, at the pressure at which it is worn.
 
     Raises:
-        InputError: see `compose`.
+        InputError: See `compose`.
     """
     suit = _suit_of(config)
     return {} if suit is None else dict(suit.joints)
@@ -71,7 +71,7 @@ def _compiled(config: ArmConfig, suit: str | None) -> mujoco.MjModel:
 
 
 def _suit_of(config: ArmConfig) -> Suit | None:
-    """Returns the suit at the pressure it is worn at."""
+    """Returns the suit at the pressure at which it is worn."""
     if config.suit == NO_SUIT:
         return None
     suit = load_suit(config.suit)
@@ -103,7 +103,7 @@ def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:
 
 
 def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
-    """Removes what `config` is without."""
+    """Removes the parts that `config` does not have."""
     postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
     for key in spec.keys:  # before anything that their sizes depend on
         spec.delete(key)

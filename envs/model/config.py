@@ -1,4 +1,4 @@
-"""What to compose, as plain values: wearer, suit, exoskeleton, load and place."""
+"""The configuration of a model, as plain values: wearer, suit, exoskeleton, load and place."""
 
 import math
 import os
@@ -42,9 +42,9 @@ class Payload:
     """A rigid load in the ring of the exoskeleton, or in the hand where there is none.
 
     Attributes:
-        mass: its mass [kg], 0 to 60; 0 for nothing.
-        inertia: moments about its center, in the axes of the hanging hand (x forward, y left,
-            z up) [kg·m²]; by default those of a solid sphere of aluminum.
+        mass: Mass of the load [kg], 0 to 60; 0 means no load.
+        inertia: Moments of inertia about its center, in the axes of the hanging hand (x forward,
+            y left, z up) [kg·m²]; by default those of a solid sphere of aluminum.
 
     Raises:
         InputError: a value is outside its range, or no body has such moments.
@@ -68,43 +68,44 @@ class Payload:
 
     @property
     def radius(self) -> float:
-        """Radius of the sphere that it is drawn as [m]."""
+        """Radius of the sphere that shows the load [m]."""
         return (3 * self.mass / (4 * math.pi * _DENSITY.value)) ** (1 / 3)
 
     @property
     def moments(self) -> tuple[float, float, float]:
-        """Its moments of inertia, given or those of the sphere [kg·m²]."""
+        """Moments of inertia of the load, as given or those of the sphere [kg·m²]."""
         ball = 0.4 * self.mass * self.radius**2
         return self.inertia or (ball, ball, ball)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ArmConfig:
-    """What to compose. All fields are plain values: `to_dict` and `from_dict` convert to JSON.
+    """The configuration of a model, in plain values, which `to_dict` and `from_dict` convert.
 
-    Nested fields also take a dict of what differs from their defaults, as in
+    Nested fields also take a dict of the values that differ from their defaults, as in
     `ArmConfig(wearer={"stature": 1.6}, exo={"elbow": {"peak_torque": 30}})`.
 
     Attributes:
-        suit: name of a shipped suit, path of a suit file, or "none".
-        pressure: operating pressure of the suit [kPa], to which its torque is proportional; by
+        suit: Name of a shipped suit, path of a suit file, or "none" for no suit.
+        pressure: Operating pressure of the suit [kPa], to which its torque is proportional; by
             default that of the suit file.
-        gravity: "earth", "mars", "moon" or "microgravity".
-        wearer: the person.
-        exo: the exoskeleton.
-        coupling: "rigid": the exoskeleton shares the arm's joints; "cuffs": it is a chain of its
-            own on elastic cuffs; "none": there is no exoskeleton.
-        payload: a load at the hand.
-        side: "right" or "left" arm.
-        tilt: of the torso on the hips, pitch (forward positive) and roll (to the wearer's right
-            positive), each within a right angle [rad].
-        misalignment: where the exoskeleton's axes are, seen from the arm's, with the arm hanging:
-            forward, outward, up [m]; up to 0.05 m each way, and with cuffs only.
-        sim_dt: physics step [s]; by default 0.002, with cuffs 0.001.
-        allow_uncertified: accept suits whose torque could become infinite in some motion.
+        gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
+        wearer: Person who wears the suit.
+        exo: Exoskeleton on the arm.
+        coupling: Connection of the exoskeleton: "rigid" (it shares the arm's joints), "cuffs" (it
+            has its own joints, and elastic cuffs hold it) or "none" (there is no exoskeleton).
+        payload: Load at the hand.
+        side: Arm that is simulated, "right" or "left".
+        tilt: Pitch (forward positive) and roll (to the wearer's right positive) of the torso on the
+            hips, each within a right angle [rad].
+        misalignment: Position of the exoskeleton's axes relative to the arm's, with the arm
+            hanging: forward, outward, up [m]; at most 0.05 m each way, and with cuffs only.
+        sim_dt: Physics step [s]; by default 0.002, with cuffs 0.001.
+        allow_uncertified: Whether to accept suits whose torque could become infinite in some
+            motion.
 
     Raises:
-        InputError: a value is outside its range, unknown, or at odds with another one.
+        InputError: a value is outside its range, unknown, or contradicts another value.
     """
 
     suit: str = "mock-suit"
@@ -145,7 +146,7 @@ class ArmConfig:
         return self.sim_dt or (0.001 if self.coupling == "cuffs" else 0.002)
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns all fields, nested ones as dicts, ready for JSON."""
+        """Returns all fields for JSON, nested ones as dicts."""
         return asdict(self)
 
     @classmethod
@@ -189,10 +190,10 @@ _NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}
 
 
 def nested(name: str, value: Any, default: Config) -> Config:
-    """Returns `value`, or where it is a dict, `default` with the fields in it replaced.
+    """Returns `value`; if it is a dict, returns `default` with the fields in it replaced.
 
     Raises:
-        InputError: it is neither, or a field is unknown or cannot be used.
+        InputError: `value` is neither, or a field is unknown or cannot be used.
     """
     if isinstance(value, type(default)):
         return value

@@ -53,7 +53,7 @@ _FORCE_LIMITS = {
     "hand": Quantity("cuff.hand.force_limit", 140.0, "N", _SAFETY, "published"),
 }
 FORCE_LIMITS = {segment: limit.value for segment, limit in _FORCE_LIMITS.items()}
-"""What a person should bear from a machine [N]."""
+"""Largest force that a person should bear from a machine, by segment [N]."""
 
 PROVENANCE: tuple[Quantity, ...] = (
     _ACROSS,
@@ -77,9 +77,9 @@ MOVED = "moved_"  # prefix of copies until they replace the original
 
 
 def _cuff(mass: float) -> Bushing:
-    """Returns a cuff with dampers in proportion to its springs (Kelvin-Voigt).
+    """Returns a cuff whose dampers are proportional to its springs (Kelvin-Voigt).
 
-    They have the damping ratio for the effective mass of the segment on the stiffest spring.
+    The dampers have the damping ratio for the effective mass of the segment on the stiffest spring.
     """
     turning = [math.degrees(quantity.value) for quantity in (_ABOUT_ACROSS, _ABOUT_ALONG)]
     stiffness = np.array([_ACROSS.value, _ACROSS.value, _ALONG.value])
@@ -111,19 +111,19 @@ def couple(
     `attach_bushing`), between a new site `limb_<segment>` and the exoskeleton's, z up the limb.
     Keyframes put both chains into one pose. The default arm bears steps of 2 ms, but not 4 ms.
 
-    A misalignment moves the whole exoskeleton, another length what hangs below the link. The cuffs
-    are strapped on with the arm hanging, so there they bear no force from either. Another fit is a
-    matter of `replace_bushing`.
+    A misalignment moves the whole exoskeleton; another length moves the parts below the link. The
+    cuffs are strapped on with the arm hanging, so neither makes them bear a force there. Use
+    `replace_bushing` for cuffs that are strapped on differently.
 
     Args:
-        spec: the arm of arm.xml after it was fitted, loaded and mirrored, before the suit is
-            attached; it is changed in place.
-        misalignment: from the wearer's shoulder center to the exoskeleton's: forward, outward, up
-            [m].
-        excess: how much longer its links are than the wearer's segments, by segment [m].
+        spec: Specification of arm.xml after it was fitted, loaded and mirrored, and before the suit
+            is attached; it is changed in place.
+        misalignment: Vector from the wearer's shoulder center to the exoskeleton's: forward,
+            outward, up [m].
+        excess: Length of each link of the exoskeleton, less that of the wearer's segment [m].
 
     Raises:
-        InputError: the model has no exoskeleton of its own to couple.
+        InputError: The model has no exoskeleton of its own to couple.
     """
     if spec.body("exo_hand") is None or spec.joint("exo_wrist_flexion") is not None:
         raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")
@@ -151,7 +151,7 @@ def couple(
 
 
 def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
-    """Draws longer links; returns by how much the parts below them begin lower."""
+    """Lengthens the drawn links; returns how far the parts below them move down."""
     lower = []
     for segment, below in (("upper_arm", "forearm"), ("forearm", "hand")):
         longer, length = excess.get(segment, 0.0), -spec.body(below).pos[2]
@@ -161,7 +161,7 @@ def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
 
 
 def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
-    """Hangs the exoskeleton's bodies one below the other, the first on the torso."""
+    """Makes the exoskeleton's bodies a chain that hangs on the torso."""
     spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
     parent = spec.body("torso")
     for (part, segment), joint, begin in zip(CHAIN.items(), JOINTS, begins, strict=True):
@@ -182,7 +182,7 @@ def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
 
 
 def _hand_over(spec: mujoco.MjSpec, joint: str) -> None:
-    """Gives the exoskeleton's joint what its motor and encoder had on the arm's."""
+    """Moves motor, encoder and friction from a joint of the arm to that of the exoskeleton."""
     arm, exo = spec.joint(joint), spec.joint(f"exo_{joint}")
     for sensor in spec.sensors:
         if sensor.name.startswith("encoder_") and sensor.objname == joint:

@@ -1,4 +1,4 @@
-"""The numbers that arm.xml holds for the composed model, with where they come from."""
+"""The numbers that arm.xml holds for the composed model, with their sources."""
 
 from collections.abc import Iterator
 
@@ -25,7 +25,7 @@ _FASTEST = "a round number, beyond the intentions of all tasks"
 
 
 def drawn_quantities() -> tuple[Quantity, ...]:
-    """Returns what is read from the plain MJCF: sizes, masses, suited ranges, gains.
+    """Returns the quantities in the plain MJCF: sizes, masses, ranges in the suit, gains.
 
     Moments of inertia are about the center of mass; sagittal, transverse and longitudinal are the
     axes x, y and z of the hanging arm. Centers are below the joint that the part moves with.

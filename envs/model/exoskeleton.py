@@ -1,4 +1,4 @@
-"""The exoskeleton's motors, encoders and masses, and what a controller computes with them.
+"""The exoskeleton's motors, encoders and masses, and the thermal limit of its motors.
 
 A motor is MuJoCo's `dcmotor` with a torque as control [N·m]. Its torque follows the command with
 the first-order lag of its torque loop, up to what its voltage leaves: from the peak torque at
@@ -24,18 +24,18 @@ ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a moto
 
 @dataclass(frozen=True, kw_only=True)
 class Motor:
-    """A geared motor with its torque loop, all seen at the joint.
+    """A geared motor with its torque loop; all values refer to the joint.
 
     Attributes:
-        peak_torque: greatest torque, at stall and when braking [N·m].
-        continuous_torque: greatest root mean square of the torque that it bears for ever [N·m].
-        no_load_speed: where full voltage leaves no torque for the joint [rad/s].
-        armature: reflected inertia of rotor and gear [kg·m²].
-        coulomb: friction torque at any speed [N·m].
-        viscous: friction torque per speed [N·m·s/rad].
-        bandwidth: of the torque loop, first order [Hz].
-        thermal_time_constant: of the winding [s].
-        mass: of motor and gear [kg].
+        peak_torque: Greatest torque, at stall and when braking [N·m].
+        continuous_torque: Greatest root mean square of the torque that it bears without end [N·m].
+        no_load_speed: Speed at which full voltage leaves no torque for the joint [rad/s].
+        armature: Reflected inertia of rotor and gear [kg·m²].
+        coulomb: Friction torque at any speed [N·m].
+        viscous: Friction torque per speed [N·m·s/rad].
+        bandwidth: Bandwidth of the torque loop, which is of first order [Hz].
+        thermal_time_constant: Thermal time constant of the winding [s].
+        mass: Mass of motor and gear [kg].
 
     Raises:
         InputError: a value is outside its range, or the continuous torque exceeds the peak.
@@ -99,16 +99,17 @@ class Exo:
     """An exoskeleton arm: two motors, links as long as the wearer's arm, cuffs, ring, encoders.
 
     Attributes:
-        shoulder: motor of shoulder flexion.
-        elbow: motor of elbow flexion.
-        upper_arm_link: mass of the link beside the upper arm [kg].
-        forearm_link: mass of the link beside the forearm [kg].
-        cuff: mass of each of both arched guards [kg].
-        ring: mass of the U-shaped ring at the hand [kg].
-        upper_arm_length: from its shoulder to its elbow axis [m]; by default the wearer's.
-        forearm_length: from its elbow to its wrist axis [m]; by default the wearer's.
-        encoder_bits: counts of an encoder per turn, as a power of two; see `quantize`.
-        encoder_delay: age of what the encoders tell [s].
+        shoulder: Motor of shoulder flexion.
+        elbow: Motor of elbow flexion.
+        upper_arm_link: Mass of the link beside the upper arm [kg].
+        forearm_link: Mass of the link beside the forearm [kg].
+        cuff: Mass of each of both arched guards [kg].
+        ring: Mass of the U-shaped ring at the hand [kg].
+        upper_arm_length: Distance from its shoulder axis to its elbow axis [m]; by default the
+            wearer's.
+        forearm_length: Distance from its elbow axis to its wrist axis [m]; by default the wearer's.
+        encoder_bits: Resolution of an encoder, which has 2**bits counts per turn (see `quantize`).
+        encoder_delay: Age of the values that the encoders report [s].
 
     Raises:
         InputError: a value is outside its range.
@@ -139,7 +140,7 @@ class Exo:
 
     @property
     def lengths(self) -> dict[str, float | None]:
-        """Its own lengths by the segment that they go along [m]; None: the segment's."""
+        """Lengths of the links by segment [m]; None means the length of the segment."""
         return {"upper_arm": self.upper_arm_length, "forearm": self.forearm_length}
 
     @property
@@ -204,7 +205,7 @@ def fit_exoskeleton(spec: mujoco.MjSpec, exo: Exo) -> None:
 
 
 def remove_exoskeleton(spec: mujoco.MjSpec) -> None:
-    """Takes the drawn exoskeleton off, in place; keyframes must be gone before its motors."""
+    """Removes the drawn exoskeleton, in place; keyframes must be removed before."""
     names = [f"assist_{joint}" for joint in ASSISTED]
     meters = [sensor for sensor in spec.sensors if sensor.objname in names]
     motors = [spec.actuator(name) for name in names]
@@ -216,9 +217,9 @@ def remove_exoskeleton(spec: mujoco.MjSpec) -> None:
 
 
 def delay_encoders(spec: mujoco.MjSpec, delay: float) -> None:
-    """Lets the encoders of `spec` tell angles and rates that are `delay` old [s].
+    """Delays the angles and rates that the encoders of `spec` report by `delay` [s].
 
-    A reset leaves zeros in the encoders' memory: `start_encoders` fills it.
+    A reset sets the encoders' memory to zeros, and `start_encoders` then fills it.
     """
     if delay > 0:
         for sensor in spec.sensors:
@@ -228,7 +229,7 @@ def delay_encoders(spec: mujoco.MjSpec, delay: float) -> None:
 
 
 def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """After a reset, makes delayed encoders tell the state of `data`, as if it had always been."""
+    """Fills the delayed encoders after a reset, as if the state of `data` had always been there."""
     for i in np.flatnonzero(model.sensor_delay):
         if not model.sensor(i).name.startswith("encoder_"):
             continue
@@ -242,7 +243,7 @@ def start_encoders(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def quantize(angle: ArrayLike, bits: int) -> Array:
-    """Returns angles [rad] as an encoder of 2**bits counts per turn tells them, any shape."""
+    """Returns angles [rad] rounded to the counts of an encoder with 2**bits per turn, any shape."""
     count = math.tau / 2**bits
     return np.rint(np.divide(angle, count)) * count
 
@@ -252,14 +253,14 @@ def thermal_step(
 ) -> Array:
     """Advances the running mean square of motors' torques, which heats their windings.
 
-    A motor is overloaded while the root of the result exceeds its continuous torque. Exact for a
-    torque that is constant during `dt`.
+    A motor is overloaded while the root of the result exceeds its continuous torque. The result is
+    exact for a torque that is constant during `dt`.
 
     Args:
-        mean_square: at the beginning [N²·m²], any shape.
-        torque: during `dt` [N·m], same shape.
-        time_constant: of the windings [s].
-        dt: duration [s].
+        mean_square: Mean square at the beginning [N²·m²], any shape.
+        torque: Torque during `dt` [N·m], same shape.
+        time_constant: Thermal time constant of the windings [s].
+        dt: Duration [s].
 
     Returns:
         The mean square at the end [N²·m²].
@@ -275,16 +276,16 @@ def thermal_clip(
     time_constant: ArrayLike,
     dt: float,
 ) -> Array:
-    """Returns torques as far as they overload no motor within the next `dt` [N·m].
+    """Returns torques, limited so that no motor is overloaded within the next `dt` [N·m].
 
-    A motor that is driven hard ends at its continuous torque; one that is overloaded cools down.
+    A motor that is driven hard ends at its continuous torque; an overloaded one cools down.
 
     Args:
-        torque: that is wanted [N·m], any shape.
-        mean_square: of `thermal_step` [N²·m²], same shape.
-        continuous: the motors' continuous torques [N·m].
-        time_constant: of the windings [s].
-        dt: duration [s].
+        torque: Torque that is wanted [N·m], any shape.
+        mean_square: Mean square from `thermal_step` [N²·m²], same shape.
+        continuous: Continuous torques of the motors [N·m].
+        time_constant: Thermal time constant of the windings [s].
+        dt: Duration [s].
     """
     return clip(torque, mean_square, continuous, time_constant, dt)
 

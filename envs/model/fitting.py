@@ -1,4 +1,4 @@
-"""The drawn arm, made to the measure of a person."""
+"""Scales the drawn arm to a person."""
 
 import mujoco
 import numpy as np

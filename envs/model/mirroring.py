@@ -48,7 +48,7 @@ def _reflect_pose(
 
 
 def _reflect_orientation(given: mujoco.MjsOrientation) -> None:
-    """Reflects an orientation in every way in which it may be given other than a quaternion."""
+    """Reflects an orientation that is given in any other way than as a quaternion."""
     given.euler = given.euler * _AXIAL
     given.axisangle = given.axisangle * np.array([*_AXIAL, 1.0])
     given.zaxis = given.zaxis * _POLAR
@@ -57,7 +57,7 @@ def _reflect_orientation(given: mujoco.MjsOrientation) -> None:
 
 
 def _reflect_camera(camera: mujoco.MjsCamera) -> None:
-    """Reflects what a camera looks at; its x axis, to the right of the picture, changes sides."""
+    """Reflects the view of a camera, whose x axis (to the right of the picture) changes sides."""
     if camera.alt.type != mujoco.mjtOrientation.mjORIENTATION_XYAXES:
         raise NotImplementedError(f"camera {camera.name!r} is not oriented by its xyaxes")
     camera.alt.xyaxes = camera.alt.xyaxes * np.array([*-_POLAR, *_POLAR])

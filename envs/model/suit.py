@@ -1,4 +1,4 @@
-"""The suit on the arm: its hysteretic torque, or the suit taken off."""
+"""Puts the suit's hysteretic torque on the arm, or takes the drawn suit off."""
 
 import mujoco
 import numpy as np
@@ -12,7 +12,7 @@ def attach_suit(spec: mujoco.MjSpec, suit: Suit, *, allow_uncertified: bool = Fa
     """Makes the arm's joints resist with the suit's torque, in place.
 
     Raises:
-        UncertifiedModelError: the suit is not certified and `allow_uncertified` is not set.
+        UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     for joint, entry in suit.joints.items():
         attach(

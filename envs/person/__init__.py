@@ -1,4 +1,4 @@
-"""The wearer as a person: size, strength, fatigue, control, and what a motion costs."""
+"""The wearer as a person: size, strength, fatigue, control, and the effort of a motion."""
 
 from .anthropometry import Person, Segment, range_of_motion, segments
 from .control import ControlState, VoluntaryControl, start_control, voluntary_torque

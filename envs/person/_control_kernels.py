@@ -1,4 +1,4 @@
-"""The wearer's pull, element by element."""
+"""Kernel of the wearer's torque, element by element."""
 
 # pyright: reportCallIssue=false, reportFunctionMemberAccess=false
 
@@ -7,7 +7,7 @@ from numba import vectorize
 
 @vectorize("f8(f8, f8, f8, f8, f8, f8)", cache=True)
 def _pull(intrinsic, foreseen, feedback, past, low, high):
-    """Returns intrinsic, foreseen and fed back torque together, within strength."""
+    """Returns the sum of intrinsic, foreseen and feedback torque, within strength."""
     return max(low, min(intrinsic + foreseen + feedback * past, high))
 
 

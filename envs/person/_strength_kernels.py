@@ -1,4 +1,4 @@
-"""The strength of muscle groups, for any number of wearers at once."""
+"""Kernels of the strength of muscle groups, for any number of wearers at once."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportFunctionMemberAccess=false
 
@@ -9,7 +9,7 @@ from numba import guvectorize, njit
 
 @njit(cache=True)
 def velocity_factor(shortening, hill, gain, knee):
-    """Torque over isometric torque at a shortening speed over the fastest.
+    """Returns torque / isometric torque at a shortening speed, given over the fastest speed.
 
     Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0), and for lengthening another one
     that leaves (0, 1) with the same slope and meets (-1, eccentric); constant beyond both ends.
@@ -27,9 +27,9 @@ def velocity_factor(shortening, hill, gain, knee):
     cache=True,
 )
 def _limits(isometric, angle, rate, groups, low, high):
-    """Fills the least and the greatest torque at every joint.
+    """Computes the least and the greatest torque at every joint, in place.
 
-    `groups` holds, one after the other, fastest speed, best angle, width, and the three shape
+    `groups` holds these values in turn: fastest speed, best angle, width, and the three shape
     parameters of `velocity_factor`.
     """
     for joint in range(angle.shape[0]):

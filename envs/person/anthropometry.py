@@ -1,4 +1,4 @@
-"""Who wears the suit: size, mass, sex; and from these the segments and ranges of the arm."""
+"""The size of the wearer: stature, mass and sex, and the segments and ranges of the arm."""
 
 from dataclasses import dataclass
 from math import radians
@@ -86,13 +86,13 @@ PROVENANCE: tuple[Quantity, ...] = (
 
 @dataclass(frozen=True, kw_only=True)
 class Person:
-    """A wearer. All fields are plain values, so a person converts to JSON.
+    """A wearer. All fields are plain values, which convert to JSON.
 
     Attributes:
-        stature: standing height [m], 1.4 to 2.1.
-        mass: body mass without suit [kg], 40 to 140.
-        sex: "male" or "female".
-        strength: percentile of strength among people of this sex and mass, 1 to 99.
+        stature: Standing height [m], 1.4 to 2.1.
+        mass: Body mass without suit [kg], 40 to 140.
+        sex: Sex of the wearer, "male" or "female".
+        strength: Percentile of strength among people of this sex and mass, 1 to 99.
 
     Raises:
         InputError: a value is outside its range.
@@ -112,17 +112,17 @@ class Person:
 
     @classmethod
     def percentile(cls, sex: Literal["male", "female"], percentile: float) -> "Person":
-        """Returns the person whose stature and mass both are at a percentile of ANSUR II.
+        """Returns the person whose stature and mass are at a percentile of ANSUR II.
 
-        The usual design cases run from the 5th percentile female to the 95th percentile male.
-        Both sizes are taken as normal; strength is the median of that sex and mass.
+        The usual design cases go from the 5th percentile female to the 95th percentile male. Both
+        sizes are taken as normally distributed; strength is the median of that sex and mass.
 
         Args:
-            sex: "male" or "female".
-            percentile: 1 to 99.
+            sex: Sex of the person, "male" or "female".
+            percentile: Percentile of stature and mass, 1 to 99.
 
         Raises:
-            InputError: an unknown sex, or a percentile outside 1 to 99.
+            InputError: The sex is unknown, or the percentile is outside 1 to 99.
         """
         if sex not in SEXES:
             raise unknown_name("sex", sex, SEXES)
@@ -139,11 +139,11 @@ class Segment:
     """A rigid part of the arm.
 
     Attributes:
-        length: from the proximal joint center to the distal one; for the hand, to the head of
-            the third metacarpal [m].
-        mass: its mass [kg].
-        center: distance of its mass center from the proximal joint center [m].
-        inertia: moments of inertia about the mass center [kg·m²], about the sagittal (forward),
+        length: Distance from the proximal joint center to the distal one; for the hand, to the
+            head of the third metacarpal [m].
+        mass: Mass of the segment [kg].
+        center: Distance of its mass center from the proximal joint center [m].
+        inertia: Moments of inertia about the mass center [kg·m²], about the sagittal (forward),
             transverse (sideways: the axis of flexion) and longitudinal axis of the hanging arm.
     """
 
@@ -174,10 +174,10 @@ def segments(person: Person) -> dict[str, Segment]:
 
 
 def range_of_motion(joint: str) -> tuple[float, float]:
-    """Returns the angles between which a healthy adult can move a joint, without a suit [rad].
+    """Returns the lowest and highest joint angle of a healthy adult without a suit [rad].
 
     Raises:
-        InputError: the arm has no such joint.
+        InputError: The arm has no such joint.
     """
     if joint not in _RANGES:
         raise unknown_name("joint", joint, JOINTS)

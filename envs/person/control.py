@@ -1,4 +1,4 @@
-"""How the wearer pulls: foreseen torque, delayed feedback, and the noise of muscles.
+"""The wearer's control of the arm: foreseen torque, delayed feedback, and muscle noise.
 
 The engine's position and velocity inputs give the wearer an instantaneous impedance, the
 *intrinsic* torque of co-contracted muscles. What the wearer adds at control rate is
@@ -6,8 +6,8 @@ The engine's position and velocity inputs give the wearer an instantaneous imped
     foreseen:  own feed-forward + suit_learning · resistance of the suit
     feedback:  feedback · intrinsic torque of `delay` ago
 
-so feedback answers the errors of angle and rate as the muscles do, but late. All of it together,
-with the intrinsic torque, stays within strength. It then varies in proportion to itself: slow noise
+so feedback answers errors of angle and rate as the muscles do, but later. The sum, together with
+the intrinsic torque, stays within strength. It then varies in proportion to itself: slow noise
 (first-order low-pass, corner 4 Hz, whatever the control rate) and tremor (a resonance at 10 Hz,
 4 Hz wide).
 
@@ -59,20 +59,20 @@ _COEFFICIENTS = np.array([quantity.value for quantity in _NOISE])
 
 @dataclass(frozen=True, kw_only=True)
 class VoluntaryControl:
-    """How a wearer controls the arm. All fields are plain numbers.
+    """Settings of a wearer's control of the arm. All fields are plain numbers.
 
-    Nothing is random by default: two policies, or two models of a suit, then meet the same wearer.
-    `noise=1` is the switch to a wearer who varies as people do.
+    Nothing is random by default, so that two policies or two suits meet the same wearer. With
+    `noise=1` the wearer varies as people do.
 
     Attributes:
-        suit_learning: share of the suit's resistance that the wearer foresees, 0 to 1; 0 has never
-            worn it.
-        feedback: delayed torque over the intrinsic torque that it repeats, 0 to 1.
-        delay: from an error to the torque that answers it [s], 0 to 0.5, a multiple of the control
-            period.
-        noise: signal-dependent noise in multiples of a typical one, whose standard deviation is
+        suit_learning: Share of the suit's resistance that the wearer foresees, 0 to 1; a wearer
+            who has never worn the suit has 0.
+        feedback: Gain of the delayed feedback, a factor of the intrinsic torque, 0 to 1.
+        delay: Time from an error to the torque that answers it [s], 0 to 0.5, a multiple of the
+            control period.
+        noise: Signal-dependent noise in multiples of a typical one, whose standard deviation is
             2.5 % of the torque at shoulder and elbow and 4.5 % at the wrist, 0 to 10.
-        tremor: standard deviation of physiological tremor over the torque, 0 to 0.5.
+        tremor: Standard deviation of physiological tremor over the torque, 0 to 0.5.
 
     Raises:
         InputError: a value is outside its range.
@@ -99,12 +99,12 @@ class VoluntaryControl:
 
 @dataclass(frozen=True, eq=False)
 class ControlState:
-    """What the wearer's control remembers between two periods.
+    """Memory of the wearer's control between two periods.
 
     Attributes:
-        past: intrinsic torques not yet answered [N·m], oldest first, shape (..., delay, 4).
-        variation: slow noise, tremor and tremor a quarter period later, each of variance 1 in the
-            long run, shape (..., 3, 4).
+        past: Intrinsic torques without an answer yet [N·m], oldest first, shape (..., delay, 4).
+        variation: Slow noise, tremor, and tremor a quarter period later, each with variance 1 in
+            the long run, shape (..., 3, 4).
     """
 
     past: Array
@@ -112,15 +112,15 @@ class ControlState:
 
 
 def start_control(settings: VoluntaryControl, intrinsic: ArrayLike, dt: float) -> ControlState:
-    """Returns the state of a wearer who has been holding still, without any noise yet.
+    """Returns the memory of a wearer who has held still, without any noise yet.
 
     Args:
-        settings: how the wearer controls the arm.
-        intrinsic: the intrinsic torque so far [N·m], shape (..., 4); zeros if nothing pulled.
-        dt: control period [s].
+        settings: Settings of the wearer's control.
+        intrinsic: Intrinsic torque so far [N·m], shape (..., 4); zeros if the arm was free.
+        dt: Control period [s].
 
     Raises:
-        InputError: the delay is no multiple of the control period.
+        InputError: The delay is not a multiple of the control period.
     """
     samples = round(settings.delay / dt)
     if not isclose(samples * dt, settings.delay, abs_tol=1e-9):
@@ -144,28 +144,28 @@ def voluntary_torque(
     dt: float,
     rng: Generators,
 ) -> tuple[Array, ControlState]:
-    """Returns what the wearer adds to the intrinsic torque in this control period.
+    """Returns the torque that the wearer adds to the intrinsic one in this control period.
 
     It goes to the feed-forward input of the engine's actuators, whose position and velocity inputs
     are the intention.
 
     Args:
-        settings: how the wearer controls the arm.
-        state: of the period before, or of `start_control`; it is left as it is.
-        intrinsic: torque of the wearer's impedance at this instant, stiffness · (intended - actual
+        settings: Settings of the wearer's control.
+        state: Memory of the period before, or from `start_control`; it is not changed.
+        intrinsic: Torque of the wearer's impedance at this instant, stiffness · (intended - actual
             angle) + damping · (intended - actual rate) [N·m], shape (..., 4), the state's.
-        feedforward: torque that moves the bare arm along the intention [N·m], shape (..., 4).
-        suit_resistance: torque that the suit resists with along the intention, as the wearer could
-            learn it [N·m], shape (..., 4).
-        limits: least and greatest torque the wearer can give now: `strength_limits` of the strength
-            that fatigue has left [N·m], shape (..., 4) each.
-        dt: control period [s].
-        rng: random numbers, one generator for all wearers or one for each of a one-dimensional
+        feedforward: Torque that moves the bare arm along the intention [N·m], shape (..., 4).
+        suit_resistance: Resistance of the suit along the intention, as the wearer could learn it
+            [N·m], shape (..., 4).
+        limits: Least and greatest torque that the wearer can give now, `strength_limits` of the
+            strength that fatigue has left [N·m], shape (..., 4) each.
+        dt: Control period [s].
+        rng: Random numbers, one generator for all wearers or one for each of a one-dimensional
             batch; nothing is drawn without noise and tremor.
 
     Returns:
-        torque: the wearer's torque without the intrinsic one [N·m], shape (..., 4).
-        state: for the next period.
+        torque: torque of the wearer without the intrinsic one [N·m], shape (..., 4).
+        state: memory for the next period.
     """
     window = np.concatenate([state.past, intrinsic[..., None, :]], axis=-2)
     foreseen = feedforward + settings.suit_learning * suit_resistance
@@ -181,7 +181,7 @@ def voluntary_torque(
 
 
 def _vary(variation: Array, dt: float, rng: Generators) -> Array:
-    """One period of an autoregressive process of first order and of a randomly driven rotation."""
+    """Returns the next variation: a first-order autoregression and a randomly driven rotation."""
     lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
     turn = 2 * pi * _CENTER.value * dt
     slow, x, y = np.moveaxis(variation, -2, 0)

@@ -1,4 +1,4 @@
-"""What a motion costs the wearer: torque, work, estimates of metabolic energy, and smoothness."""
+"""The effort of a motion: torque, work, estimates of metabolic energy, and smoothness."""
 
 from dataclasses import asdict, dataclass
 
@@ -23,22 +23,22 @@ PROVENANCE: tuple[Quantity, ...] = (_EXPONENT, _RAISING, _LOWERING)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EffortMetrics:
-    """What a motion costs at every joint; the sums of consecutive records add up.
+    """Effort of a motion at every joint; the sums of consecutive records add up.
 
     The two costs estimate metabolic energy, for comparisons within one person and task:
-    `torque_cost` knows no motion, `work_cost` no holding.
+    `torque_cost` ignores motion, and `work_cost` ignores holding.
 
     Attributes:
-        rms: root mean square of the torque [N·m], shape (..., joints) like all.
-        peak: largest |torque| [N·m].
-        impulse: integral of |torque| [N·m·s].
-        positive_work: work done on the arm [J].
-        negative_work: work taken from the arm, positive [J].
-        torque_cost: integral of |torque|^1.36, proportional to the metabolic energy of holding
+        rms: Root mean square of the torque [N·m], shape (..., joints) like all.
+        peak: Largest |torque| [N·m].
+        impulse: Integral of |torque| [N·m·s].
+        positive_work: Work done on the arm [J].
+        negative_work: Work taken from the arm, positive [J].
+        torque_cost: Integral of |torque|^1.36, proportional to the metabolic energy of holding
             [(N·m)^1.36·s].
-        work_cost: positive work / 0.25 + negative work / 1.20, the metabolic energy of working [J].
-        spectral_arc_length: smoothness SPARC of the joint's speed; NaN where nothing moves.
-        log_dimensionless_jerk: smoothness LDLJ of the joint's rate; NaN where nothing moves.
+        work_cost: Positive work / 0.25 + negative work / 1.20, the metabolic energy of working [J].
+        spectral_arc_length: Smoothness SPARC of the joint's speed; NaN where nothing moves.
+        log_dimensionless_jerk: Smoothness LDLJ of the joint's rate; NaN where nothing moves.
     """
 
     rms: Array
@@ -62,13 +62,13 @@ def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetri
     Every sample stands for one period of `dt`.
 
     Args:
-        torque: the wearer's torque [N·m], shape (..., n, joints), n >= 3.
-        rate: joint rates [rad/s], the same shape.
-        dt: sampling period [s].
+        torque: The wearer's torque [N·m], shape (..., n, joints), n >= 3.
+        rate: Joint rates [rad/s], the same shape.
+        dt: Sampling period [s].
 
     Raises:
-        InputError: shapes that differ or are too small, values that are not finite, or a period
-            that is not positive.
+        InputError: The shapes differ or are too small, a value is not finite, or the period is not
+            positive.
     """
     torque, rate = np.asarray(torque, dtype=float), np.asarray(rate, dtype=float)
     _check(torque, rate, dt)

@@ -1,4 +1,4 @@
-"""How the wearer's muscles tire and recover: the three-compartment controller with rest, 3CC-r.
+"""Fatigue and recovery of the wearer's muscles: the three-compartment controller 3CC-r.
 
 Of a muscle group a part is active, a part fatigued and the rest resting (Xia and Frey-Law 2008).
 Active muscle tires, and fatigued muscle recovers:
@@ -58,16 +58,16 @@ _TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for join
 
 
 def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:
-    """Returns how much of its unfatigued strength every muscle group is asked for.
+    """Returns the load of every muscle group, as a share of its strength without fatigue.
 
     Args:
-        torque: the wearer's torque at every joint [N·m], shape (..., 4).
+        torque: The wearer's torque at every joint [N·m], shape (..., 4).
         limits: `strength_limits` without fatigue at the present angles and rates, shape (..., 4)
             each.
 
     Returns:
-        Shape (..., 2, 4), the order of `isometric_strength`. A group that is asked for torque where
-        it has none is at 1.
+        The load, shape (..., 2, 4), in the order of `isometric_strength`. It is 1 where a group
+        would need torque that it cannot have.
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
     asked = np.maximum(np.stack([-torque, torque], axis=-2), 0)
@@ -79,12 +79,13 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
     """Returns the fatigued part of every muscle group after a time under constant load.
 
     Args:
-        fatigued: the part that is fatigued now, 0 to 1, shape (..., 2, 4); zero in a rested wearer.
-        load: of `muscle_load`, shape (..., 2, 4); beyond what is left, all that is left works.
-        dt: duration [s].
+        fatigued: Part that is fatigued now, 0 to 1, shape (..., 2, 4); zero in a rested wearer.
+        load: Load from `muscle_load`, shape (..., 2, 4); a higher load than the muscle that is left
+            can bear counts as all of that.
+        dt: Duration [s].
 
     Returns:
-        The same after `dt`, shape (..., 2, 4).
+        The fatigued part after `dt`, shape (..., 2, 4).
     """
     recovery = np.where(load <= _RESTING.value, _MULTIPLIER * _RECOVERY, _RECOVERY)
     ceiling = 1 - load
@@ -101,16 +102,16 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:
-    """Returns how long a rested wearer can hold a load [s].
+    """Returns the time for which a rested wearer can hold a load [s].
 
-    The closed form -log(1 - R(1 - load) / (F load)) / R; infinite up to load R / (F + R).
+    This is -log(1 - R(1 - load) / (F load)) / R, and infinite up to the load R / (F + R).
 
     Args:
-        load: fraction of the unfatigued strength, 0 to 1, any shape.
-        joint: one of `JOINTS`.
+        load: Fraction of the unfatigued strength, 0 to 1, any shape.
+        joint: Name of a joint in `JOINTS`.
 
     Raises:
-        InputError: the arm has no such joint, or a load is outside 0 to 1.
+        InputError: The arm has no such joint, or a load is outside 0 to 1.
     """
     if joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)
@@ -125,6 +126,6 @@ def endurance_time(load: ArrayLike, joint: str) -> Array:
 
 
 def _approach(able: NDArray[np.bool_], load: Array, recovery: Array) -> tuple[Array, Array]:
-    """Limit and rate of the fatigued part while a group bears the load, or all it has is active."""
+    """Returns limit and rate of the fatigued part, while the group bears the load or gives all."""
     rate = np.where(able, recovery, _TIRING + recovery)
     return np.where(able, load, 1) * _TIRING / rate, rate

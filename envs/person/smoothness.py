@@ -1,4 +1,4 @@
-"""How smooth a movement is: Balasubramanian et al. 2015, J. NeuroEng. Rehabil. 12:112."""
+"""Smoothness of movements, after Balasubramanian et al. 2015, J. NeuroEng. Rehabil. 12:112."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,16 +17,16 @@ PROVENANCE: tuple[Quantity, ...] = (_HIGHEST, _THRESHOLD, _PADDING)
 def spectral_arc_length(speed: ArrayLike, dt: float) -> Array:
     """Returns the smoothness SPARC of a speed profile: negative, and nearer zero if smoother.
 
-    It is minus the length of the magnitude spectrum's curve, scaled to 1 in both directions, up to
-    the last frequency below 10 Hz with 5 % of the largest magnitude. Cut the record to the
-    movement: rest before and after it counts.
+    SPARC is minus the length of the magnitude spectrum's curve, scaled to 1 in both directions, up
+    to the last frequency below 10 Hz with 5 % of the largest magnitude. Cut the record to the
+    movement, because rest before and after it changes the result.
 
     Args:
         speed: |rate| of a joint, or the norm of a velocity, shape (..., n), n >= 2.
-        dt: sampling period [s].
+        dt: Sampling period [s].
 
     Returns:
-        Shape (...); NaN where nothing moves.
+        The smoothness, shape (...); NaN where nothing moves.
     """
     speed = np.asarray(speed, dtype=float)
     size = 2 ** (int(np.ceil(np.log2(speed.shape[-1]))) + int(_PADDING.value))
@@ -47,11 +47,11 @@ def log_dimensionless_jerk(rate: ArrayLike, dt: float) -> Array:
     the second derivative raises their noise.
 
     Args:
-        rate: velocity or speed [rad/s], shape (..., n), n >= 3.
-        dt: sampling period [s].
+        rate: Velocity or speed [rad/s], shape (..., n), n >= 3.
+        dt: Sampling period [s].
 
     Returns:
-        Shape (...); NaN where nothing moves.
+        The smoothness, shape (...); NaN where nothing moves.
     """
     rate = np.asarray(rate, dtype=float)
     duration = (rate.shape[-1] - 1) * dt

@@ -1,4 +1,4 @@
-"""How hard the wearer can pull at each joint, and what the joints resist by themselves.
+"""The strength of the wearer at each joint, and the passive torque of the joints.
 
 Every joint has two muscle groups, which pull toward negative angles (extension, adduction) and
 toward positive ones (flexion, abduction). Each gives
@@ -166,7 +166,7 @@ PROVENANCE: tuple[Quantity, ...] = (
 
 
 def _column(name: str) -> Array:
-    """A column of the muscle groups, shape (2, 4): `DIRECTIONS` and `JOINTS`."""
+    """Returns one quantity of all muscle groups, shape (2, 4): `DIRECTIONS` and `JOINTS`."""
     value = {quantity.name: quantity.value for quantity in PROVENANCE}
     return np.array(
         [[value[f"strength.{joint}.{way}.{name}"] for joint in JOINTS] for way in DIRECTIONS]
@@ -197,8 +197,8 @@ def isometric_strength(person: Person) -> Array:
     `numpy.stack` the strengths of several people to compute with all of them at once.
 
     Returns:
-        Shape (2, 4), all positive: the groups that pull toward negative and toward positive
-        angles, and the joints of `JOINTS`.
+        The torques, shape (2, 4), all positive: the groups that pull toward negative and toward
+        positive angles, and the joints of `JOINTS`.
     """
     relative_mass = person.mass / _REFERENCE_MASS.value
     if person.sex == "female":
@@ -210,34 +210,36 @@ def isometric_strength(person: Person) -> Array:
 
 
 def strength_limits(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> tuple[Array, Array]:
-    """Returns the least and the greatest torque the wearer can give at every joint [N·m].
+    """Returns the least and the greatest torque that the wearer can give at every joint [N·m].
 
     Args:
-        isometric: of `isometric_strength`, shape (2, 4), or (..., 2, 4) for several wearers.
-        angle: joint angles in the order of `JOINTS` [rad], shape (..., 4).
-        rate: their rates [rad/s], shape (..., 4).
+        isometric: Torques from `isometric_strength`, shape (2, 4), or (..., 2, 4) for several
+            wearers.
+        angle: Joint angles in the order of `JOINTS` [rad], shape (..., 4).
+        rate: Joint rates [rad/s], shape (..., 4).
 
     Returns:
-        low: at most zero, shape (..., 4).
-        high: at least zero, shape (..., 4).
+        low: least torque, at most zero, shape (..., 4).
+        high: greatest torque, at least zero, shape (..., 4).
     """
     return limits(isometric, angle, rate, _SHAPE)
 
 
 def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array:
-    """Returns the torque on every joint of the relaxed arm [N·m], gravity apart.
+    """Returns the torque on every joint of the relaxed arm [N·m], without gravity.
 
     Near the ends of the range the muscle that is stretched pulls back with
     peak · ((angle - passive_from) / (passive_peak - passive_from))². This stiffens to 800 N·m/rad
     at the elbow, so evaluate it in every physics step.
 
     Args:
-        isometric: of `isometric_strength`, shape (2, 4), or (..., 2, 4) for several wearers.
-        angle: joint angles in the order of `JOINTS` [rad], shape (..., 4).
-        rate: their rates [rad/s], shape (..., 4).
+        isometric: Torques from `isometric_strength`, shape (2, 4), or (..., 2, 4) for several
+            wearers.
+        angle: Joint angles in the order of `JOINTS` [rad], shape (..., 4).
+        rate: Joint rates [rad/s], shape (..., 4).
 
     Returns:
-        Shape (..., 4).
+        The torque, shape (..., 4).
     """
     angle, rate = np.asarray(angle), np.asarray(rate)
     begin = _GROUP["passive_from"]

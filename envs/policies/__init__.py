@@ -1,4 +1,4 @@
-"""Assist policies: from what the environment shows to an action."""
+"""Assist policies: each turns an observation into an action."""
 
 from .base import Policy
 from .build import POLICIES, make_policy

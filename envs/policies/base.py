@@ -7,15 +7,15 @@ from numpy.typing import NDArray
 
 
 class Policy(Protocol):
-    """Anything that assists: its memory, if any, lasts from `reset` to `reset`.
+    """A controller of the motors; its memory, if it has any, lasts from `reset` to `reset`.
 
     `reset()` is called after the environment's reset, then `act(observation, info)` once per
-    control period with what the environment returned last; it answers with the next action.
+    control period with what the environment returned last; it returns the next action.
     """
 
     def reset(self) -> None:
-        """Forgets the last episode."""
+        """Clears the memory of the last episode."""
 
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
-        """Returns the action in [-1, 1] per assisted joint for what `reset` or `step` returned."""
+        """Returns the next action, in [-1, 1] for each assisted joint."""
         ...

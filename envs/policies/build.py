@@ -1,4 +1,4 @@
-"""Policies by name."""
+"""Makes policies by name."""
 
 from pathlib import Path
 
@@ -22,13 +22,14 @@ def make_policy(name: str, env: gymnasium.Env, *, believed_suit: str | None = No
     """Returns a policy for an ActiveSuit environment.
 
     Args:
-        name: "none", "gravity", "feedforward", "oracle", or the folder of a training run.
-        env: the environment it will act in, wrapped or not.
-        believed_suit: name or file of the suit that "feedforward" believes in; by default the
-            simulated one at its pressure.
+        name: Name of the policy ("none", "gravity", "feedforward" or "oracle"), or the folder of a
+            training run.
+        env: Environment in which the policy will act, wrapped or not.
+        believed_suit: Name or file of the suit that "feedforward" believes in; by default the
+            simulated one, at its pressure.
 
     Raises:
-        InputError: there is no such policy or folder, or no motor that it could drive.
+        InputError: There is no such policy or folder, or the environment has no motors.
     """
     arm = env.unwrapped
     if not isinstance(arm, ArmEnv):

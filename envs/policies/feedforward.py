@@ -12,16 +12,16 @@ from ..model import ASSISTED
 
 
 class HysteresisFeedforward:
-    """Predicts the suit torque with its own copy of the memory.
+    """Predicts the suit torque by a model that keeps its own memory of the motion.
 
-    The memory follows the measured angle. The command is the model's torque one preview ahead,
-    at the measured angle plus the change of the target until then: it covers the delay of the
-    motors, and it knows about a coming reversal.
+    The memory follows the measured angle. The command is the model's torque one preview ahead, at
+    the measured angle plus the change of the target until then. The preview makes up for the delay
+    of the motors, and shows a reversal before it comes.
 
     Args:
-        env: the environment to act in.
-        joints: how the controller believes that the suit resists. It need not be the simulated one;
-            a joint that is not there gets no assist.
+        env: Environment in which the policy acts.
+        joints: Joints of the suit that the controller believes in, which need not be the simulated
+            suit; a joint that is missing gets no assist.
     """
 
     def __init__(self, env: ArmEnv, joints: Mapping[str, SuitJoint]) -> None:
@@ -39,11 +39,11 @@ class HysteresisFeedforward:
         self.reset()
 
     def reset(self) -> None:
-        """Puts the memory back to where the suit's begins."""
+        """Resets the memory to the state in which the suit's memory begins."""
         self._states = dict(self._starts)
 
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
-        """Returns the predicted resistance over the peak, clipped to [-1, 1]."""
+        """Returns the predicted resistance, divided by the peak torque and clipped to [-1, 1]."""
         torque = np.zeros(len(ASSISTED))
         for i, model in self._models.items():
             measured = float(observation[self._measured[i]])

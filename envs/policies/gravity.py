@@ -10,9 +10,9 @@ from ..arm_env import ArmEnv
 
 
 class GravityCompensation:
-    """Cancels the static gravity torque at the measured joint angles, from the known masses.
+    """Cancels the static gravity torque at the measured joint angles, computed from known masses.
 
-    On cuffs it takes the arm's angles for the exoskeleton's, which differ by what the cuffs yield.
+    With cuffs it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
     """
 
     def __init__(self, env: ArmEnv) -> None:
@@ -23,10 +23,10 @@ class GravityCompensation:
         self._bias = np.zeros(env.model.nv)
 
     def reset(self) -> None:
-        """Does nothing: there is no memory."""
+        """Does nothing, because the policy has no memory."""
 
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
-        """Returns the torque that holds the arm still, over the peak, clipped to [-1, 1]."""
+        """Returns the torque that holds the arm, divided by the peak and clipped to [-1, 1]."""
         del info
         angle = observation[self._angle]
         self._data.qpos[self._wiring.joints] = self._data.qpos[self._wiring.exo_joints] = angle

@@ -31,7 +31,7 @@ def training_config(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns the options that a policy was trained with: env, algo, suit, gravity, ...
 
     Raises:
-        InputError: the folder is no training run.
+        InputError: The folder is not a training run.
     """
     try:
         config = json.loads((Path(folder) / "config.json").read_text(encoding="utf-8"))
@@ -47,7 +47,7 @@ def load_network(algorithm: str, path: Path, **options: Any) -> Any:
     """Returns the Stable-Baselines3 model in `path`.
 
     Raises:
-        InputError: the file is damaged, or Stable-Baselines3 is not installed.
+        InputError: The file is damaged, or Stable-Baselines3 is not installed.
     """
     learner = algorithm_class(algorithm)
     try:
@@ -59,14 +59,14 @@ def load_network(algorithm: str, path: Path, **options: Any) -> Any:
 
 
 class TrainedPolicy:
-    """Acts by the mean of a trained network.
+    """Takes the mean action of a trained network.
 
     Args:
-        folder: a run folder of `activesuit train`, with `config.json` and `model.zip`.
-        observation_size: what the environment to act in observes; it must fit the network.
+        folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
+        observation_size: Number of values that the environment observes; it must fit the network.
 
     Raises:
-        InputError: the folder holds no finished checkpoint, or the network does not fit.
+        InputError: The folder holds no finished checkpoint, or the network does not fit.
     """
 
     def __init__(self, folder: str | os.PathLike[str], observation_size: int) -> None:
@@ -83,7 +83,7 @@ class TrainedPolicy:
             )
 
     def reset(self) -> None:
-        """Does nothing: the network has no memory."""
+        """Does nothing, because the network has no memory."""
 
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
         """Returns the network's mean action."""

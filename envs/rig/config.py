@@ -1,4 +1,4 @@
-"""What the rig measures, and with which device."""
+"""The configuration of the measuring rig: the joint, the motions and the device."""
 
 import math
 from dataclasses import dataclass
@@ -42,7 +42,7 @@ class Specimen(NamedTuple):
     range: tuple[float, float] = (-FULL_TURN, FULL_TURN)
 
     def inside(self, what: str, angle: float) -> float:
-        """Returns a finite angle in the range, or raises an InputError that says why it is none."""
+        """Returns the angle; raises an InputError if it is not a finite angle in the range."""
         low, high = self.range
         # The range of an identified suit ends at a sample, which may miss the turn itself.
         if not low - LEAST_TRAVEL <= number(what, angle, "rad") <= high + LEAST_TRAVEL:
@@ -55,29 +55,29 @@ class Specimen(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RigConfig:
-    """What to measure, and with which device. Once made, it holds all numbers that are used.
+    """Motions to measure, and the device; defaults are filled in when the object is made.
 
     Attributes:
-        suit: name of a shipped suit or path of a suit file; or any hysteresis model.
-        joint: which joint of the suit; a model is of no joint, and its name is ignored.
-        turns: angles at which the first-order curves turn back [rad]. By default those of Li et al.
+        suit: Name of a shipped suit or path of a suit file; or any hysteresis model.
+        joint: Joint of the suit; it is ignored if `suit` is a model, which belongs to no joint.
+        turns: Angles at which the first-order curves turn back [rad]. By default those of Li et al.
             2022 for shoulder and elbow flexion, fifths of the suit's range for its other joints,
             and none for a model.
-        start_angle: where all curves begin [rad]; by default where the suit's memory does, and 0
-            for a model.
-        repeats: how often each curve goes to its turn and back. The suit's memory begins afresh
-            before each curve, not before each repeat.
-        rate: of the joint between reversals [rad/s], from 0.01 to 0.5.
-        sample_rate: of both sensors [Hz], from 1 to 1000.
-        noise: standard deviation of the torque sensor's white noise [N·m].
-        drift: of the torque sensor since it was zeroed, which is before each curve [N·m/s].
-        torque_resolution: step of the torque sensor [N·m]; None measures all digits.
-        angle_resolution: step of the encoder [rad]; None measures all digits.
+        start_angle: Angle at which all curves begin [rad]; by default the one at which the suit's
+            memory begins, and 0 for a model.
+        repeats: Number of times that each curve goes to its turn and back. The suit's memory begins
+            again before each curve, not before each repeat.
+        rate: Speed of the joint between reversals [rad/s], from 0.01 to 0.5.
+        sample_rate: Sampling rate of both sensors [Hz], from 1 to 1000.
+        noise: Standard deviation of the torque sensor's white noise [N·m].
+        drift: Drift of the torque sensor [N·m/s]; it is zeroed before each curve.
+        torque_resolution: Resolution of the torque sensor [N·m]; None means no steps.
+        angle_resolution: Resolution of the encoder [rad]; None means no steps.
         bearing_friction: Coulomb friction of the joint's bearings [N·m].
-        seed: fixes the noise.
+        seed: Seed of the noise.
 
     Raises:
-        InputError: there is no such suit or joint, or a number is out of its range.
+        InputError: There is no such suit or joint, or a number is out of its range.
     """
 
     suit: str | HysteresisModel = "mock-suit"
@@ -132,7 +132,7 @@ def _fifths(start: float, end: float) -> tuple[float, ...]:
 
 
 def _check_turns(turns: tuple[float, ...], start: float) -> None:
-    """Refuses turns that make no curve, or two of one name."""
+    """Checks that every turn makes a curve, and that no two curves have one name."""
     names = {f"{turn:.2f}" for turn in turns}
     if len(names) < len(turns) or any(abs(turn - start) < LEAST_TRAVEL for turn in turns):
         raise InputError(

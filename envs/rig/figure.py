@@ -1,4 +1,4 @@
-"""The figure of what the rig measured."""
+"""The figure of the curves that the rig measured."""
 
 from collections.abc import Sequence
 
@@ -14,8 +14,8 @@ def records_figure(title: str, records: Sequence[Record]) -> Figure:
     """Draws the torque of each curve over its angle.
 
     Args:
-        title: what was measured.
-        records: the curves, drawn from dark to light.
+        title: Title of the figure.
+        records: Measured curves, drawn from dark to light.
     """
     figure = Figure(figsize=(6.4, 4.4), layout="constrained")
     ax = figure.subplots()

@@ -1,4 +1,4 @@
-"""How the motor moves: from reversal to reversal, at constant rate between short ramps."""
+"""The motion of the rig's motor: constant rate between reversals, with short ramps."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ PROVENANCE: tuple[Quantity, ...] = (
 
 
 class Plan(NamedTuple):
-    """What the motor is to do at every step: angle [rad], its rate and acceleration, (n,) each."""
+    """The planned motion of the motor: angle [rad], rate and acceleration per step, (n,) each."""
 
     angle: Array
     rate: Array
@@ -29,9 +29,9 @@ def plan_motion(points: Sequence[float], rate: float, time_step: float) -> Plan:
     """Plans a motion through its reversals; it begins and ends at rest.
 
     Args:
-        points: the first angle, the reversals and the last angle [rad].
-        rate: between the reversals [rad/s]; a short branch does not reach it.
-        time_step: between two steps [s].
+        points: First angle, reversals and last angle [rad].
+        rate: Rate between the reversals [rad/s]; a short branch does not reach it.
+        time_step: Time between two steps [s].
     """
     rest = np.array([[points[0]], [0.0], [0.0]])
     branches = (_branch(start, end, rate, time_step) for start, end in pairwise(points))
@@ -39,12 +39,12 @@ def plan_motion(points: Sequence[float], rate: float, time_step: float) -> Plan:
 
 
 def duration(points: Sequence[float], rate: float) -> float:
-    """Returns how long such a motion takes [s]."""
+    """Returns the duration of such a motion [s]."""
     return sum(abs(end - start) / _top(start, end, rate) + RAMP for start, end in pairwise(points))
 
 
 def reversals(angle: Array) -> list[float]:
-    """Returns the first angle, those at which the motion turns back, and the last [rad]."""
+    """Returns the first angle, the angles where the motion turns back, and the last one [rad]."""
     moving = angle[np.append(True, np.diff(angle) != 0)]
     turns = np.flatnonzero(np.diff(np.sign(np.diff(moving)))) + 1
     return [float(moving[0]), *moving[turns].tolist(), float(moving[-1])]

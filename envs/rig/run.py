@@ -1,9 +1,9 @@
-"""A motor turns one joint of an empty pressurized suit, slowly; what do the sensors read?
+"""Runs the measuring rig: a motor slowly turns one joint of an empty pressurized suit.
 
-A torque sensor sits between motor and joint, an encoder on the joint. What the sensor reads beyond
-the suit's resistance is compensated as an experimenter would: a run without the suit tells the
-inertia and the friction of the bearings, and the torque that these need along the planned motion is
-subtracted. The axis stands upright, so that weight has no moment.
+A torque sensor sits between motor and joint, and an encoder on the joint. The sensor reads more
+than the suit's resistance, which is compensated as an experimenter would do it: a run without the
+suit shows the inertia and the friction of the bearings, and the torque that they need along the
+planned motion is subtracted. The axis is vertical, so that weight has no moment.
 """
 
 from collections.abc import Mapping
@@ -42,11 +42,11 @@ class Record:
     """One measured curve.
 
     Attributes:
-        name: of the curve.
-        time: since its beginning [s], shape (n,).
-        angle: what the encoder read [rad], shape (n,).
-        torque: resistance, positive against positive motion [N·m], shape (n,): what the torque
-            sensor read, less what inertia and bearings need.
+        name: Name of the curve.
+        time: Time since the beginning of the curve [s], shape (n,).
+        angle: Angle that the encoder read [rad], shape (n,).
+        torque: Resistance, positive against positive motion [N·m], shape (n,): the reading of the
+            torque sensor, less the torque that inertia and bearings need.
     """
 
     name: str
@@ -59,12 +59,12 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
     """Measures first-order curves, or any other motions, on the simulated rig.
 
     Before each curve the torque sensor is zeroed without the suit, and the suit's memory begins
-    afresh at the start angle: with zero torque, unless the suit's file says otherwise. Certified or
-    not, a suit can be measured where its torque stays finite.
+    again at the start angle: with zero torque, unless the suit's file says otherwise. A suit need
+    not be certified, as long as its torque stays finite.
 
     Args:
-        config: what to measure, and how.
-        motions: angles [rad], shape (n,), by the name of their curve, in place of the first-order
+        config: Configuration of the rig.
+        motions: Angles [rad], shape (n,), by the name of their curve, in place of the first-order
             curves. They begin at `config.start_angle`; only their reversals matter, since the motor
             goes from one to the next at its own rate.
 
@@ -72,7 +72,7 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
         One record per curve; first-order curves are named after their turn, with two decimals.
 
     Raises:
-        InputError: there is nothing to measure, a motion begins elsewhere or leaves the joint's
+        InputError: There is nothing to measure, a motion begins elsewhere or leaves the joint's
             range or takes more than an hour, the suit is too stiff for the motor, or its torque
             becomes infinite.
     """
@@ -147,7 +147,7 @@ def _compose(config: RigConfig, specimen: Specimen | None = None) -> mujoco.MjMo
 
 
 def _own_torque(config: RigConfig, plan: Plan, rng: np.random.Generator) -> Array:
-    """Returns the coefficients of `_causes`, as a run of the empty rig shows them."""
+    """Returns the coefficients of `_causes` that a run of the empty rig shows."""
     now = _samples(config, plan)
     _, torque = _readings(config, _compose(config), "without the suit", plan, rng)
     # Time is a cause here, so that a drift of the sensor is not taken for friction.
@@ -156,7 +156,7 @@ def _own_torque(config: RigConfig, plan: Plan, rng: np.random.Generator) -> Arra
 
 
 def _causes(plan: Plan, now: Indices) -> Array:
-    """Returns what the rig itself needs torque for, shape (n, 2): acceleration and friction."""
+    """Returns the causes of the rig's own torque, acceleration and friction, shape (n, 2)."""
     return np.column_stack([plan.acceleration[now], np.sign(plan.rate[now])])
 
 
@@ -182,7 +182,7 @@ def _move(config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan) -> Arra
     """Returns twist and angle of the joint [rad] at each step of a plan, shape (n, 2).
 
     Raises:
-        InputError: the motor cannot follow, or the suit's model meets its pole.
+        InputError: The motor cannot follow, or the suit's model meets its pole.
     """
     data = mujoco.MjData(rig)
     data.qpos[:] = _start(config)

@@ -163,7 +163,7 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     table(curves.name, header, [*rows, ["initial torque [N·m]", begins]], left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if found:
-        table("how sure the parameters are", *uncertainty_table(found), left=1)
+        table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
         print(f"note: {remark}")
 

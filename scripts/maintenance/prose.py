@@ -34,7 +34,8 @@ PARTICIPLES = """added applied begun called computed created drawn done ended fi
     tried used written"""
 VERBS = """begins changes chooses decides does ends fixes gets gives goes has holds is keeps makes
     maps needs takes tells was were"""
-FRAGMENTS = frozenset(" ".join((PREPOSITIONS, CONJUNCTIONS, POINTERS, PARTICIPLES, VERBS)).split())
+LINKS = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS}".split())
+NOT_FIRST = LINKS | frozenset(f"{POINTERS} {VERBS}".split())
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,10 @@ class Line:
     @property
     def is_fragment(self) -> bool:
         """Whether the description begins in the middle of a sentence."""
-        words = re.findall(r"[^\W\d_]+", self.text)
-        return self.text.startswith("[") or (bool(words) and words[0].lower() in FRAGMENTS)
+        words = re.findall(r"[^\W\d_]+", self.text.lower())
+        if self.text.startswith("[") or (words[:1] and words[0] in NOT_FIRST):
+            return True
+        return bool(words) and words[0] in PARTICIPLES.split() and set(words[1:2]) <= LINKS
 
 
 def lines(paths: Iterable[Path]) -> Iterator[Line]:

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from ...identification import Candidate, Fit
+from ...identification import Candidate, Fit, bare
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
-from .parameters import DEGREES, UNITS
+from .parameters import labeled
 
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
@@ -45,17 +45,16 @@ def candidate_table(fit: Fit) -> Rows:
     return header, rows
 
 
-def uncertainty_table(found: Uncertainty) -> Rows:
-    """Returns one row per parameter: value, standard error and 95 % interval; angles in degrees."""
+def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
+    """Returns one row per parameter: value, standard error and 95 % interval."""
     header = ["parameter", "value", "standard\nerror", "95 % interval"]
-    units = UNITS | DEGREES
+    units = bare(fit.model).units | {"initial_torque": "N·m"}
     rows = []
     for i, name in enumerate(found.names):
-        label = f"{name} [{units[name]}]" if name in units else name
         low, high = found.intervals[i]
         rows.append(
             [
-                label,
+                labeled(name, units),
                 f"{found.values[i]:.5g}",
                 f"{found.standard_errors[i]:.2g}",
                 f"{low:.5g} .. {high:.5g}",

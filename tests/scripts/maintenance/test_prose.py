@@ -41,7 +41,8 @@ def test_fragments_are_found_by_how_they_begin(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "text", ["Whether it helps.", "the action", "`kind` of it", "None, or a name."]
+    "text",
+    ["Whether it helps.", "the action", "`kind` of it", "None, or a name.", "Measured curves."],
 )
 def test_noun_phrases_and_clauses_are_none(text, tmp_path):
     assert not prose.Line(tmp_path, 1, text).is_fragment
