@@ -112,6 +112,11 @@ class HysteresisModel(ABC):
     def free_parameters(self) -> int:
         """How many numbers a fit of the model chooses."""
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters in `to_dict`, by name; a pure number has no entry."""
+        return {}
+
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them: a number, a text or a list for each key."""
         return {key.name: getattr(self, key.name) for key in self.config_keys}

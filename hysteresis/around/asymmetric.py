@@ -128,6 +128,11 @@ class Asymmetric(Wrapper):
         """Those of the model inside and the coefficients of the polynomial."""
         return self.model.free_parameters + len(self.polynomial)
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        return {"polynomial": "N·m/rad^i"}
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import AsymmetricReference

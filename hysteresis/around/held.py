@@ -94,6 +94,11 @@ class Held(Wrapper):
         """Those of the model inside; the range is that of the curves."""
         return self.model.free_parameters
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        return {"angle_range": "rad"}
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import HeldReference

@@ -251,6 +251,18 @@ class BoucWen(HysteresisModel):
         """All but A, which fits take as 1."""
         return len(self.config_keys) - 1
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        stiffness, shape = "N·m/rad", "1/rad^n"
+        return {
+            "elastic": stiffness,
+            "hysteretic": stiffness,
+            "beta": shape,
+            "gamma": shape,
+            "rest_angle": "rad",
+        }
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import BoucWenReference

@@ -190,6 +190,12 @@ class JilesAtherton(HysteresisModel):
         factor = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
         return replace(self.scaled(angle=factor), angle_unit=angle_unit)
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        unit = self.angle_unit
+        return {"Ms": "N·m", "a": unit, "alpha": f"{unit}/N·m", "k": unit}
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import JilesAthertonReference

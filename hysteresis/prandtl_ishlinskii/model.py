@@ -222,6 +222,17 @@ class PrandtlIshlinskii(HysteresisModel):
             rest_angle=self.rest_angle * angle,
         )
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        stiffness = "N·m/rad"
+        return {
+            "stiffness": stiffness,
+            "thresholds": "rad",
+            "weights": stiffness,
+            "rest_angle": "rad",
+        }
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import PrandtlIshlinskiiReference

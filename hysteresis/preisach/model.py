@@ -183,6 +183,11 @@ class Preisach(HysteresisModel):
         density = [weight for row in self.density for weight in row]
         return {"levels": self.levels, "density": density, "elastic": self.elastic}
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        return {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
+
     def reference(self, angles: Array, torque: float) -> Reference:
         """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
         from .reference import PreisachReference

@@ -10,23 +10,6 @@ from ...hysteresis.around.wrapper import Wrapper
 from ..output import Rows
 
 FEW = 6  # numbers that a cell lists
-UNITS = {
-    "Ms": "N·m",
-    "elastic": "N·m/rad",
-    "hysteretic": "N·m/rad",
-    "beta": "1/rad^n",
-    "gamma": "1/rad^n",
-    "stiffness": "N·m/rad",
-    "weights": "N·m/rad",
-    "thresholds": "rad",
-    "rest_angle": "rad",
-    "levels": "rad",
-    "density": "N·m",
-    "polynomial": "N·m/rad^i",
-    "angle_range": "rad",
-    "initial_torque": "N·m",
-}
-DEGREES = {"a": "deg", "alpha": "deg/N·m", "k": "deg"}
 
 
 def parameter_table(models: Mapping[str, HysteresisModel]) -> Rows:
@@ -44,18 +27,20 @@ def _kind(model: HysteresisModel) -> str:
 
 def _parameters(model: HysteresisModel) -> dict[str, str]:
     """Returns the parameters of a model as text, by name and unit; many numbers by their range."""
-    inner, units = {}, UNITS
-    if isinstance(model, Wrapper):
-        inner = _parameters(model.model)
-    elif isinstance(model, JilesAtherton):
-        model, units = model.in_unit("deg"), UNITS | DEGREES
-    content = model.to_dict()
+    inner = _parameters(model.model) if isinstance(model, Wrapper) else {}
+    if isinstance(model, JilesAtherton):
+        model = model.in_unit("deg")
     own = {
-        f"{name} [{units[name]}]" if name in units else name: _text(value)
-        for name, value in content.items()
+        labeled(name, model.units): _text(value)
+        for name, value in model.to_dict().items()
         if name not in ("model", "hysteresis", "angle_unit")
     }
     return inner | own
+
+
+def labeled(name: str, units: Mapping[str, str]) -> str:
+    """Returns the name of a parameter with its unit, if it has one."""
+    return f"{name} [{units[name]}]" if name in units else name
 
 
 def _text(value: Any) -> str:
