@@ -16,12 +16,12 @@ def run_threads(
     """Makes all calls; returns the results in any order, and whether Ctrl-C ended it before.
 
     Args:
-        calls: nearly all of whose time is spent in kernels that release the GIL.
-        workers: threads; -1 uses all cores.
-        on_result: called with each result as it is known.
+        calls: Functions that spend nearly all of their time in kernels that release the GIL.
+        workers: Number of threads; -1 uses all cores.
+        on_result: Function that gets each result as soon as it is known.
 
     Raises:
-        KeyboardInterrupt: nothing was finished by then.
+        KeyboardInterrupt: Nothing was finished by then.
     """
     finished: list[Result] = []
     parallel = Parallel(

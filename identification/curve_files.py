@@ -27,7 +27,7 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
         The curves, which remember the name of the file and its hash.
 
     Raises:
-        InputError: the file is missing or holds anything that is not a usable curve; the message
+        InputError: The file is missing or holds anything that is not a usable curve; the message
             names the line.
     """
     path = Path(path)
@@ -75,7 +75,7 @@ def save_curves(
     """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m).
 
     Raises:
-        InputError: two curves share a name, or the file cannot be written.
+        InputError: Two curves share a name, or the file cannot be written.
     """
     names = [curve.name for curve in curves]
     for name in names:

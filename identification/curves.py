@@ -21,11 +21,11 @@ class Curve:
     """One measured motion of a joint.
 
     Attributes:
-        angle: the joint angle in the order of measurement [rad], shape (n,), n >= 2.
-        torque: the resistance, positive against positive motion [N·m], shape (n,).
-        name: a label, unique in its file.
+        angle: The joint angle in the order of measurement [rad], shape (n,), n >= 2.
+        torque: The resistance, positive against positive motion [N·m], shape (n,).
+        name: A label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
-        weight: how much its squared errors count beside those of the other curves, > 0.
+        weight: How much its squared errors count beside those of the other curves, > 0.
     """
 
     angle: Array
@@ -85,8 +85,8 @@ class Curves(list[Curve]):
     """The curves of one joint, and where they come from: a list that knows its roles.
 
     Attributes:
-        source: the name of the file they were read from; empty if they were made in Python.
-        sha256: the hash of that file's bytes; None if there is no file.
+        source: The name of the file they were read from; empty if they were made in Python.
+        sha256: The hash of that file's bytes; None if there is no file.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class Curves(list[Curve]):
         """The smallest and the largest angle of all curves [rad].
 
         Raises:
-            InputError: there is no curve.
+            InputError: There is no curve.
         """
         self._first()
         angle = np.concatenate([curve.angle for curve in self])

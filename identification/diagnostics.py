@@ -27,10 +27,10 @@ def diagnostics(
     """Returns sentences about a fit that deserves doubt; none where all is well.
 
     Args:
-        model: the fitted model.
-        nrmse: its NRMSE on `curves`.
-        curves: the fitted curves.
-        bounds: the search box of Ms, a, alpha, c, k in degrees; None for certified fits.
+        model: The fitted model.
+        nrmse: Its NRMSE on `curves`.
+        curves: The fitted curves.
+        bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
     found = []
     noise = noise_floor(curves) / Curves(curves).peak

@@ -18,8 +18,8 @@ def loops_figure(
     """Draws the measured loops of each joint and what each fit makes of them.
 
     Args:
-        families: curves by joint name; fitted and predicted ones get a column each.
-        fits: joint name -> label -> fit.
+        families: Curves by joint name; fitted and predicted ones get a column each.
+        fits: Joint name -> label -> fit.
 
     Returns:
         One row per joint: fitted curves on the left, predicted ones on the right.
@@ -65,7 +65,7 @@ def convergence_figure(histories: Mapping[str, Mapping[str, Sequence[Sequence[fl
     """Draws the best fitness over iterations: median of the trials, and their quartiles.
 
     Args:
-        histories: joint name -> method -> one history per trial.
+        histories: Joint name -> method -> one history per trial.
     """
     figure = Figure(figsize=(10, 3.6), layout="constrained")
     axes = figure.subplots(1, len(histories), squeeze=False, sharey=True)[0]

@@ -31,21 +31,21 @@ class Fit:
     """What `identify` found.
 
     Attributes:
-        model: the best trial's model, held outside the fitted angles if it is safe inside only.
-        model_name: the name of the model.
-        method: the name of the method that found it.
-        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+        model: The best trial's model, held outside the fitted angles if it is safe inside only.
+        model_name: The name of the model.
+        method: The name of the method that found it.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
-        fitness: eq. (7) of Li et al. 2022 on the fitted curves.
-        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        prediction_errors: the largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
+        fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
             where the model meets its pole.
-        trials: every finished trial, by index; with method "auto" that of the chosen model.
-        curves: the measured curves, those with role "predict" too.
-        diagnostics: what speaks against trusting the model, as sentences; empty if nothing does.
-        why: the reason of the choice that method "auto" made, as a sentence; else empty.
-        candidates: all models that method "auto" tried, the best prediction first; else empty.
-        interrupted: whether Ctrl-C ended it before all trials, or models, were done.
+        trials: Every finished trial, by index; with method "auto" that of the chosen model.
+        curves: The measured curves, those with role "predict" too.
+        diagnostics: What speaks against trusting the model, as sentences; empty if nothing does.
+        why: The reason of the choice that method "auto" made, as a sentence; else empty.
+        candidates: All models that method "auto" tried, the best prediction first; else empty.
+        interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
     """
 
     model: HysteresisModel
@@ -95,7 +95,7 @@ def identify(
     An option that the method would ignore is refused.
 
     Args:
-        curves: the measurements; those with role "predict" are kept out of the fit and tested.
+        curves: The measurements; those with role "predict" are kept out of the fit and tested.
         model: "jiles-atherton" (by default), "asymmetric" (the same beside a polynomial),
             "bouc-wen", "prandtl-ishlinskii" or "preisach".
         method: "certified" (ours: least squares, can only return certified models); "auto" (the
@@ -104,26 +104,25 @@ def identify(
             "rank-distance-mpso"; or a baseline of other libraries: "de", "dual-annealing",
             "nelder-mead", "ga", "cma-es" (the last two need the extra `compare`). Swarms and
             baselines search the bounds of the paper's Table 1.
-        objective: what a swarm or baseline minimizes, a loss of `CurveObjective`; by default
-            "nrmse".
-        normalize: the objective divides errors by the largest torque of the "family" (by default)
-            or of each "curve".
-        initial_torque: the torque with which each Jiles-Atherton curve begins: a number [N·m], by
+        objective: Loss of `CurveObjective` that a swarm or baseline minimizes; by default "nrmse".
+        normalize: Whether the objective divides errors by the largest torque of the "family" (by
+            default) or of each "curve".
+        initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
             default 0 as in a first-order curve; "measured", its own first sample; or "identified",
             one for all. The fits of the other models always identify it.
-        trials: the number of runs from different random numbers; by default 1 for "certified" and
+        trials: The number of runs from different random numbers; by default 1 for "certified" and
             30, as in the paper, for swarms and baselines.
-        seed: fixes all random numbers.
-        workers: the number of threads; -1 uses all cores.
-        on_trial: called with each trial as it finishes, in any order.
-        **options: options of the method (`swarm_size`, `temperature`, `budget`,
+        seed: Seed of all random numbers.
+        workers: The number of threads; -1 uses all cores.
+        on_trial: Function that gets each trial as it finishes, in any order.
+        **options: Options of the method (`swarm_size`, `temperature`, `budget`,
             `max_evaluations`, ...).
 
     Returns:
         The best trial's model, its errors, and what speaks against trusting it.
 
     Raises:
-        InputError: unknown model, method or option, one that the method would ignore, no curve to
+        InputError: Unknown model, method or option, one that the method would ignore, no curve to
             fit, or a number out of its range.
     """
     check_method(model, method)

@@ -40,18 +40,18 @@ class CurveObjective:
                   noise is `noise_floor`, and at least 0.1 % of the peak.
 
     Attributes:
-        curves: the measured curves; only the ratios of their weights count.
-        loss: what a call returns.
+        curves: The measured curves; only the ratios of their weights count.
+        loss: The loss that a call returns.
         normalize: Tmax is the largest |Tm| of the "family" or of each "curve" itself.
-        initial_torque: with which every curve begins [N·m]; "measured" takes each curve's first
-            sample, and "identified" a sixth column of the parameters [N·m].
-        evaluations: how many parameter rows have been scored so far.
-        torque: of all curves, end to end [N·m], shape (samples,).
-        weight: of each sample, of mean 1, shape (samples,).
-        peak: the largest |Tm| of all curves [N·m].
+        initial_torque: The torque with which every curve begins [N·m]; "measured" takes each
+            curve's first sample, and "identified" a sixth column of the parameters [N·m].
+        evaluations: How many parameter rows have been scored so far.
+        torque: The torque of all curves, end to end [N·m], shape (samples,).
+        weight: The weight of each sample, of mean 1, shape (samples,).
+        peak: The largest |Tm| of all curves [N·m].
 
     Raises:
-        InputError: there is no curve or no torque, or an argument is none of the above.
+        InputError: There is no curve or no torque, or an argument is none of the above.
     """
 
     curves: Sequence[Curve]
@@ -93,7 +93,7 @@ class CurveObjective:
         """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m].
 
         Raises:
-            InputError: the rows have not 5 numbers, or 6 with the initial torque "identified".
+            InputError: The rows have not 5 numbers, or 6 with the initial torque "identified".
         """
         rows = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
         names = ["Ms", "a", "alpha", "c", "k"]
@@ -114,9 +114,9 @@ class CurveObjective:
         return torque
 
     def derivatives(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns those of the torque by the numbers of one row, shape (samples, numbers).
+        """Returns the Jacobian of the torque by one parameter row, shape (samples, numbers).
 
-        They are not finite from the pole on.
+        It is not finite from the pole on.
         """
         torque = np.empty(self._angle.size)
         by_row = np.empty((torque.size, 6))

@@ -8,7 +8,8 @@ from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
-from .optimizers.registry import OPTIMIZERS
+from .optimizers.registry import OPTIMIZERS, SWARMS
+from .optimizers.swarm import SwarmOptions
 
 METHODS = ("certified", "auto", *OPTIMIZERS)
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
@@ -19,7 +20,7 @@ def check_method(model: str | None, method: str) -> None:
     """Refuses unknown names, and methods that a model does not have.
 
     Raises:
-        InputError: the model or the method is unknown, or they do not go together.
+        InputError: The model or the method is unknown, or they do not go together.
     """
     if method not in METHODS:
         raise unknown_name("method", method, METHODS)
@@ -45,7 +46,7 @@ def check_options(
     """Refuses options that the method would ignore; None stands for one that is left out.
 
     Raises:
-        InputError: an option is unknown, or the method would ignore it.
+        InputError: An option is unknown, or the method would ignore it.
     """
     for option, given in (("objective", objective), ("normalize", normalize)):
         if given is not None and method not in OPTIMIZERS:
@@ -75,4 +76,7 @@ def _own_options(model: str, method: str) -> list[str]:
     if method == "auto":
         return []
     function = FITS[model] if method == "certified" else OPTIMIZERS[method]
-    return [name for name in inspect.signature(function).parameters if name not in SET_BY_IDENTIFY]
+    names = list(inspect.signature(function).parameters)
+    if method in SWARMS:
+        names[-1:] = SwarmOptions.__annotations__  # in place of **common
+    return [name for name in names if name not in SET_BY_IDENTIFY]

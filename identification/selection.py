@@ -23,13 +23,13 @@ class Candidate:
     """One model that `identify` with method "auto" tried.
 
     Attributes:
-        name: of the model.
-        model: fitted to all curves; None where that failed.
-        initial_torque: the torque with which the curves begin [N·m].
-        parameters: how many numbers the fit chooses.
-        prediction_nrmse: over curves left out of the fit; infinite where it failed.
-        fit_nrmse: on the fitted curves; infinite where it failed.
-        reason: why it failed, as a sentence; empty if it did not.
+        name: Name of the model.
+        model: Model that is fitted to all curves; None where that failed.
+        initial_torque: Torque with which the curves begin [N·m].
+        parameters: Number of parameters that the fit chooses.
+        prediction_nrmse: NRMSE over curves left out of the fit; infinite where it failed.
+        fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
+        reason: Why it failed, as a sentence; empty if it did not.
     """
 
     name: str
@@ -66,14 +66,14 @@ def choose(
     beginning too, comes from the other curves.
 
     Args:
-        curves: first-order curves to fit, at least 2, better 3, and 5 or more for the models of
+        curves: First-order curves to fit, at least 2, better 3, and 5 or more for the models of
             many weights.
-        seed: fixes all random numbers.
-        workers: threads, which share the candidates.
-        options: of the candidates' fits, by model.
+        seed: Seed of all random numbers.
+        workers: Number of threads, which share the candidates.
+        options: Options of the candidates' fits, by model.
 
     Raises:
-        InputError: there are too few curves, or no candidate could be fitted.
+        InputError: There are too few curves, or no candidate could be fitted.
     """
     if len(curves) < 2:
         raise InputError(

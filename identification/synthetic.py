@@ -33,22 +33,22 @@ def measure(
     sensors round to their resolution.
 
     Args:
-        model: any hysteresis model.
-        motions: angles [rad], shape (n,), by the name of their curve.
-        rng: seed or generator of the noise.
-        initial_torque: with which every motion begins [N·m].
-        noise_fraction: standard deviation of the noise over the largest |torque| of all motions.
-        torque_resolution: step of the torque sensor [N·m]; None measures all digits.
-        angle_resolution: step of the angle sensor [rad]; None measures all digits.
-        predict: names of the curves that get the role "predict".
+        model: Any hysteresis model.
+        motions: Angles [rad], shape (n,), by the name of their curve.
+        rng: Seed or generator of the noise.
+        initial_torque: Torque with which every motion begins [N·m].
+        noise_fraction: Standard deviation of the noise over the largest |torque| of all motions.
+        torque_resolution: Step of the torque sensor [N·m]; None measures all digits.
+        angle_resolution: Step of the angle sensor [rad]; None measures all digits.
+        predict: Names of the curves that get the role "predict".
 
     Returns:
         One curve per motion, in their order.
 
     Raises:
-        InputError: there is no motion or no such name, a number is out of its range, or what is
+        InputError: There is no motion or no such name, a number is out of its range, or what is
             measured is no usable curve.
-        PoleError: a motion meets the pole of an uncertified model.
+        PoleError: A motion meets the pole of an uncertified model.
     """
     if not motions:
         raise InputError("there is no motion: give at least one, by name")
@@ -85,15 +85,15 @@ def first_order_motions(
     """Returns motions from one start to each turn and back, as first-order curves are measured.
 
     Args:
-        turns: angles of the reversals [rad].
-        start_angle: where every motion begins and ends [rad].
-        angle_step: between samples, rounded so that it divides the way [rad].
+        turns: Angles of the reversals [rad].
+        start_angle: Where every motion begins and ends [rad].
+        angle_step: Step between samples, rounded so that it divides the way [rad].
 
     Returns:
         Angles [rad], shape (n,) each, by their turn with two decimals.
 
     Raises:
-        InputError: a number is out of its range, or two turns get one name.
+        InputError: A number is out of its range, or two turns get one name.
     """
     number("start_angle", start_angle, "rad")
     turns = numbers("turns", turns, "rad")
@@ -114,17 +114,17 @@ def multi_order_motion(
     direction leaves of the range, at least 10 % of the range away.
 
     Args:
-        low: smallest angle [rad].
-        high: largest angle [rad].
-        turns: number of reversals, >= 2: the second one begins a curve of second order.
-        angle_step: between samples, rounded so that it divides each branch [rad].
-        rng: seed or generator of the turns.
+        low: Smallest angle [rad].
+        high: Largest angle [rad].
+        turns: Number of reversals, >= 2: the second one begins a curve of second order.
+        angle_step: Step between samples, rounded so that it divides each branch [rad].
+        rng: Seed or generator of the turns.
 
     Returns:
         Angles [rad], shape (n,).
 
     Raises:
-        InputError: a number is out of its range.
+        InputError: A number is out of its range.
     """
     if not number("low", low, "rad") < number("high", high, "rad"):
         raise InputError(f"the motion is from {low:g} to {high:g} rad: give low below high")

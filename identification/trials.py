@@ -23,14 +23,14 @@ class Trial:
     """One independent run of a method.
 
     Attributes:
-        index: its number, which fixes its random numbers.
-        model: what it found, held outside the fitted angles if it is safe inside only.
-        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+        index: The number of the trial, which determines its random numbers.
+        model: The model that it found, held outside the fitted angles if it is safe inside only.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
-        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        loss: what the method minimized: the NRMSE, or the objective that was asked for.
-        evaluations: how often the model ran on all curves; None where the fit does not count.
-        history: the smallest objective so far, per iteration of a swarm or of a library's
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        loss: The objective that the method minimized: the NRMSE, or the objective that was asked for.
+        evaluations: How often the model ran on all curves; None where the fit does not count.
+        history: The smallest objective so far, per iteration of a swarm or of a library's
             optimizer.
     """
 
@@ -90,9 +90,9 @@ class OptimizerRun(NamedTuple):
     """What one run of an optimizer found.
 
     Attributes:
-        row: the best parameters, as `CurveObjective` takes them.
-        loss: their loss.
-        history: the smallest loss so far, per iteration of a swarm or evaluation of a library's
+        row: The best parameters, as `CurveObjective` takes them.
+        loss: The loss of these parameters.
+        history: The smallest loss so far, per iteration of a swarm or evaluation of a library's
             optimizer.
         improvements: (evaluations, best loss) whenever the best loss improved.
     """

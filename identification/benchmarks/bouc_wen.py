@@ -42,10 +42,10 @@ class Oscillator:
         mass: m [kg].
         damping: c [N s/m].
         stiffness: k [N/m].
-        alpha: slope of z at z = 0 [N/m].
+        alpha: Slope of z at z = 0 [N/m].
         bend: beta gamma [1/m at nu = 1].
         skew: beta delta [1/m at nu = 1].
-        nu: sharpness.
+        nu: Sharpness.
     """
 
     mass: float = 2.0
@@ -67,7 +67,7 @@ class Oscillator:
             of a record feel its end.
 
         Raises:
-            InputError: the mass is not above 0, or `force` is not one series.
+            InputError: The mass is not above 0, or `force` is not one series.
         """
         u = np.ascontiguousarray(force, dtype=np.float64)
         if u.ndim != 1 or u.size < 2:
@@ -105,8 +105,8 @@ def multisine(*, periods: int = 5, rng: int | np.random.Generator | None = 0) ->
     """Returns the force at 15 kHz: a sum of sines of 5 to 150 Hz with random phases [N].
 
     Args:
-        periods: of 8192 samples at 750 Hz.
-        rng: seed or generator of the phases.
+        periods: Number of periods, of 8192 samples at 750 Hz each.
+        rng: Seed or generator of the phases.
 
     Raises:
         InputError: `periods` is below 1.
@@ -136,12 +136,12 @@ def record(
     """Returns what the true oscillator does under a force at 15 kHz, sampled at 750 Hz.
 
     Args:
-        force: as `Oscillator.displacement`.
-        noise: standard deviation of noise added to y [m]; `NOISE_STD` in the estimation data.
-        rng: seed or generator of the noise.
+        force: Force u at 15 kHz [N], (samples,).
+        noise: Standard deviation of noise added to y [m]; `NOISE_STD` in the estimation data.
+        rng: Seed or generator of the noise.
 
     Raises:
-        InputError: as `Oscillator.displacement`.
+        InputError: `force` is not one series.
     """
     y = Oscillator().displacement(force)
     y = y + noise * np.random.default_rng(rng).standard_normal(y.size)
@@ -154,9 +154,9 @@ def steady_multisine(
     """Returns periods of the multisine in steady state: the first and the last are dropped.
 
     Args:
-        periods: that are kept.
-        noise: as in `record`.
-        rng: seed or generator of phases and noise.
+        periods: Number of periods that are kept.
+        noise: Standard deviation of noise added to y [m].
+        rng: Seed or generator of phases and noise.
 
     Raises:
         InputError: `periods` is below 1.
@@ -181,11 +181,11 @@ def refit(force: Array, displacement: Array, *, start: Oscillator, skipped: int 
     Args:
         force: u at 15 kHz [N], (20 samples,).
         displacement: y at 750 Hz [m], (samples,).
-        start: first guess; every parameter keeps its sign.
-        skipped: last samples left out, which feel the filter's end.
+        start: First guess; every parameter keeps its sign.
+        skipped: Last samples left out, which feel the filter's end.
 
     Raises:
-        InputError: the two series do not belong together, or a parameter of `start` is 0.
+        InputError: The two series do not belong together, or a parameter of `start` is 0.
     """
     if displacement.size * math.prod(UPSAMPLING) != force.size:
         raise InputError(
@@ -215,7 +215,7 @@ def load_official(force: str | os.PathLike[str], displacement: str | os.PathLike
     """Loads a pair of the official files, such as uval_multisine.mat and yval_multisine.mat.
 
     Raises:
-        InputError: a file is missing, is no MATLAB file or does not hold exactly one series, or
+        InputError: A file is missing, is no MATLAB file or does not hold exactly one series, or
             the two are not as long.
     """
     u, y = _series(force), _series(displacement)

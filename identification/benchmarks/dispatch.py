@@ -65,8 +65,8 @@ def outputs(free: ArrayLike, *, relax_slack_bound: bool = False) -> Array:
     all limits and no penalty is needed, as the paper has it.
 
     Args:
-        free: outputs of units 1 and 3, within their limits [MW].
-        relax_slack_bound: let unit 2 take whatever is left, which the printed best cost needs.
+        free: Outputs of units 1 and 3, within their limits [MW].
+        relax_slack_bound: Whether unit 2 takes whatever is left, which the printed best cost needs.
 
     Raises:
         InputError: `free` does not have two columns.
@@ -103,11 +103,11 @@ class CostTrial:
     """One run of a swarm on `dispatch_cost`.
 
     Attributes:
-        cost: best cost found [$/h].
-        reached: whether it is within `REACHED` of the optimum.
-        converged: first iteration whose best cost is within `REACHED` of the run's last.
-        seconds: wall clock of the run.
-        history: best cost before the first and after each iteration [$/h].
+        cost: Best cost found [$/h].
+        reached: Whether it is within `REACHED` of the optimum.
+        converged: First iteration whose best cost is within `REACHED` of the run's last.
+        seconds: Wall clock of the run.
+        history: Best cost before the first and after each iteration [$/h].
     """
 
     cost: float
@@ -127,15 +127,15 @@ def cost_trials(
 
     Args:
         method: "pso" or "rank-distance-mpso".
-        trials: number of runs.
-        relax_slack_bound: see `outputs`.
-        seed: of all trials.
+        trials: Number of runs.
+        relax_slack_bound: Whether unit 2 takes whatever is left, as in `outputs`.
+        seed: Seed of all trials.
 
     Yields:
         One result per trial.
 
     Raises:
-        InputError: the method is unknown, or `trials` is below 1.
+        InputError: The method is unknown, or `trials` is below 1.
     """
     if method not in KAO_FUNG_SWARMS:
         raise unknown_name("method", method, KAO_FUNG_SWARMS)

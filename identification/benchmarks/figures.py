@@ -18,7 +18,7 @@ def cost_figure(histories: Mapping[bool, Mapping[str, Sequence[Array]]]) -> Figu
     """Draws the cost above the optimum over iterations: figure 6.
 
     Args:
-        histories: whether the slack limit is relaxed -> method -> best cost [$/h] of each trial
+        histories: Whether the slack limit is relaxed -> method -> best cost [$/h] of each trial
             before the first and after each iteration.
     """
     figure, axes = _row(len(histories))
@@ -50,9 +50,9 @@ def error_figure(time: Array, errors: Mapping[str, Mapping[str, Array]], noise: 
     """Draws measured less simulated displacement over time: figure 7.
 
     Args:
-        time: instants [s], (samples,).
-        errors: case -> method -> error [m], (samples,).
-        noise: standard deviation of the measurement's noise [m].
+        time: Instants [s], (samples,).
+        errors: Case -> method -> error [m], (samples,).
+        noise: Standard deviation of the measurement's noise [m].
     """
     figure = Figure(figsize=(10, 5.6), layout="constrained")
     grid = figure.subplots(2, len(errors), squeeze=False, sharex=True, sharey="row")
@@ -81,8 +81,8 @@ def convergence_figure(histories: Mapping[str, Mapping[str, Array]], floor: floa
     """Draws the sum of squared errors, eq. (10), over iterations: figure 8.
 
     Args:
-        histories: case -> method -> best sum [m^2] before the first and after each iteration.
-        floor: the sum at the true parameters [m^2].
+        histories: Case -> method -> best sum [m^2] before the first and after each iteration.
+        floor: The sum at the true parameters [m^2].
     """
     figure, axes = _row(len(histories))
     for ax, (case, methods) in zip(axes, histories.items(), strict=True):

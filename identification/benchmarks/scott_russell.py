@@ -36,11 +36,11 @@ class Cycle:
     """The steady cycle of x, and what the parameters mean.
 
     Attributes:
-        low: least x [m].
-        high: greatest x [m].
-        natural_frequency: sqrt(k/m) / (2 pi) [Hz].
+        low: Least x [m].
+        high: Greatest x [m].
+        natural_frequency: Frequency sqrt(k/m) / (2 pi) [Hz].
         damping_ratio: c / (2 sqrt(k m)).
-        saturation: the h that no motion from below exceeds, (alpha / (beta + gamma))^(1/n) [V].
+        saturation: The h that no motion from below exceeds, (alpha / (beta + gamma))^(1/n) [V].
     """
 
     low: float
@@ -96,12 +96,12 @@ def simulate(
     slow ramp of V from 0 to 24 V leaves h.
 
     Args:
-        parameters: one row per set: m, c, k, d_e, alpha, beta, gamma and perhaps n (1 if left
+        parameters: One row per set: m, c, k, d_e, alpha, beta, gamma and perhaps n (1 if left
             out), shape (sets, 7) or (sets, 8), in the units of `UNITS`.
-        duration: end of the simulation [s].
-        step: of the integration and of the result [s].
+        duration: End of the simulation [s].
+        step: Time step of the integration and of the result [s].
         initial_h: h at t = 0 [V].
-        workers: threads; -1 uses all cores. The result does not depend on it.
+        workers: Number of threads; -1 uses all cores. The result does not depend on it.
 
     Returns:
         x at `time_points` [m], shape (sets, points).
@@ -147,11 +147,11 @@ def steady_cycle(parameters: ArrayLike, *, settle: float = 8.0) -> Cycle:
     """Returns the last period of x of one parameter set, shape (7,) or (8,).
 
     Args:
-        parameters: as a row of `simulate`.
-        settle: how long to simulate [s].
+        parameters: One row, as `simulate` takes it.
+        settle: Time to simulate [s].
 
     Raises:
-        InputError: as `simulate`.
+        InputError: `simulate` refuses the parameters.
     """
     values = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
     step = STEP / 5
@@ -175,9 +175,9 @@ def output_displacement(displacement: ArrayLike, *, length: float, angle: float)
     angle theta of the link AC to X. For small moves the gain is -tan(theta).
 
     Args:
-        displacement: of B, away from C positive [m].
-        length: L, of AB, AC and AD [m].
-        angle: initial theta, between 0 and pi/2 [rad].
+        displacement: Displacement of B, positive away from C [m].
+        length: Length L of AB, AC and AD [m].
+        angle: Initial theta, between 0 and pi/2 [rad].
 
     Raises:
         InputError: `length` or `angle` is out of range, or B is moved beyond what the links reach.

@@ -40,9 +40,9 @@ class Measurement:
     """Displacement of the mechanism's output under V = 24 + 24 sin(16 pi t).
 
     Attributes:
-        time: instants [s], (samples,).
-        displacement: x as measured [m], (samples,).
-        noise: standard deviation of the noise in it [m].
+        time: Instants [s], (samples,).
+        displacement: Displacement x as measured [m], (samples,).
+        noise: Standard deviation of the noise in `displacement` [m].
     """
 
     time: Array
@@ -57,11 +57,11 @@ class MechanismFit:
     Attributes:
         parameters: m, c, k, d_e, alpha, beta, gamma, n, (8,), in the units of
             `scott_russell.UNITS`.
-        sse: eq. (10), the sum of squared errors [m^2].
-        rms: root of the mean squared error [m].
-        error: measured less simulated x, eq. (11) [m], (samples,).
-        history: best sum of squared errors before the first and after each iteration [m^2].
-        evaluations: simulated parameter sets.
+        sse: Eq. (10), the sum of squared errors [m^2].
+        rms: Root of the mean squared error [m].
+        error: Difference of measured and simulated x, eq. (11) [m], (samples,).
+        history: Best sum of squared errors before the first and after each iteration [m^2].
+        evaluations: Number of simulated parameter sets.
     """
 
     parameters: Array
@@ -78,8 +78,8 @@ def regenerate(
     """Makes the measurement that the paper does not publish: `TRUTH`, from h = 0, with noise.
 
     Args:
-        noise: standard deviation of the sensor's noise [m]; the paper states 10 to 100 nm.
-        rng: seed or generator of the noise.
+        noise: Standard deviation of the sensor's noise [m]; the paper states 10 to 100 nm.
+        rng: Seed or generator of the noise.
 
     Raises:
         InputError: `noise` is negative.
@@ -123,17 +123,17 @@ def identify_mechanism(
     Both methods move with the paper's constants: w = 0.65, c1 = 0.7, c2 = 2.05.
 
     Args:
-        measurement: samples at 0.15 to 0.5 s, 1 ms apart.
+        measurement: Samples at 0.15 to 0.5 s, 1 ms apart.
         method: "pso" or "rank-distance-mpso".
-        free_exponent: whether n is identified too, or 1.
-        population: particles.
-        iterations: moves after the first evaluation.
-        workers: threads; -1 uses all cores. The result does not depend on it.
-        rng: seed or generator.
-        callback: as in `pso`.
+        free_exponent: Whether n is identified too, or 1.
+        population: Number of particles.
+        iterations: Number of moves after the first evaluation.
+        workers: Number of threads; -1 uses all cores. The result does not depend on it.
+        rng: Seed or generator of all random numbers.
+        callback: Function that gets the intermediate result after every iteration.
 
     Raises:
-        InputError: the method is unknown, or a number is out of its range.
+        InputError: The method is unknown, or a number is out of its range.
     """
     if method not in KAO_FUNG_SWARMS:
         raise unknown_name("method", method, KAO_FUNG_SWARMS)

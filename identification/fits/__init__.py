@@ -1,1 +1,1 @@
-"""Fits of our own: each returns certified, dissipative models of one kind only."""
+"""Certified fits: each returns certified, dissipative models of one kind only."""

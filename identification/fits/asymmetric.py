@@ -34,17 +34,17 @@ def fit_asymmetric(
     penalized, and never returned.
 
     Args:
-        curves: first-order curves, which all begin at one angle and with one torque, zero or not;
+        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
             those with role "fit" are used.
-        rng: seed or generator of the Sobol scrambling.
-        degree: of the polynomial, 1 to 5.
+        rng: Seed or generator of the Sobol scrambling.
+        degree: Degree of the polynomial, 1 to 5.
 
     Returns:
         The model, whose Jiles-Atherton part is held outside the angles of the curves if it is safe
         inside only; `response(angle, initial_torque)` predicts a curve.
 
     Raises:
-        InputError: there is no usable curve, they begin apart, the degree is out of its range, or
+        InputError: There is no usable curve, they begin apart, the degree is out of its range, or
             nothing certified was found.
     """
     if not 1 <= degree <= LARGEST_DEGREE:

@@ -29,16 +29,16 @@ def fit_bouc_wen(
     best of some Sobol points, in a box whose models are all certified and dissipative.
 
     Args:
-        curves: first-order curves, which all begin at one angle and with one torque, zero or not;
+        curves: First-order curves, which all begin at one angle and with one torque, zero or not;
             those with role "fit" are used.
-        rng: a seed or generator of the Sobol scrambling.
-        budget: the most evaluations of the model on all curves.
+        rng: Seed or generator of the Sobol scrambling.
+        budget: Largest number of evaluations of the model on all curves.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
 
     Raises:
-        InputError: there is no usable curve, they begin apart, or the budget is too small.
+        InputError: There is no usable curve, they begin apart, or the budget is too small.
     """
     beside = BesidePolynomial(curves, degree=1)
     search = search_shapes(_Shapes(beside), beside.floor, screened=SCREENED, budget=budget, rng=rng)

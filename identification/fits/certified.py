@@ -37,12 +37,12 @@ class CertifiedFit:
 
     Attributes:
         parameters: Ms, a, alpha, c, k in degrees, shape (5,).
-        initial_torque: the torque with which every curve begins [N·m]; or "measured": each begins
+        initial_torque: The torque with which every curve begins [N·m]; or "measured": each begins
             with its first sample.
-        held: the range of angles [rad] outside which the torque must be held for the model to be
+        held: The range of angles [rad] outside which the torque must be held for the model to be
             certified; None if it is certified for all angles.
-        nrmse: sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, with their weights w of mean 1.
-        evaluations: how often the model was evaluated on all curves; a response with all its
+        nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, with their weights w of mean 1.
+        evaluations: How often the model was evaluated on all curves; a response with all its
             derivatives counts as three.
         history: (evaluations, best NRMSE) whenever the best one improved.
     """
@@ -80,10 +80,10 @@ def certified_fit(
     second differences of the torque), or the budget is spent.
 
     Args:
-        curves: the measured curves.
-        rng: a seed or generator of the Sobol scrambling.
-        budget: the most evaluations of the model on all curves.
-        initial_torque: the torque with which every curve begins [N·m]; "measured" takes each
+        curves: The measured curves.
+        rng: Seed or generator of the Sobol scrambling.
+        budget: Largest number of evaluations of the model on all curves.
+        initial_torque: The torque with which every curve begins [N·m]; "measured" takes each
             curve's first sample, "identified" searches one for all.
 
     Returns:
@@ -213,7 +213,7 @@ class CertifiedProblem:
         """Returns what a search found.
 
         Raises:
-            InputError: it found nothing.
+            InputError: The search found no certified model.
         """
         if search.best is None:
             raise InputError(

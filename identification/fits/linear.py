@@ -33,9 +33,9 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
     between neighbors in density and in slope count too, in proportion to the noise of the torque.
 
     Args:
-        curves: first-order curves (from the lowest angle up to a turn and back); those with role
+        curves: First-order curves (from the lowest angle up to a turn and back); those with role
             "fit" are used, in any number and of any torque at their beginning.
-        levels: the levels [rad], or how many segments to make: one below the lowest angle, the
+        levels: The levels [rad], or how many segments to make: one below the lowest angle, the
             others up to the highest. Without a level below the lowest angle, every curve of the
             model comes back to its first torque.
 
@@ -43,7 +43,7 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
         The model; `response(angle, initial_torque)` predicts a curve.
 
     Raises:
-        InputError: there is no usable curve, or the levels do not increase or miss the curves.
+        InputError: There is no usable curve, or the levels do not increase or miss the curves.
     """
     curves = usable(curves)
     low, high = curves.angle_range
@@ -81,14 +81,14 @@ def fit_prandtl_ishlinskii(
     any motion; the rest angle makes the elastic part, if any, give the curves' mean first torque.
 
     Args:
-        curves: first-order curves, which all begin at one angle; those with role "fit" are used.
-        thresholds: the thresholds [rad], or how many to spread evenly over the longest way out.
+        curves: First-order curves, which all begin at one angle; those with role "fit" are used.
+        thresholds: The thresholds [rad], or how many to spread evenly over the longest way out.
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
 
     Raises:
-        InputError: there is no usable curve, they begin apart, or the thresholds are bad.
+        InputError: There is no usable curve, they begin apart, or the thresholds are bad.
     """
     curves = usable(curves)
     starts = [float(curve.angle[0]) for curve in curves]
@@ -136,7 +136,7 @@ def usable(curves: Sequence[Curve]) -> Curves:
     """Returns the curves with role "fit".
 
     Raises:
-        InputError: there is none, no torque changes, or none turns back.
+        InputError: There is no such curve, no torque changes, or no curve turns back.
     """
     chosen = Curves(curves).fitted()
     if not chosen:

@@ -21,10 +21,10 @@ class BesidePolynomial:
     """The best scale of a hysteretic torque beside the best polynomial of the angle.
 
     Attributes:
-        curves: those with role "fit", which begin at one angle.
-        start: that angle [rad].
-        peak: the largest |torque| [N·m].
-        floor: the noise of the torque over the peak.
+        curves: The curves with role "fit", which begin at one angle.
+        start: Angle at which the curves begin [rad].
+        peak: The largest |torque| [N·m].
+        floor: The noise of the torque over the peak.
     """
 
     def __init__(self, curves: Sequence[Curve], degree: int) -> None:
@@ -73,7 +73,7 @@ def common_start(curves: Sequence[Curve]) -> float:
     """Returns the angle [rad] at which all curves begin.
 
     Raises:
-        InputError: they begin apart.
+        InputError: The curves begin at different angles.
     """
     starts = [float(curve.angle[0]) for curve in curves]
     reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
@@ -96,14 +96,14 @@ def search_shapes(
     """Returns a finished search from the best of some Sobol points, in turn.
 
     Args:
-        problem: the errors of the shapes, with the projection done.
-        floor: the noise of the torque over the peak, which ends the search.
-        screened: the number of Sobol points, a power of 2.
-        budget: the most evaluations.
-        rng: a seed or generator of the Sobol scrambling.
+        problem: The errors of the shapes, with the projection done.
+        floor: The noise of the torque over the peak, which ends the search.
+        screened: The number of Sobol points, a power of 2.
+        budget: Largest number of evaluations.
+        rng: Seed or generator of the Sobol scrambling.
 
     Raises:
-        InputError: the budget does not suffice for the screening.
+        InputError: The budget does not suffice for the screening.
     """
     at_least("budget", budget, screened + 1)
     search = Search(problem, budget)

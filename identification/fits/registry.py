@@ -68,11 +68,11 @@ def register_fit(model_name: str, fit: FitFunction) -> None:
     From then on `identify(curves, model=model_name)` uses it, and the method "auto" tries it.
 
     Args:
-        model_name: the `name` of the model.
-        fit: a function as this module describes it.
+        model_name: The `name` of the model.
+        fit: A function as this module describes it.
 
     Raises:
-        InputError: the name is taken by another fit, or `fit` is no function.
+        InputError: The name is taken by another fit, or `fit` is no function.
     """
     if not callable(fit):
         raise InputError(f"fit of {model_name!r} is {fit!r}: give a function of the curves")
@@ -84,11 +84,11 @@ class Fitted(NamedTuple):
     """What a certified fit found.
 
     Attributes:
-        model: a certified and dissipative model, at least held outside the angles of the curves.
-        initial_torque: the torque with which all curves begin [N·m]; or "measured": each begins
+        model: A certified and dissipative model, at least held outside the angles of the curves.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
-        loss: the NRMSE on the curves; for Jiles-Atherton with their weights.
-        evaluations: how often the model ran on all curves; None where the fit does not count.
+        loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
+        evaluations: How often the model ran on all curves; None where the fit does not count.
     """
 
     model: HysteresisModel
@@ -105,10 +105,10 @@ def fit_model(
     A fit that returns a bare model has the torque at the beginning identified here.
 
     Args:
-        name: the name of the model.
-        curves: the measured curves.
-        rng: the generator that a seeded fit uses.
-        **options: the options of the fit.
+        name: The name of the model.
+        curves: The measured curves.
+        rng: The generator that a seeded fit uses.
+        **options: The options of the fit.
     """
     if is_seeded(name):
         options["rng"] = rng

@@ -27,7 +27,7 @@ def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
     does not cover that beginning, it is the nearest that is covered.
 
     Raises:
-        InputError: the model cannot begin so.
+        InputError: The model cannot begin so.
     """
 
     def residual(torque: Array) -> Array:
@@ -86,7 +86,7 @@ def bare(model: HysteresisModel) -> JilesAtherton:
     """Returns the Jiles-Atherton model inside a fitted one that may be held outside a range.
 
     Raises:
-        InputError: it is of another kind.
+        InputError: The model is of another kind.
     """
     inner = model.model if isinstance(model, Held) else model
     if not isinstance(inner, JilesAtherton):

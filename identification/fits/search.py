@@ -21,9 +21,9 @@ class Evaluation(NamedTuple):
     """What a problem says about a point.
 
     Attributes:
-        errors: the relative errors of the torque, (samples,).
-        missing: the margin that is missing to a certificate with `MARGIN`.
-        answer: what the search shall remember if this is the best point.
+        errors: The relative errors of the torque, (samples,).
+        missing: The margin that is missing to a certificate with `MARGIN`.
+        answer: What the search shall remember if this is the best point.
     """
 
     errors: Array
@@ -46,8 +46,8 @@ class Derivatives(NamedTuple):
     """Exact derivatives, for a problem that has them.
 
     Attributes:
-        errors: takes a point to the derivatives of its errors, (samples, coordinates).
-        missing: takes points (n, coordinates) to their missing margins (n,), cheaply.
+        errors: Function from a point to the derivatives of its errors, (samples, coordinates).
+        missing: Cheap function from points (n, coordinates) to their missing margins, (n,).
     """
 
     errors: Callable[[Array], Array]
@@ -64,9 +64,9 @@ class Search:
     A point that lacks more than half of `MARGIN` is penalized, and never the best.
 
     Attributes:
-        best: the answer of the best point so far; None before there is one.
-        score: the root mean square of its errors.
-        evaluations: how often the model ran; exact derivatives count as three runs.
+        best: The answer of the best point so far; None before there is one.
+        score: The root mean square of its errors.
+        evaluations: How often the model ran; exact derivatives count as three runs.
         history: (evaluations, score) whenever the best one improved.
     """
 
@@ -76,9 +76,9 @@ class Search:
         """Prepares a search.
 
         Args:
-            problem: what to minimize.
-            budget: the most evaluations.
-            derivatives: the exact derivatives of the problem; by default they are differences.
+            problem: What to minimize.
+            budget: Largest number of evaluations.
+            derivatives: The exact derivatives of the problem; by default they are differences.
         """
         self.problem, self.budget, self.derivatives = problem, budget, derivatives
         self.best: Array | None = None
@@ -89,7 +89,7 @@ class Search:
         """Counts model runs.
 
         Raises:
-            BudgetSpent: the budget does not allow them.
+            BudgetSpent: The budget does not allow them.
         """
         if self.evaluations + evaluations > self.budget:
             raise BudgetSpent
@@ -110,9 +110,9 @@ class Search:
         """Minimizes from each start in turn until one reason to end is met.
 
         Args:
-            starts: points to begin at, the most promising one first.
-            floor: the noise; a score as low as this ends the search.
-            agreement: two runs that end within this relative score found the same optimum, which
+            starts: Points to begin at, the most promising one first.
+            floor: The noise; a score as low as this ends the search.
+            agreement: Two runs that end within this relative score found the same optimum, which
                 ends the search; 0 tries all starts.
         """
         try:

@@ -27,7 +27,7 @@ def unpack(name: str, value: Any, like: Any) -> Any:
     """Returns a packed value as what it was, of the type and, for arrays, the shape of `like`.
 
     Raises:
-        InputError: its shape is another.
+        InputError: The shape of the value differs from that of `like`.
     """
     if not isinstance(like, np.ndarray):
         return list(value) if isinstance(like, list) else value
@@ -46,7 +46,7 @@ def parts(
     """Returns options, changing values and an unseeded generator of the saved kind.
 
     Raises:
-        InputError: the state is of another kind than `kind`, or not whole.
+        InputError: The state is of another kind than `kind`, or not whole.
     """
     _whole(state, ("swarm", "options", "changing", "rng"))
     if state["swarm"] != kind:

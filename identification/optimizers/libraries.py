@@ -38,17 +38,18 @@ def differential_evolution(
     """Minimizes with SciPy's differential evolution: vectorized, unpolished, until all is spent.
 
     Args:
-        objective: maps positions (n, d) to values (n,); values that are not finite are discarded.
-        bounds: one pair (low, high) per parameter.
-        max_evaluations: how many points may be evaluated.
-        rng: seed or generator; the same seed gives the same result bit for bit.
+        objective: Function that maps positions (n, d) to values (n,); values that are not finite
+            are discarded.
+        bounds: One pair (low, high) per parameter.
+        max_evaluations: Number of points that may be evaluated.
+        rng: Seed or generator; the same seed gives the same result bit for bit.
 
     Returns:
         `x`, `fun`, `nfev`, `history` (best value after each evaluation, (nfev,)), `discarded`,
         `success`, `message`.
 
     Raises:
-        InputError: bounds, budget or the objective's shape are wrong, or no value is finite.
+        InputError: Bounds, budget or the objective's shape are wrong, or no value is finite.
     """
 
     def search(budget: _Budget) -> None:
@@ -124,7 +125,7 @@ def genetic_algorithm(
     Arguments, result and errors are those of `differential_evolution`.
 
     Raises:
-        InputError: also if pymoo is not installed.
+        InputError: Also if pymoo is not installed.
     """
     problems = _library("pymoo.core.problem", "pymoo", "the genetic algorithm")
     algorithms = _library("pymoo.algorithms.soo.nonconvex.ga", "pymoo", "the genetic algorithm")
@@ -154,7 +155,7 @@ def cma_es(
     errors are those of `differential_evolution`.
 
     Raises:
-        InputError: also if cma is not installed, or there is only one parameter, which pycma
+        InputError: Also if cma is not installed, or there is only one parameter, which pycma
             does not take.
     """
     cma = _library("cma", "cma", "CMA-ES")

@@ -1,12 +1,12 @@
 """MPSO: the swarm with scheduled learning factors (Li et al. 2022, section 5.1)."""
 
 import math
+from typing import Unpack
 
-import numpy as np
 from scipy.optimize import OptimizeResult
 
 from .pso import LINEAR_RANGE, linear_inertia
-from .swarm import Bounds, Callback, Objective, Swarm
+from .swarm import Bounds, Callback, Objective, Swarm, SwarmOptions
 
 COGNITIVE_FIRST, COGNITIVE_LAST = 2.5, 1.3
 SOCIAL_FIRST, SOCIAL_LAST = 0.5, 1.7
@@ -38,24 +38,12 @@ def mpso(
     objective: Objective,
     bounds: Bounds,
     *,
-    swarm_size: int = 50,
-    max_iterations: int = 100,
-    velocity_limit: float = 0.2,
-    target: float | None = None,
-    rng: int | np.random.Generator | None = None,
     callback: Callback | None = None,
+    **common: Unpack[SwarmOptions],
 ) -> OptimizeResult:
     """Minimizes with MPSO: eq. (13) and (14) of Li et al. 2022 on the basic swarm.
 
-    Arguments, result and errors are those of `pso`. `MPSO` is the same as an ask/tell core that can
-    be saved and resumed.
+    Arguments, result and errors are those of `pso`, without its coefficients. `MPSO` is the same as
+    an ask/tell core that can be saved and resumed.
     """
-    swarm = MPSO(
-        bounds,
-        swarm_size=swarm_size,
-        max_iterations=max_iterations,
-        velocity_limit=velocity_limit,
-        target=target,
-        rng=rng,
-    )
-    return swarm.minimize(objective, callback)
+    return MPSO(bounds, **common).minimize(objective, callback)

@@ -7,7 +7,6 @@ The two differ in coefficients and in what is drawn once per particle or once pe
 import math
 from typing import Literal, TypedDict, Unpack
 
-import numpy as np
 from scipy.optimize import OptimizeResult
 
 from ...errors import InputError
@@ -52,15 +51,15 @@ class PSO(Swarm):
     """The basic swarm as an ask/tell core.
 
     Args:
-        bounds: see `pso`.
-        inertia: see `pso`.
-        cognitive: see `pso`.
-        social: see `pso`.
-        per_dimension: see `pso`.
-        **common: see `pso`.
+        bounds: One pair (low, high) per parameter.
+        inertia: Inertia of the velocity: "tanh", "linear" or a constant.
+        cognitive: Coefficient c1, the pull towards a particle's own best.
+        social: Coefficient c2, the pull towards the best of all.
+        per_dimension: Whether random numbers are drawn for each dimension of each particle.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Raises:
-        InputError: bounds, sizes or coefficients are wrong.
+        InputError: Bounds, sizes or coefficients are wrong.
     """
 
     def __init__(
@@ -101,46 +100,38 @@ def pso(
     objective: Objective,
     bounds: Bounds,
     *,
-    swarm_size: int = 50,
-    max_iterations: int = 100,
-    velocity_limit: float = 0.2,
-    target: float | None = None,
-    rng: int | np.random.Generator | None = None,
-    callback: Callback | None = None,
     inertia: Inertia = "tanh",
     cognitive: float = LEARNING_FACTOR,
     social: float = LEARNING_FACTOR,
     per_dimension: bool = False,
+    callback: Callback | None = None,
+    **common: Unpack[SwarmOptions],
 ) -> OptimizeResult:
     """Minimizes with the basic swarm: eq. (5), (6), (8)-(10) of Li et al. 2022.
 
     `PSO` is the same as an ask/tell core that can be saved and resumed.
 
     Args:
-        objective: maps positions (n, d) to values (n,); a value that is not finite discards that
-            position.
-        bounds: one pair (low, high) per parameter; a particle beyond is set back to the bound and
+        objective: Function that maps positions (n, d) to values (n,); a value that is not finite
+            discards that position.
+        bounds: One pair (low, high) per parameter; a particle beyond is set back to the bound and
             keeps its velocity.
-        swarm_size: number of particles.
-        max_iterations: number of moves after the first evaluation.
-        velocity_limit: largest move per iteration, as a fraction of each parameter's range; a
-            faster component is set back to it. Both papers leave Vmax open.
-        target: stop once the best value is below (steps 4 and 11 of Li et al. use 1e-3).
-        rng: seed or generator; the same seed gives the same result bit for bit.
-        callback: called with the intermediate result after every iteration; it may raise
+        inertia: Inertia of the velocity: "tanh", eq. (10); "linear", from 0.9 to 0.4; or a
+            constant.
+        cognitive: Coefficient c1, the pull towards a particle's own best.
+        social: Coefficient c2, the pull towards the best of all.
+        per_dimension: Whether the random numbers of eq. (8) are drawn for each dimension of each
+            particle, as eq. (3) of Kao and Fung 2009 does, instead of once per particle.
+        callback: Function that gets the intermediate result after every iteration; it may raise
             StopIteration.
-        inertia: "tanh", eq. (10); "linear", from 0.9 to 0.4; or a constant.
-        cognitive: c1, the pull towards a particle's own best.
-        social: c2, the pull towards the best of all.
-        per_dimension: draw the random numbers of eq. (8) for each dimension of each particle, as
-            eq. (3) of Kao and Fung 2009 does, instead of once per particle.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Returns:
-        `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after each iteration),
-        `discarded`, `population`, `success`, `message`.
+        A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
+        each iteration), `discarded`, `population`, `success`, `message`.
 
     Raises:
-        InputError: bounds, sizes, coefficients or the objective's shape are wrong, or no first
+        InputError: Bounds, sizes, coefficients or the objective's shape are wrong, or no first
             value is finite.
     """
     swarm = PSO(
@@ -149,11 +140,7 @@ def pso(
         cognitive=cognitive,
         social=social,
         per_dimension=per_dimension,
-        swarm_size=swarm_size,
-        max_iterations=max_iterations,
-        velocity_limit=velocity_limit,
-        target=target,
-        rng=rng,
+        **common,
     )
     return swarm.minimize(objective, callback)
 

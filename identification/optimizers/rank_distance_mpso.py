@@ -25,17 +25,17 @@ class RankDistanceMPSO(PSO):
     offspring; `tell` lets the best-scored half of parents and offspring together survive.
 
     Args:
-        bounds: see `pso`.
-        distance_rank: see `rank_distance_mpso`.
-        patience: see `rank_distance_mpso`.
-        inertia: see `rank_distance_mpso`.
-        cognitive: see `rank_distance_mpso`.
-        social: see `rank_distance_mpso`.
-        per_dimension: see `rank_distance_mpso`.
-        **common: see `pso`.
+        bounds: One pair (low, high) per parameter.
+        distance_rank: Individual that has distance rank 1: the farthest, or the nearest.
+        patience: Number of iterations in a row without a better value that ends the run, or None.
+        inertia: Inertia of the velocity: "tanh", "linear" or a constant.
+        cognitive: Coefficient c1, the pull towards a particle's own best.
+        social: Coefficient c2, the pull towards the best of all.
+        per_dimension: Whether random numbers are drawn for each dimension of each particle.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Raises:
-        InputError: bounds, sizes or an option is wrong.
+        InputError: Bounds, sizes or an option is wrong.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (
@@ -124,10 +124,10 @@ def survivors(error: Array, position: Array, decay: float, *, far_first: bool) -
     """Returns which half of the individuals lives on, best score first: eq. (5), (6).
 
     Args:
-        error: their values, (2n,), infinite where discarded.
-        position: their positions in units of the box, (2n, d).
-        decay: rho.
-        far_first: whether the farthest from the best has distance rank 1, or the nearest.
+        error: Values of the individuals, (2n,), infinite where discarded.
+        position: Positions of the individuals in units of the box, (2n, d).
+        decay: Weight rho of the distance rank.
+        far_first: Whether the farthest from the best has distance rank 1, or the nearest.
     """
     best = int(error.argmin())
     away = position - position[best]
@@ -143,18 +143,14 @@ def rank_distance_mpso(
     objective: Objective,
     bounds: Bounds,
     *,
-    swarm_size: int = 50,
-    max_iterations: int = 100,
     distance_rank: DistanceRank = "far",
     patience: int | None = None,
-    velocity_limit: float = 0.2,
-    target: float | None = None,
-    rng: int | np.random.Generator | None = None,
-    callback: Callback | None = None,
     inertia: Inertia = KAO_FUNG["inertia"],
     cognitive: float = KAO_FUNG["cognitive"],
     social: float = KAO_FUNG["social"],
     per_dimension: bool = KAO_FUNG["per_dimension"],
+    callback: Callback | None = None,
+    **common: Unpack[SwarmOptions],
 ) -> OptimizeResult:
     """Minimizes with the modified swarm of Kao and Fung 2009: eq. (3)-(9).
 
@@ -165,29 +161,27 @@ def rank_distance_mpso(
     `RankDistanceMPSO` is the same as an ask/tell core that can be saved and resumed.
 
     Args:
-        objective: see `pso`.
-        bounds: see `pso`.
-        swarm_size: see `pso`.
-        max_iterations: see `pso`; the paper's first stop rule.
-        distance_rank: who has distance rank 1, which is the best: "far", the individual farthest
+        objective: Function to minimize, as `pso` takes it.
+        bounds: One pair (low, high) per parameter.
+        distance_rank: Individual that has distance rank 1, which is the best: "far", the farthest
             from the best solution, as the paper's figure 4 wants it; or "near", the nearest, as its
             "a higher rank to a longer distance" says word for word.
-        patience: stop after so many iterations in a row without a better value, the paper's second
-            stop rule, whose number it does not print; None never stops so.
-        velocity_limit: see `pso`.
-        target: see `pso`.
-        rng: see `pso`.
-        callback: see `pso`.
-        inertia: see `pso`; the default is the paper's in identification, "linear" its eq. (4).
-        cognitive: see `pso`.
-        social: see `pso`.
-        per_dimension: see `pso`.
+        patience: Number of iterations in a row without a better value that ends the run, the
+            paper's second stop rule; it does not print the number. None never ends it so.
+        inertia: Inertia of the velocity; by default the paper's in identification; "linear" is its
+            eq. (4).
+        cognitive: Coefficient c1, the pull towards a particle's own best.
+        social: Coefficient c2, the pull towards the best of all.
+        per_dimension: Whether random numbers are drawn for each dimension of each particle.
+        callback: Function that gets the intermediate result, as `pso` calls it.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Returns:
-        See `pso`; `population` is the survivors.
+        The result, with the fields that `pso` lists; `population` is the survivors.
 
     Raises:
-        InputError: see `pso`; or `distance_rank` or `patience` is none of the above.
+        InputError: `distance_rank` or `patience` is none of the above, or anything that `pso`
+            refuses.
     """
     swarm = RankDistanceMPSO(
         bounds,
@@ -197,11 +191,7 @@ def rank_distance_mpso(
         cognitive=cognitive,
         social=social,
         per_dimension=per_dimension,
-        swarm_size=swarm_size,
-        max_iterations=max_iterations,
-        velocity_limit=velocity_limit,
-        target=target,
-        rng=rng,
+        **common,
     )
     return swarm.minimize(objective, callback)
 

@@ -20,12 +20,12 @@ class SAPSO(Swarm):
     """SA-PSO as an ask/tell core.
 
     Args:
-        bounds: see `pso`.
-        temperature: see `sa_pso`.
-        **common: see `pso`.
+        bounds: One pair (low, high) per parameter.
+        temperature: First temperature, as `sa_pso` takes it.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Raises:
-        InputError: bounds, sizes or `temperature` are wrong.
+        InputError: Bounds, sizes or `temperature` are wrong.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (*Swarm._CHANGING, "_first_temperature")
@@ -60,13 +60,9 @@ def sa_pso(
     objective: Objective,
     bounds: Bounds,
     *,
-    swarm_size: int = 50,
-    max_iterations: int = 100,
     temperature: Temperature = "paper",
-    velocity_limit: float = 0.2,
-    target: float | None = None,
-    rng: int | np.random.Generator | None = None,
     callback: Callback | None = None,
+    **common: Unpack[SwarmOptions],
 ) -> OptimizeResult:
     """Minimizes with SA-PSO: eq. (5), (6), (8)-(12) and steps 1-12 of Li et al. 2022.
 
@@ -75,34 +71,21 @@ def sa_pso(
     same as an ask/tell core that can be saved and resumed.
 
     Args:
-        objective: see `pso`.
-        bounds: see `pso`.
-        swarm_size: see `pso`.
-        max_iterations: see `pso`.
-        temperature: the first temperature, as the best fitness divided by a number: "paper" is
-            eq. (11) as printed, F / e^-10, which is so hot that the roulette stays uniform for all
-            100 iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
-        velocity_limit: see `pso`.
-        target: see `pso`.
-        rng: see `pso`.
-        callback: see `pso`.
+        objective: Function to minimize, as `pso` takes it.
+        bounds: One pair (low, high) per parameter.
+        temperature: First temperature, as the best fitness divided by a number: "paper" is eq. (11)
+            as printed, F / e^-10, which is so hot that the roulette stays uniform for all 100
+            iterations; "ln5" is F / ln 5, the textbook rule; a number divides by that number.
+        callback: Function that gets the intermediate result, as `pso` calls it.
+        **common: Options that every swarm takes; `SwarmOptions` lists them.
 
     Returns:
-        See `pso`.
+        The result, with the fields that `pso` lists.
 
     Raises:
-        InputError: see `pso`; or `temperature` is none of the above.
+        InputError: `temperature` is none of the above, or anything that `pso` refuses.
     """
-    swarm = SAPSO(
-        bounds,
-        temperature=temperature,
-        swarm_size=swarm_size,
-        max_iterations=max_iterations,
-        velocity_limit=velocity_limit,
-        target=target,
-        rng=rng,
-    )
-    return swarm.minimize(objective, callback)
+    return SAPSO(bounds, temperature=temperature, **common).minimize(objective, callback)
 
 
 def selection_probability(fitness: Array, temperature: float) -> Array:

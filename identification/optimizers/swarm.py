@@ -20,7 +20,17 @@ FARTHEST = 1e300  # of a bound, so that no difference of positions overflows
 
 
 class SwarmOptions(TypedDict, total=False):
-    """What every swarm takes; `pso` says what each means."""
+    """The options that every swarm takes.
+
+    Attributes:
+        swarm_size: Number of particles; by default 50.
+        max_iterations: Number of moves after the first evaluation; by default 100.
+        velocity_limit: Largest move per iteration, as a fraction of each parameter's range; a
+            faster component is set back to it. Both papers leave Vmax open; the default is 0.2.
+        target: Value that ends the run as soon as the best one is below it (steps 4 and 11 of Li et
+            al. 2022 use 1e-3); by default None, which never ends it.
+        rng: Seed or generator; the same seed gives the same result bit for bit.
+    """
 
     swarm_size: int
     max_iterations: int
@@ -44,15 +54,15 @@ class Swarm(ABC):
     moment, also between ask and tell, and goes on bit for bit.
 
     Args:
-        bounds: one pair (low, high) per parameter.
-        swarm_size: see `pso`.
-        max_iterations: see `pso`.
-        velocity_limit: see `pso`.
-        target: see `pso`.
-        rng: see `pso`.
+        bounds: One pair (low, high) per parameter.
+        swarm_size: Number of particles.
+        max_iterations: Number of moves after the first evaluation.
+        velocity_limit: Largest move per iteration, as a fraction of each parameter's range.
+        target: Value that ends the run as soon as the best one is below it; None never does.
+        rng: Seed or generator of all random numbers.
 
     Raises:
-        InputError: bounds or sizes are wrong.
+        InputError: Bounds or sizes are wrong.
     """
 
     # Attributes that change during a run; arrays keep their shape, so construction allocates them.
@@ -122,7 +132,7 @@ class Swarm(ABC):
         """What is known by now; `pso` lists the fields.
 
         Raises:
-            InputError: nothing has been told yet.
+            InputError: Nothing has been told yet.
         """
         if not self._history:
             raise InputError("there is no result before the first tell: ask, evaluate, then tell")
@@ -143,7 +153,7 @@ class Swarm(ABC):
         """Returns the positions to evaluate, (n, d); asking again before `tell` gives the same.
 
         Raises:
-            InputError: the run is over.
+            InputError: The run is over.
         """
         if not self._asked:
             if self.stopped:
@@ -178,12 +188,12 @@ class Swarm(ABC):
         """Asks and tells until the end, from wherever the swarm is, and returns the result.
 
         Args:
-            objective: maps positions (n, d) to values (n,).
-            callback: called with the intermediate result after every iteration; it may raise
+            objective: Function that maps positions (n, d) to values (n,).
+            callback: Function that gets the intermediate result after every iteration; it may raise
                 StopIteration.
 
         Raises:
-            InputError: see `tell`.
+            InputError: `tell` refuses the values.
         """
         while not self.stopped:
             self.tell(objective(self.ask()))
@@ -210,7 +220,7 @@ class Swarm(ABC):
         """Returns the swarm that `state` described; it goes on as if never interrupted.
 
         Raises:
-            InputError: the state is of another class, or not whole.
+            InputError: The state is of another class, or not whole.
         """
         options, changing, generator = _checkpoint.parts(state, cls.__name__, cls._CHANGING)
         try:
@@ -256,7 +266,7 @@ def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
     """Returns the lower and upper bounds, shape (d,) each.
 
     Raises:
-        InputError: they are not d pairs (low, high) with low < high, or too large.
+        InputError: The bounds are not d pairs (low, high) with low < high, or too large.
     """
     pairs = np.array(bounds, dtype=np.float64)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.size == 0:
@@ -276,7 +286,7 @@ def finite_scores(fitness: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Returns the values of positions of `shape` (n, d), (n,), infinite where not finite.
 
     Raises:
-        InputError: they do not have shape (n,).
+        InputError: The values do not have shape (n,).
     """
     values = np.asarray(fitness, dtype=np.float64)
     if values.shape != shape[:1]:

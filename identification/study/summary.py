@@ -27,12 +27,12 @@ class MultiOrder:
     Errors are taken over all such motions together, those of first-order curves likewise.
 
     Attributes:
-        curves: names of the held-out curves that turn more than once.
-        largest: quartiles of the largest error [N·m], (3,).
-        nrmse: quartiles of the root mean square over the motions, (3,).
-        first_order: the same on the held-out first-order curves, (3,); nan if there are none.
-        ratio: quartiles of each trial's own ratio of the two, (3,).
-        as_well: in how many trials the ratio is at most 1.1.
+        curves: Names of the held-out curves that turn more than once.
+        largest: Quartiles of the largest error [N·m], (3,).
+        nrmse: Quartiles of the root mean square over the motions, (3,).
+        first_order: Quartiles of the NRMSE on the held-out first-order curves, (3,); nan if there are none.
+        ratio: Quartiles of each trial's own ratio of the two, (3,).
+        as_well: Number of trials whose ratio is at most 1.1.
     """
 
     curves: tuple[str, ...]
@@ -48,21 +48,22 @@ class Summary:
     """All trials of one method on one joint.
 
     Attributes:
-        joint: its name.
-        method: its name.
-        best: the trial with the lowest fitness.
-        trials: all of them, by number.
-        noise: the noise floor, as an NRMSE, estimated from the curves.
-        successes: how many trials ended within 5 % of the noise floor.
-        fitness: quartiles of eq. (7), (3,).
-        nrmse: quartiles, (3,).
-        convergence: quartiles of the convergence iteration, (3,); None for the certified fit,
+        joint: The name of the joint.
+        method: The name of the method.
+        best: The trial with the lowest fitness.
+        trials: All trials, by number.
+        noise: The noise floor, as an NRMSE, estimated from the curves.
+        successes: How many trials ended within 5 % of the noise floor.
+        fitness: Quartiles of eq. (7), (3,).
+        nrmse: Quartiles of the NRMSE, (3,).
+        convergence: Quartiles of the convergence iteration, (3,); None for the certified fit,
             which has no iterations.
-        evaluations_to_target: of each trial until it was within 5 % of the noise floor, (trials,);
-            infinite where it never was.
-        to_target: quartiles of the same, (3,).
-        predictions: quartiles of the largest error [N·m] by held-out first-order curve, (3,) each.
-        multi_order: the same question of held-out motions that turn more than once, if any.
+        evaluations_to_target: Evaluations of each trial until it was within 5 % of the noise floor,
+            (trials,); infinite where it never was.
+        to_target: Quartiles of `evaluations_to_target`, (3,).
+        predictions: Quartiles of the largest error [N·m] by held-out first-order curve, (3,) each.
+        multi_order: How held-out motions that turn more than once are predicted; None if there are
+            none.
     """
 
     joint: str
@@ -90,15 +91,15 @@ class Judgement:
     """A claim beside our numbers.
 
     Attributes:
-        claim: the claim.
+        claim: The printed claim.
         verdict: "not reproduced" if the interval lies below the printed advantage; else
             "reproduced" if it lies above 0; else "undecidable".
-        reason: why it is undecidable without numbers; else empty.
-        sa_pso: median over the trials.
-        mpso: median over the trials.
+        reason: Why it is undecidable without numbers; else empty.
+        sa_pso: Median of SA-PSO over the trials.
+        mpso: Median of MPSO over the trials.
         advantage: (MPSO - SA-PSO) / SA-PSO of the medians.
-        interval: its 95 % bootstrap interval over the trials.
-        best_advantage: the same of the trials with the best fitness, as the paper compares.
+        interval: The 95 % bootstrap interval of `advantage` over the trials.
+        best_advantage: Advantage of the trials with the best fitness, as the paper compares.
     """
 
     claim: LiClaim
@@ -119,9 +120,9 @@ def summarize(
     """Returns one summary per joint and method, in the order of `config`.
 
     Args:
-        config: the study.
-        families: the curves by joint name.
-        trials: all of its trials, in any order.
+        config: The study.
+        families: The curves by joint name.
+        trials: All of its trials, in any order.
     """
     by_key = {trial.key: trial for trial in trials}
     ordered = [by_key[key] for key in config.keys]

@@ -45,15 +45,16 @@ class StudyConfig:
     """What a study runs. Converts to JSON and back without loss.
 
     Attributes:
-        methods: names from `STUDY_METHODS`.
-        joints: a fingerprint of the curves by joint name.
-        trials: independent runs of each method on each joint.
-        seed: fixes all random numbers.
-        swarm_size: particles of a swarm.
-        iterations: moves of a swarm; other methods but "certified" get as many evaluations.
+        methods: Names from `STUDY_METHODS`.
+        joints: A fingerprint of the curves by joint name.
+        trials: Number of independent runs of each method on each joint.
+        seed: Seed of all random numbers.
+        swarm_size: Number of particles of a swarm.
+        iterations: Number of moves of a swarm; every other method except "certified" may evaluate
+            the model as often as a swarm does.
 
     Raises:
-        InputError: a name is unknown or there twice, nothing is left to do, or a number is too
+        InputError: A name is unknown or there twice, nothing is left to do, or a number is too
             small.
     """
 
@@ -120,14 +121,14 @@ class StudyTrial:
     """What one trial found.
 
     Attributes:
-        key: which trial.
+        key: Key of the trial.
         parameters: Ms, a, alpha, c, k in degrees.
-        held: the range [rad] outside which a certified fit needs its torque held, if any.
-        fitness: eq. (7) of Li et al. 2022 on the fitted curves.
-        nrmse: sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        evaluations: how often the model was evaluated on all curves.
+        held: The range [rad] outside which a certified fit needs its torque held, if any.
+        fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        evaluations: How often the model was evaluated on all curves.
         improvements: (evaluations, best fitness) whenever the best one improved.
-        predictions: the error on each curve with role "predict".
+        predictions: The error on each curve with role "predict".
     """
 
     key: TrialKey
@@ -170,7 +171,7 @@ class StudyTrial:
         """Returns the trial that `to_json` wrote.
 
         Raises:
-            InputError: it did not.
+            InputError: The text is not what `to_json` wrote.
         """
         try:
             content = json.loads(text)
@@ -205,7 +206,7 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     """Runs one trial on all curves of its joint, those with role "predict" kept out of the fit.
 
     Raises:
-        InputError: the curves are unusable, or the method's package is not installed.
+        InputError: The curves are unusable, or the method's package is not installed.
     """
     family = Curves(curves)
     measured, rng = family.fitted(), np.random.default_rng(config.seed_of(key))
@@ -237,7 +238,7 @@ def check(config: StudyConfig, families: Mapping[str, Sequence[Curve]]) -> None:
     """Raises what would stop the trials before any of them has run.
 
     Raises:
-        InputError: curves are unusable, or a method's package is not installed.
+        InputError: Curves are unusable, or a method's package is not installed.
     """
     for curves in families.values():
         CurveObjective(Curves(curves).fitted())

@@ -28,12 +28,12 @@ class Likelihood:
     torque is identified. Rows are those of `CurveObjective`.
 
     Attributes:
-        objective: the curves.
-        center: the point of the row given.
-        best: the point of least squares near to it.
-        cost: the sum of weighted squares there [(N·m)^2].
-        variance: of the torque at mean weight [(N·m)^2].
-        freedom: how many samples there are beyond the coordinates.
+        objective: The curves.
+        center: The point of the row given.
+        best: The point of least squares near to it.
+        cost: The sum of weighted squares there [(N·m)^2].
+        variance: The variance of the torque at mean weight [(N·m)^2].
+        freedom: How many samples there are beyond the coordinates.
     """
 
     def __init__(self, objective: CurveObjective, row: Array) -> None:
@@ -76,7 +76,7 @@ class Likelihood:
         return np.where(np.isfinite(by_row), by_row, 0.0) * self.by_point(point)
 
     def covariance(self, point: Array, prior: float = 0.0) -> Array:
-        """Returns that of the coordinates, linearized at a point, shape (n, n)."""
+        """Returns the covariance of the coordinates, linearized at a point, shape (n, n)."""
         _, singular, directions = np.linalg.svd(self.jacobian(point), full_matrices=False)
         known = singular**2 / self.variance  # 1 / variance of each direction
         return (directions.T / (known + prior)) @ directions
@@ -85,8 +85,8 @@ class Likelihood:
         """Returns the best point near `start` and its cost.
 
         Args:
-            start: where to begin (n,).
-            fixed: directions in which not to move (m, n).
+            start: Point to begin at, (n,).
+            fixed: Directions in which not to move, (m, n).
         """
         if self.is_extreme(start):
             return start, np.inf
@@ -110,10 +110,10 @@ class Likelihood:
         After each step all but the direction is fitted anew.
 
         Args:
-            direction: of length 1 (n,).
-            growth: of the cost, at which the walk ends [(N·m)^2].
-            farthest: distance in the direction at which it ends at the latest.
-            fixed: other directions in which not to move (m, n).
+            direction: Direction of length 1, (n,).
+            growth: Growth of the cost at which the walk ends [(N·m)^2].
+            farthest: Distance in the direction at which it ends at the latest.
+            fixed: Other directions in which not to move, (m, n).
 
         Returns:
             Where it ends, and whether it is the cost that ended it.

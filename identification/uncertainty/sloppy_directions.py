@@ -26,9 +26,9 @@ def sloppy_directions(
     not linearized: on the way the stiffer ones are fitted anew.
 
     Args:
-        likelihood: of the model.
-        units: in which the sentences tell the parameters, shape (n,).
-        unit_names: of the parameters told by differences; of the others empty.
+        likelihood: The likelihood of the model.
+        units: The units in which the sentences tell the parameters, shape (n,).
+        unit_names: The units of the parameters that are told by differences; empty for the others.
     """
     names = ("Ms", "a", "alpha", "c", "k", "initial torque")
     growth = ((1 + MORE_ERROR) ** 2 - 1) * likelihood.variance * likelihood.freedom

@@ -35,17 +35,17 @@ class Uncertainty:
     certified models.
 
     Attributes:
-        names: Ms, a, alpha, c, k, and initial_torque if it was identified.
-        values: of the parameters, shape (n,).
-        covariance: of the parameters, shape (n, n).
-        condition: of the Jacobian by log Ms, log a, alpha Ms/a, log (c-1), log k (and the initial
-            torque over the peak); it is how many times better the best known combination is known
-            than the worst.
-        sloppy: what the curves leave open, as sentences; empty if they tell every parameter.
-        intervals: of 95 % confidence, by profile likelihood, lower and upper end, shape (n, 2).
+        names: The names Ms, a, alpha, c, k, and initial_torque if it was identified.
+        values: The parameters, shape (n,).
+        covariance: The covariance of the parameters, shape (n, n).
+        condition: The condition number of the Jacobian by log Ms, log a, alpha Ms/a, log (c-1),
+            log k (and the initial torque over the peak); it tells how many times better the best
+            known combination of parameters is known than the worst.
+        sloppy: What the curves leave open, as sentences; empty if they tell every parameter.
+        intervals: The 95 % intervals by profile likelihood, lower and upper end, shape (n, 2).
             Where the curves set no limit the end is that of all models: 0, 1 for c, or infinite.
-        samples: models that noisy repetitions of the curves would have led to, each certified.
-        noise: standard deviation of the torque [N·m], for a curve of mean weight.
+        samples: Models that noisy repetitions of the curves would have led to, each certified.
+        noise: Standard deviation of the torque [N·m], for a curve of mean weight.
     """
 
     names: tuple[str, ...]
@@ -76,18 +76,18 @@ def uncertainty(
     samples: int = 0,
     seed: int = 0,
 ) -> Uncertainty:
-    """Tells how sure the parameters of a Jiles-Atherton model are that was fitted to curves.
+    """Estimates how certain the parameters of a fitted Jiles-Atherton model are.
 
     Args:
-        model: as identified: Jiles-Atherton with c > 1, bare or held.
-        curves: which it was fitted to; those with role "fit" are used.
-        initial_torque: as in `certified_fit`.
-        samples: how many models to draw (parametric bootstrap): the model's own curves with
+        model: Identified Jiles-Atherton model with c > 1, bare or held.
+        curves: Curves that it was fitted to; those with role "fit" are used.
+        initial_torque: Torque with which every curve begins, as `certified_fit` takes it.
+        samples: Number of models to draw (parametric bootstrap): the model's own curves with
             random noise are fitted as by `certified_fit`, starting from the model.
-        seed: fixes the noise.
+        seed: Seed of the noise.
 
     Raises:
-        InputError: another model, or unusable curves.
+        InputError: The model is of another kind, or the curves are unusable.
     """
     at_least("samples", samples, 0)
     at_least("seed", seed, 0)
