@@ -13,7 +13,7 @@ from ...files import write_text
 from ..output import markdown_table
 from ..reports.parameters import parameter_table
 
-PAGE = Path(__file__).parent.parent / "docs" / "provenance.md"
+PAGE = Path(__file__).parent.parent.parent / "docs" / "provenance.md"
 PACKAGES = (person, model, rig)
 HEADER = ["quantity", "value", "unit", "source", "grade"]
 
