@@ -20,7 +20,7 @@ PACKAGES = PYPROJECT["tool"]["setuptools"]["packages"]
 ALLOWED = {
     "assets": {"hysteresis"},
     "hysteresis": set(),
-    "identification": {"hysteresis", "assets"},
+    "identification": {"hysteresis"},
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
 }
