@@ -6,7 +6,7 @@ import numpy as np
 
 from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.held import Held
-from ..hysteresis.jiles_atherton.model import JilesAtherton
+from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves, noise_floor
 from .fits.certified import EXCESS, SHAPE
@@ -81,7 +81,7 @@ def _turns_back(curve: Curve) -> bool:
 
 
 def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> list[str]:
-    values = {name: getattr(model, name) for name in ("Ms", "a", "alpha", "c", "k")}
+    values = {name: getattr(model, name) for name in PARAMETERS}
     limits = dict(zip(values, bounds, strict=True)) if bounds else {"a": SHAPE}
     if not bounds:
         limits["c"] = (1 + EXCESS[0], 1 + EXCESS[1])

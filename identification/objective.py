@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import number
 from ..errors import InputError, unknown_name
-from ..hysteresis.jiles_atherton import kernels
+from ..hysteresis.jiles_atherton import PARAMETERS, kernels
 from ..hysteresis.jiles_atherton.sensitivity import response_and_derivatives
 from .curves import Curve, noise_floor
 
@@ -96,7 +96,7 @@ class CurveObjective:
             InputError: The rows have not 5 numbers, or 6 with the initial torque "identified".
         """
         rows = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
-        names = ["Ms", "a", "alpha", "c", "k"]
+        names = [*PARAMETERS]
         if self._initial is None:
             names.append("initial torque")
         if rows.ndim != 2 or rows.shape[1] != len(names):

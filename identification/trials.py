@@ -28,7 +28,7 @@ class Trial:
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
-        loss: The objective that the method minimized: the NRMSE, or the objective that was asked for.
+        loss: The objective that the method minimized: the NRMSE, or the one that was asked for.
         evaluations: How often the model ran on all curves; None where the fit does not count.
         history: The smallest objective so far, per iteration of a swarm or of a library's
             optimizer.

@@ -22,7 +22,7 @@ from scipy.signal import decimate
 
 from ...arrays import Array
 from ...errors import InputError
-from ._newmark_kernels import newmark
+from .newmark_kernels import newmark
 
 RATE = 750.0  # Hz, of the samples
 UPSAMPLING = (2, 2, 5)  # the integration runs at their product times RATE

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...errors import InputError
 from ...published import KAO_AMPLITUDE, KAO_DURATION, KAO_FREQUENCY, KAO_MEAN_VOLTAGE
-from . import _scott_russell_kernels as kernels
+from . import scott_russell_kernels as kernels
 
 NAMES = ("m", "c", "k", "d_e", "alpha", "beta", "gamma", "n")
 UNITS = ("kg", "N s/m", "N/m", "m/V", "", "1/V^n", "1/V^n", "")

@@ -41,7 +41,8 @@ class CertifiedFit:
             with its first sample.
         held: The range of angles [rad] outside which the torque must be held for the model to be
             certified; None if it is certified for all angles.
-        nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, with their weights w of mean 1.
+        nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, whose weights w have the
+            mean 1.
         evaluations: How often the model was evaluated on all curves; a response with all its
             derivatives counts as three.
         history: (evaluations, best NRMSE) whenever the best one improved.

@@ -30,7 +30,8 @@ class MultiOrder:
         curves: Names of the held-out curves that turn more than once.
         largest: Quartiles of the largest error [N·m], (3,).
         nrmse: Quartiles of the root mean square over the motions, (3,).
-        first_order: Quartiles of the NRMSE on the held-out first-order curves, (3,); nan if there are none.
+        first_order: Quartiles of the NRMSE on the held-out first-order curves, (3,); nan if there
+            are none.
         ratio: Quartiles of each trial's own ratio of the two, (3,).
         as_well: Number of trials whose ratio is at most 1.1.
     """

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.stats import f
 
 from ...arrays import Array
+from ...hysteresis.jiles_atherton.model import PARAMETERS
 from .likelihood import Likelihood
 
 MORE_ERROR = 0.01  # of the root mean square, that counts as the same fit
@@ -30,7 +31,7 @@ def sloppy_directions(
         units: The units in which the sentences tell the parameters, shape (n,).
         unit_names: The units of the parameters that are told by differences; empty for the others.
     """
-    names = ("Ms", "a", "alpha", "c", "k", "initial torque")
+    names = (*PARAMETERS, "initial torque")
     growth = ((1 + MORE_ERROR) ** 2 - 1) * likelihood.variance * likelihood.freedom
     jacobian = likelihood.jacobian(likelihood.best)
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)

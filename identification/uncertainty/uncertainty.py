@@ -11,7 +11,7 @@ from ...checks import at_least
 from ...errors import InputError
 from ...hysteresis.around.held import Held
 from ...hysteresis.jiles_atherton.kernels import is_exact
-from ...hysteresis.jiles_atherton.model import UNIT_PER_RADIAN, JilesAtherton
+from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
@@ -19,7 +19,6 @@ from ..objective import CurveObjective, InitialTorque
 from .likelihood import Likelihood
 from .sloppy_directions import beside_best, sloppy_directions
 
-NAMES = ("Ms", "a", "alpha", "c", "k")
 LOWEST = (0.0, 0.0, -np.inf, 1.0, 0.0, -np.inf)
 CONFIDENCE = 0.95
 FARTHEST = np.log(1e4)  # beyond it an interval has no end
@@ -99,10 +98,10 @@ def uncertainty(
         )
     objective = CurveObjective(measured, initial_torque=initial_torque)
     degrees = bare.in_unit("deg")
-    row = np.array([getattr(degrees, name) for name in NAMES])
-    names = NAMES
+    row = np.array([getattr(degrees, name) for name in PARAMETERS])
+    names = PARAMETERS
     if initial_torque == "identified":
-        names = (*NAMES, "initial_torque")
+        names = (*PARAMETERS, "initial_torque")
         row = np.append(row, np.mean([curve.torque[0] for curve in measured]))
     if objective.torque.size <= row.size:
         raise InputError(

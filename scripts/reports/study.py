@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from ...hysteresis.jiles_atherton import PARAMETERS
 from ...identification.diagnostics import NEAR
 from ...identification.study.summary import AS_WELL, Judgement, MultiOrder, Summary
 from ...identification.study.trial import StudyConfig
 from ...published import LI_BOUNDS
 from ..output import markdown_table
 from .study_tables import (
-    PARAMETERS,
     QUARTILES,
     best_table,
     multi_order_table,

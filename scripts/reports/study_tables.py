@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from ...hysteresis.jiles_atherton import PARAMETERS
 from ...identification.study.summary import Judgement, Summary
 from ...identification.study.trial import StudyConfig
 from ..output import Rows
 
-PARAMETERS = ("Ms", "a", "alpha", "c", "k")
 QUARTILES = ("q1", "median", "q3")
 NO_CURVE = ("", "")  # cells of a held-out curve that a joint does not have
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from activesuit import hysteresis
 from activesuit.assets import (
     CURVES,
     JOINTS,
@@ -25,8 +26,7 @@ from activesuit.hysteresis import (
 )
 from helpers import TABLE_2, sweep
 
-SAFE = JilesAtherton(Ms=11.4488, a=128.97, alpha=-0.0515, c=6.4043, k=23.0945, angle_unit="deg")
-UNSAFE = JilesAtherton(Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg")
+SAFE, UNSAFE = hysteresis.TABLE_2["elbow-sa-pso"], hysteresis.TABLE_2["shoulder-sa-pso"]
 KINDS = [
     SAFE,
     JilesAtherton(Ms=10, a=2, alpha=0.01, c=0.5, k=1, allow_active=True, clamp="jiles"),

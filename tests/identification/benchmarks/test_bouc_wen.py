@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification.benchmarks import bouc_wen as benchmark
-from activesuit.identification.benchmarks._newmark_kernels import newmark
 from activesuit.identification.benchmarks.bouc_wen import Oscillator, figure_of_merit
+from activesuit.identification.benchmarks.newmark_kernels import newmark
 from scipy.integrate import solve_ivp
 from scipy.io import savemat
 

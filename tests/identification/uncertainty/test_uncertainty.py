@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Held, JilesAtherton
+from activesuit.hysteresis.jiles_atherton import PARAMETERS
 from activesuit.identification import Curve, certified_fit
 from activesuit.identification.fits.certified import refined
 from activesuit.identification.objective import CurveObjective
@@ -16,7 +17,6 @@ from activesuit.identification.uncertainty.sloppy_directions import sloppy_direc
 from helpers import TABLE_2, sweep
 from scipy.stats import binom
 
-NAMES = ("Ms", "a", "alpha", "c", "k")
 TURNS = (0.87, 1.22, 1.57)
 
 
@@ -32,13 +32,13 @@ def family(model, noise, seed=0, first=0.0, samples=60, **options):
 
 def parameters(model):
     inner = model.model if isinstance(model, Held) else model
-    return np.array([getattr(inner, name) for name in NAMES])
+    return np.array([getattr(inner, name) for name in PARAMETERS])
 
 
 def jacobian(model, curves):
     """Central differences of the torque by Ms, a, alpha, c, k."""
     columns = []
-    for name in NAMES:
+    for name in PARAMETERS:
         step = 1e-3 * abs(getattr(model, name))
         high, low = (replace(model, **{name: getattr(model, name) + s * step}) for s in (1, -1))
         rise = [high.response(one.angle) - low.response(one.angle) for one in curves]
@@ -58,7 +58,7 @@ def test_covariance_is_the_textbook_formula(elbow, angle_unit):
     np.testing.assert_allclose(found.standard_errors, np.sqrt(np.diag(expected)), rtol=1e-3)
     np.testing.assert_allclose(found.covariance, expected, rtol=2e-3)
     np.testing.assert_allclose(np.diag(found.correlation), np.ones(5))
-    assert found.names == NAMES
+    assert found.names == PARAMETERS
     np.testing.assert_allclose(found.values, parameters(fit))
     assert found.noise == pytest.approx(0.05, rel=0.1)
 
@@ -93,7 +93,7 @@ def test_intervals_without_curvature_are_those_of_t(elbow):
 def test_published_sets_are_poorly_known():
     condition = {}
     for name, row in TABLE_2.items():
-        model = JilesAtherton(**dict(zip(NAMES, row, strict=True)), angle_unit="deg")
+        model = JilesAtherton(**dict(zip(PARAMETERS, row, strict=True)), angle_unit="deg")
         condition[name] = uncertainty(model, family(model, 0.05)).condition
     assert all(100 < value < 1e6 for value in condition.values())
     assert max(condition.values()) > 1e4
@@ -155,7 +155,7 @@ def test_the_torque_at_the_beginning_is_one_parameter_more(elbow):
     curves = family(elbow, 0.05, first=0.8)
     fit = certified_fit(curves, rng=0, initial_torque="identified")
     found = uncertainty(fit.model, curves, initial_torque="identified", samples=2)
-    assert found.names == (*NAMES, "initial_torque")
+    assert found.names == (*PARAMETERS, "initial_torque")
     assert found.values[5] == pytest.approx(fit.initial_torque, abs=1e-3)
     low, high = found.intervals[5]
     assert low < 0.8 < high
