@@ -1,6 +1,6 @@
-"""Hysteresis models of joint torque: kernels, certificates, and (in `.engine`) the MuJoCo plugin.
+"""Hysteresis models of joint torque, with certificates; `.engine` puts them into MuJoCo.
 
-Angles are radians and torques N·m throughout. Nothing here imports MuJoCo but `.engine`.
+Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJoCo.
 """
 
 from .around import Asymmetric, Held

@@ -1,4 +1,4 @@
-"""What can be proved about a hysteresis model before it enters a simulation."""
+"""`Certificate`, what is proved about a model before it enters a simulation, and its errors."""
 
 import math
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ..errors import InputError
 
 ALL_ANGLES = (-math.inf, math.inf)
-ROUNDING = 1e-9  # what a margin must exceed, since steps are computed in floating point
+ROUNDING = 1e-9  # a margin must exceed this, since steps are computed in floating point
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,16 +14,16 @@ class Certificate:
     """Guarantees that hold for every motion in a range, however the angle turns back and forth.
 
     Attributes:
-        margin: the stiffness dM/dtheta stays finite for any motion when it is positive (above
-            rounding, 1e-9). For Jiles-Atherton the distance to the pole, 1 - max(alpha f) over all
-            reachable states, or, in a range where it is not positive, over those up to the first
-            unsafe one; 1 for a model that has no pole.
-        dissipative: no closed cycle of motion gets energy out of the model.
-        torque_bound: largest |M| [N·m] in any such motion; infinite if an elastic part grows
+        margin: Number that is positive (above rounding, 1e-9) if the stiffness dM/dtheta stays
+            finite in every motion. For Jiles-Atherton it is the distance to the pole,
+            1 - max(alpha f) over all reachable states; in a range where that is not positive, over
+            the states up to the first unsafe one. For a model that has no pole it is 1.
+        dissipative: Whether no closed cycle of motion gets energy out of the model.
+        torque_bound: Largest |M| in any such motion [N·m]; infinite if an elastic part grows
             without bound in the range.
-        memory_bound: largest distance [N·m] that the torque of a start may have from the one that
-            the memory relaxes to.
-        angle_range: the angles [rad] for which all this holds.
+        memory_bound: Largest distance that the torque of a start may have from the torque to which
+            the memory relaxes [N·m].
+        angle_range: Angles for which these guarantees hold [rad].
     """
 
     margin: float
@@ -42,8 +42,8 @@ class UncertifiedModelError(InputError):
     """A model without a certificate was about to enter a simulation.
 
     Attributes:
-        margin: the certificate's margin.
-        nearest: the certified model with the least change of curve, where one is known.
+        margin: Margin of the model's certificate.
+        nearest: Certified model with the least change of curve, or None where none is known.
     """
 
     def __init__(self, message: str, *, margin: float, nearest: object = None) -> None:
@@ -56,10 +56,10 @@ class PoleError(InputError):
 
 
 def checked_range(angle_range: tuple[float, float]) -> tuple[float, float]:
-    """Returns two ascending angles [rad], infinite ones allowed.
+    """Returns a range as two ascending angles [rad], which may be infinite.
 
     Raises:
-        InputError: they are not.
+        InputError: `angle_range` is not two ascending angles.
     """
     try:
         low, high = map(float, angle_range)

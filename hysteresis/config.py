@@ -1,4 +1,4 @@
-"""What a model's parameters are called in MJCF, and what is written there."""
+"""`ConfigKey`: the name of a model's parameter in MJCF, and the kind of value it has there."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,9 +10,9 @@ class ConfigKey:
 
     Attributes:
         name: Name of the key in MJCF.
-        kind: What its value is: one "number", a "list" of numbers with blanks between them, or one
+        kind: Kind of its value: one "number", a "list" of numbers with blanks between them, or one
             "word" of `words`.
-        words: Words that are allowed; a kernel sees the position of the one that is given.
+        words: Words that are allowed; a kernel gets the position of the given word among them.
         optional: Whether the key may be left out. A number is 0 then, a list is empty, and a word
             is the first of `words`.
     """

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Example:
-    """A model and a motion with which it is examined.
+    """A model, and a motion with which tests and benchmarks examine it.
 
     Attributes:
         name: Name that a table shows.
@@ -41,11 +41,11 @@ class Example:
 
 
 class Reference(ABC):
-    """A model on its way along a motion.
+    """A readable model that follows a motion from sample to sample.
 
     Attributes:
-        angle: where it is [rad].
-        torque: the resistance there [N·m].
+        angle: Present angle [rad].
+        torque: Resistance at that angle [N·m].
     """
 
     def __init__(self, angle: float, torque: float) -> None:
@@ -63,13 +63,16 @@ class Reference(ABC):
 
     @abstractmethod
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] at a later point of the branch, which has the sign `delta`.
+        """Returns dT/dtheta [N·m/rad] at a later point of the present branch.
 
-        The branch begins where the reference is.
+        The branch begins at the present angle of the reference and moves with the sign `delta`.
         """
 
     def knots(self, end: float) -> list[float]:
-        """Returns angles [rad] with all on the way to `end` where the slope is not smooth."""
+        """Returns the angles [rad] on the way to `end` where the slope is not smooth.
+
+        Other angles may be among them.
+        """
         return []
 
 
@@ -86,7 +89,7 @@ def runge_kutta(
 
 
 def turn_indices(angles: Array) -> NDArray[np.intp]:
-    """Returns the samples at which a motion turns, and its last."""
+    """Returns the indices of the samples at which a motion turns, and of its last sample."""
     moved = np.flatnonzero(np.diff(angles, prepend=math.inf))
     turned = np.diff(np.sign(np.diff(angles[moved])))
     return np.append(moved[1:-1][turned != 0], angles.size - 1)
@@ -121,7 +124,10 @@ def integrate(reference: Reference, angle: Array, tolerance: float = 1e-10) -> A
 
 
 def _solve(reference: Reference, a: float, b: float, torque: float, tolerance: float) -> Any:
-    """Integrates dT/dtheta between two angles [rad]; at both it may jump, so it is taken inside."""
+    """Integrates dT/dtheta between two angles [rad].
+
+    The slope may jump at both of them, so it is evaluated just inside.
+    """
     delta = math.copysign(1.0, b - a)
     inset = delta * min(1e-13, abs(b - a) / 4)
     low, high = sorted((a + inset, b - inset))

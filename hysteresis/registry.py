@@ -24,8 +24,8 @@ def register_model(model: type[HysteresisModel]) -> None:
         model: Class that keeps the protocol of `HysteresisModel`.
 
     Raises:
-        InputError: It is no such class, it lacks something that the protocol asks for, or another
-            model has its name.
+        InputError: `model` is not such a class, lacks a part of the protocol, or has the name of
+            another model.
     """
     if not (isinstance(model, type) and issubclass(model, HysteresisModel)):
         raise InputError(f"model is {model!r}: give a class derived from HysteresisModel")
@@ -42,7 +42,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     """Returns the model that `to_dict` described.
 
     Raises:
-        InputError: There is no or an unknown name, or unknown, missing or bad parameters.
+        InputError: The name is missing or unknown, or a parameter is unknown, missing or invalid.
     """
     if not isinstance(content, Mapping):
         raise InputError(f"a model is described by a dictionary, not by {content!r}")

@@ -1,4 +1,4 @@
-"""Models around another model: its torque held outside a range of angles, or made asymmetric."""
+"""Models around another model: `Held` holds its torque outside a range, `Asymmetric` bends it."""
 
 from .asymmetric import LARGEST_DEGREE, Asymmetric
 from .held import Held

@@ -1,4 +1,4 @@
-"""An elastic polynomial beside any hysteresis model."""
+"""`Asymmetric`: any hysteresis model plus an elastic polynomial of the angle."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,16 +22,16 @@ LARGEST_DEGREE = 5
 class Asymmetric(Wrapper):
     """A model plus a history-independent torque: T = model(theta) + sum p_i theta^i.
 
-    Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), those of most
-    models are. The polynomial bends the loop without touching what it dissipates: its work depends
-    on the end angles only.
+    Measured loops of suit joints are not symmetric (Li et al. 2022, section 5.2), but the loops of
+    most models are. The polynomial bends the loop and leaves the dissipated energy as it is,
+    because its own work depends on the first and last angle only.
 
     Attributes:
-        model: the hysteretic part, any other model.
-        polynomial: coefficients p_0, p_1, ... [N·m/rad^i], at most six.
+        model: Hysteretic part, any model that is not asymmetric itself.
+        polynomial: Coefficients p_0, p_1, ..., at most six [N·m/rad^i].
 
     Raises:
-        InputError: the polynomial is not finite or too long, or the model asymmetric itself.
+        InputError: The polynomial is not finite or too long, or the model is asymmetric itself.
     """
 
     name = "asymmetric"
@@ -73,7 +73,7 @@ class Asymmetric(Wrapper):
         return replace(inner, torque=float(torque))
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
+        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
         inner, torque = self.model.step(state, angle)
         torque += float(self.elastic(angle))
         if angle == state.angle:
@@ -86,13 +86,15 @@ class Asymmetric(Wrapper):
         return self.model.tangent(state, direction) + float(slope)
 
     def energy(self, state: State) -> Energy:
-        """Returns stored and dissipated energy [J]; the polynomial stores, from angle 0."""
+        """Returns stored and dissipated energy [J]; the polynomial stores its work from angle 0."""
         stored, dissipated = self.model.energy(state)
         bend = poly.polyval(state.angle, poly.polyint(np.array(self.polynomial)))
         return Energy(stored + float(bend), dissipated)
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Returns the hysteretic part's certificate; only the torque bound grows.
+        """Returns the certificate of the hysteretic part, with a larger torque bound.
+
+        The bound grows by the largest |polynomial| in the range.
 
         Raises:
             InputError: `angle_range` is not two ascending angles.
@@ -102,7 +104,7 @@ class Asymmetric(Wrapper):
         return replace(inner, torque_bound=inner.torque_bound + self._largest(low, high))
 
     def _largest(self, low: float, high: float) -> float:
-        """Returns the largest |polynomial| in a range of angles."""
+        """Returns the largest |polynomial| [N·m] in a range of angles [rad]."""
         if not any(self.polynomial[1:]):
             return abs(self.polynomial[0])
         if not np.isfinite(high - low):
@@ -115,7 +117,7 @@ class Asymmetric(Wrapper):
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
         Raises:
-            InputError: a scale is not finite or not above 0.
+            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         coefficients = [p * torque / angle**i for i, p in enumerate(self.polynomial)]
@@ -125,7 +127,7 @@ class Asymmetric(Wrapper):
 
     @property
     def free_parameters(self) -> int:
-        """Those of the model inside and the coefficients of the polynomial."""
+        """How many numbers a fit chooses: those of the inner model and the coefficients."""
         return self.model.free_parameters + len(self.polynomial)
 
     @property

@@ -1,4 +1,4 @@
-"""A hysteresis model that holds its torque beyond a range of angles."""
+"""`Held`: any hysteresis model, with its torque held constant outside a range of angles."""
 
 import math
 from dataclasses import dataclass, replace
@@ -18,18 +18,24 @@ from .wrapper import Wrapper
 
 @dataclass(frozen=True, kw_only=True)
 class Held(Wrapper):
-    """A model inside a range of angles; beyond it the torque stays what it was at its end.
+    """A model inside a range of angles; outside, the torque keeps its value at the range's end.
 
-    A model identified in a range says nothing beyond it, and many are safe inside only: then its
-    certificate for the range holds for all angles here. What happens outside, a constant torque,
-    is conservative, so it dissipates nothing.
+    The literature calls this constant extrapolation of a table's ends. Modelica calls it "hold last
+    point", Simulink "clip". It is not called "clamped" here, because `clamp` already names the rule
+    of magnetics in `JilesAtherton`.
+
+    A model that was identified in a range of angles says nothing about the torque outside it, and
+    many models are certified in a range only. The inner model never leaves the range, so its
+    certificate for the range holds at all angles here. The constant torque outside is conservative:
+    it dissipates nothing.
 
     Attributes:
-        model: the model inside, any but a held or an asymmetric one (make the held one asymmetric).
-        angle_range: lowest and highest angle that it follows [rad].
+        model: Inner model, neither held nor asymmetric itself. A held model can be made asymmetric,
+            but not the other way round.
+        angle_range: Lowest and highest angle that the inner model follows [rad].
 
     Raises:
-        InputError: the range is not two finite ascending angles, or the model is not one of those.
+        InputError: The range is not two finite ascending angles, or the model is one of those.
     """
 
     name = "held"
@@ -57,25 +63,25 @@ class Held(Wrapper):
         return replace(self.model.start(self._inside(angle), torque), angle=float(angle))
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit."""
+        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit."""
         number("angle", angle, "rad")
         inner, torque = self.model.step(state, self._inside(angle))
         return replace(inner, angle=float(angle)), torque
 
     def tangent(self, state: State, direction: float) -> float:
-        """Returns the stiffness [N·m/rad] of a motion that goes on; 0 outside the range."""
+        """Returns the stiffness [N·m/rad] with which a motion goes on; 0 outside the range."""
         low, high = self.angle_range
         outside = state.angle >= high if direction > 0 else state.angle <= low
         beyond = not low <= state.angle <= high
         return 0.0 if outside or beyond else self.model.tangent(state, direction)
 
     def energy(self, state: State) -> Energy:
-        """Returns stored and dissipated energy [J]; outside, the constant torque stores."""
+        """Returns stored and dissipated energy [J]; outside the range all work is stored."""
         stored, dissipated = self.model.energy(state)
         return Energy(stored + state.memory[1] * (state.angle - state.memory[0]), dissipated)
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Returns the inner model's certificate for the range, valid for all angles.
+        """Returns the inner model's certificate for its own range, which holds at all angles here.
 
         Raises:
             InputError: `angle_range` is not two ascending angles.
@@ -91,7 +97,7 @@ class Held(Wrapper):
 
     @property
     def free_parameters(self) -> int:
-        """Those of the model inside; the range is that of the curves."""
+        """How many numbers a fit chooses: those of the inner model; the curves give the range."""
         return self.model.free_parameters
 
     @property

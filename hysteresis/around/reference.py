@@ -1,4 +1,4 @@
-"""Readable models around another reference model, and examples of them."""
+"""Readable references of `Asymmetric` and `Held`, and examples of both."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from .held import Held
 
 
 class AsymmetricReference(Reference):
-    """Another reference beside a polynomial."""
+    """The reference of the inner model, plus the polynomial."""
 
     def __init__(self, model: Asymmetric, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
@@ -25,17 +25,17 @@ class AsymmetricReference(Reference):
         return self.inner.move(angle) + self.polynomial(angle)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         bend = sum(i * p * angle ** (i - 1) for i, p in enumerate(self.coefficients) if i)
         return self.inner.slope(angle, torque - self.polynomial(angle), delta) + bend
 
     def knots(self, end: float) -> list[float]:
-        """Returns the angles [rad] of the inner reference."""
+        """Returns the knots of the inner reference [rad]; the polynomial is smooth."""
         return self.inner.knots(end)
 
 
 class HeldReference(Reference):
-    """Another reference that is asked for no angle outside a range."""
+    """The reference of the inner model, moved to angles inside the range only."""
 
     def __init__(self, model: Held, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
@@ -46,12 +46,12 @@ class HeldReference(Reference):
         return self.inner.move(float(np.clip(angle, *self.range)))
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         inside = self.range[0] < angle < self.range[1]
         return self.inner.slope(angle, torque, delta) if inside else 0.0
 
     def knots(self, end: float) -> list[float]:
-        """Returns the ends of the range and the angles [rad] of the inner reference."""
+        """Returns the ends of the range and the knots of the inner reference [rad]."""
         return [*self.range, *self.inner.knots(end)]
 
 

@@ -1,4 +1,4 @@
-"""What the models that are built around another one share."""
+"""`Wrapper`, the base class of models that are built around another model."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,31 +11,31 @@ from ..protocol import HysteresisModel, State
 
 @dataclass(frozen=True, kw_only=True)
 class Wrapper(HysteresisModel):
-    """A model around another one, which lends it kernels, parameters and memory.
+    """A model around an inner model, whose kernels, parameters and memory it uses.
 
     Attributes:
-        model: the model inside.
+        model: Inner model.
     """
 
     model: HysteresisModel
 
     @property
     def kernels(self) -> ModuleType:  # type: ignore[override]
-        """The kernels of the model inside."""
+        """Kernels of the inner model."""
         return self.model.kernels
 
     @cached_property
     def parameter_vector(self) -> Array:
-        """The parameters of the model inside."""
+        """Parameters of the inner model, as its kernels read them."""
         return self.model.parameter_vector
 
     @property
     def memory_size(self) -> int:
-        """The memory is that of the model inside."""
+        """How many numbers the memory holds, which is that of the inner model."""
         return self.model.memory_size
 
     def anhysteretic(self, state: State) -> float | None:
-        """Returns the torque [N·m] that the model inside relaxes to; see `HysteresisModel`."""
+        """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
         return self.model.anhysteretic(state)
 
     def to_dict(self) -> dict[str, Any]:

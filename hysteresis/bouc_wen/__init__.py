@@ -1,4 +1,4 @@
-"""The Bouc-Wen model: the class, its kernels, and the curve that they follow (`_flow`)."""
+"""The Bouc-Wen model: the class, its kernels, and the solution of its equation (`_flow`)."""
 
 from .model import BoucWen
 

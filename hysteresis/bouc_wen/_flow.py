@@ -1,9 +1,10 @@
-"""The one curve behind the Bouc-Wen model: dw/dx = 1 - sigma w^n for w >= 0, either way along x.
+"""Solves the Bouc-Wen equation without units: dw/dx = 1 - sigma w^n or its negative, w >= 0.
 
-For n = 1 it is an exponential. For any other n a step is a Taylor series of order 8 whose last
-terms bound its error; or, near w = 0, where w^n is not smooth, the exact series of x(w), inverted
-by Newton; or, far out, the power law that is left there. A motion of any length takes at most some
-hundred steps, and one of them when it is as short as in a simulation.
+For n = 1 the solution is an exponential. For any other n a motion is a sequence of steps of three
+kinds: a Taylor series of order 8, whose last terms bound its error; near w = 0, where w^n is not
+smooth, the exact series of x(w), inverted by Newton's method; and for very large w the power law
+that remains there. A motion of any length takes at most some hundred steps, and one as short as in
+a simulation takes a single step.
 """
 
 import math
@@ -11,20 +12,22 @@ import math
 from numba import njit
 
 TOLERANCE = 1e-12  # of w, for the last Taylor term; what is left out is about 1/20 of it
-SERIES_BELOW, SERIES_END = 0.125, 0.25  # of w^n: where the series takes over, how far it goes
-SATURATED = 2e-15  # of w: closer to the fixed point than rounding can resolve
-FAR = 1e16  # of w^n: nothing else in dw/dx matters beyond
-HUGE = 1e300  # of w^n: getting down to here takes no time
+SERIES_BELOW, SERIES_END = 0.125, 0.25  # of w^n: where the series takes over, and how far it goes
+SATURATED = 2e-15  # of w: closer to the fixed point w = 1 than rounding can resolve
+FAR = 1e16  # of w^n: from here on the 1 in dw/dx is lost in rounding
+HUGE = 1e300  # of w^n: a decay from above reaches it within a negligible x
 MARCH_LIMIT = 100_000
 NEWTON_LIMIT = 20
 
 
 @njit(inline="always", error_model="numpy")
 def taylor(w, u, sigma, h, per_n):
-    """Returns what w gains after n dx = h, the integral of w^(n+1) dx, and the error relative to w.
+    """Returns the gain of w over n dx = h, the integral of w^(n+1) dx, and the error relative to w.
 
-    v and p are the Taylor coefficients in h of n w and of w^n; v' = 1 - sigma p by the model, and
-    w p' = p v' - (the same sum) from p = w^n.
+    v and p are the Taylor coefficients in t = n x of n w and of w^n. The model gives
+    v_k = -sigma p_(k-1) / k, and p = w^n gives w p' = p (n w)', whose powers of t are
+
+        w k p_k = sum over j = 1 ... k of (j - (k - j) / n) v_j p_(k-j).
     """
     r = 1 / w
     p0 = u
@@ -50,7 +53,7 @@ def taylor(w, u, sigma, h, per_n):
     v8 = -sigma * p7 / 8
     gain = h * (v1 + h * (v2 + h * (v3 + h * (v4 + h * (v5 + h * (v6 + h * (v7 + h * v8)))))))
 
-    # The coefficients of w^(n+1) = w p.
+    # Taylor coefficients of w^(n+1) = w p, for the loss.
     g1 = w * p1 + per_n * v1 * p0
     g2 = w * p2 + per_n * (v1 * p1 + v2 * p0)
     g3 = w * p3 + per_n * (v1 * p2 + v2 * p1 + v3 * p0)
@@ -61,6 +64,8 @@ def taylor(w, u, sigma, h, per_n):
     area = g4 / 5 + h * (g5 / 6 + h * (g6 / 7 + h * g7 / 8))
     area = h * (w * p0 + h * (g1 / 2 + h * (g2 / 3 + h * (g3 / 4 + h * area))))
 
+    # At the tolerance each term is some 1/30 of the one before it (1e-12^(1/8)), so the last one
+    # bounds all that is left out; 5 % of the 7th stands in where the 8th happens to vanish.
     last = h * h * h * h
     last = last * last * max(abs(v8), 0.05 * abs(v7 / h))
     return gain * per_n, area * per_n, last * per_n * r
@@ -68,10 +73,10 @@ def taylor(w, u, sigma, h, per_n):
 
 @njit(inline="always", error_model="numpy")
 def time_and_area(w, u, sigma, n):
-    """Returns the integrals of dw and of w^(n+1) dw over 1 - sigma w^n, from 0 to w, for u < 1.
+    """Returns the integrals of dw / (1 - sigma w^n) and w^(n+1) dw / (1 - sigma w^n) from 0 to w.
 
-    They are w times the sum of t^k / (k n + 1), k >= 0, and sigma w^2 times that of
-    t^k / (k n + 2), k >= 1, with t = sigma w^n.
+    With u = w^n < 1 and t = sigma u the first is w times the sum of t^k / (k n + 1) over k >= 0,
+    and the second sigma w^2 times the sum of t^k / (k n + 2) over k >= 1.
     """
     t = sigma * u
     time, area = 1.0, 0.0
@@ -86,7 +91,7 @@ def time_and_area(w, u, sigma, n):
 
 @njit(cache=True, error_model="numpy")
 def near_zero(w, u, x, sigma, direction, n):
-    """Follows `flow` as far as the series goes; returns w, the rest of x and the integral."""
+    """Does what `flow` does, as far as the series goes; returns w, the rest of x, the integral."""
     time, area = time_and_area(w, u, sigma, n)
     target = time + direction * x
     if target <= 0:
@@ -96,7 +101,8 @@ def near_zero(w, u, x, sigma, direction, n):
         time_end, area_end = time_and_area(end, SERIES_END, sigma, n)
         if target >= time_end:
             return end, target - time_end, area_end - area
-    # x(w) is convex for sigma = 1 and concave for -1: from here Newton approaches from one side.
+    # x(w) is convex for sigma = 1 and concave for -1, so that Newton's iterates approach the root
+    # from one side from here: no bracket is needed.
     w1 = min(target, end)
     u1, area1, correction = u, area, 0.0
     for _ in range(NEWTON_LIMIT):
@@ -106,44 +112,48 @@ def near_zero(w, u, x, sigma, direction, n):
         w1 += correction
         if abs(correction) <= 1e-9 * w1:
             break
-    # To first order in a correction so small; an integral of w^(n+1) cannot be negative.
+    # area1 belongs to w1 before its last correction, which is small enough for the first order.
+    # Rounding must not make the integral of w^(n+1), a loss, negative.
     area1 += w1 * u1 * correction / (1 - sigma * u1)
     return w1, 0.0, max(direction * (area1 - area), 0.0)
 
 
 @njit(cache=True, error_model="numpy")
 def far_out(w, x, decay, n):
-    """Follows dw/dx = -decay w^n, which `flow` is there; returns w, the rest of x, the integral."""
+    """Does what `flow` does where dw/dx = -decay w^n; returns w, the rest of x, the integral."""
     start = w
     if decay > 0:
         w = min(w, HUGE ** (1 / n))
-        end = (0.5 * FAR) ** (1 / n)
+        end = (0.5 * FAR) ** (1 / n)  # half of FAR, so that rounding cannot send w back here
         x_end = -math.expm1((n - 1) * math.log(end / w)) * end ** (1 - n) / (n - 1)
         if x >= x_end:
             return end, x - x_end, 0.5 * (start * start - end * end)
     growth = -math.log1p(decay * (n - 1) * x * w ** (n - 1)) / (n - 1)  # NaN past the pole
     w *= math.exp(growth)
+    # The integral of w^(n+1) dx is that of w dw, since dw = -decay w^n dx.
     return w, 0.0, 0.5 * abs(start * start - w * w)
 
 
 @njit(cache=True, error_model="numpy")
 def march(w, x, sigma, direction, n):
-    """`flow` for sigma = +1 or -1 and n > 1."""
+    """Does what `flow` does, for sigma = +1 or -1 and n > 1."""
     total = 0.0
     longest = math.inf
     attracted = sigma > 0 and direction > 0
     for _ in range(MARCH_LIMIT):
         u = w**n
-        if not u < FAR:
+        if not u < FAR:  # or NaN, which comes back as NaN at once
             w, x, area = far_out(w, x, direction * sigma, n)
             total += area
             if not x > 0:
                 return w, x, total
             continue
         if attracted and abs(w - 1) <= SATURATED:
-            return 1.0, 0.0, total + x
+            return 1.0, 0.0, total + x  # w^(n+1) = 1 all the way
         whole = n * x
         short = direction < 0 or u < SERIES_BELOW
+        # A first guess, which the error of the Taylor step corrects below. Where w is small or
+        # falls, it is at most a quarter of the way to w = 0, where w^n is singular.
         h = min(whole, 0.25 * n * w / (1 + u) if short else w / u, longest)
         if u < SERIES_BELOW and h < whole:
             w, x, area = near_zero(w, u, x, sigma, direction, n)
@@ -156,6 +166,7 @@ def march(w, x, sigma, direction, n):
             h *= max(0.1, 0.95 * (TOLERANCE / error) ** 0.125)
             gain, area, error = taylor(w, u, sigma, direction * h, 1 / n)
         total += direction * area
+        # Rounding must not carry w across its fixed point: 1 is the certificate's bound of |z|.
         w = min(w + gain, 1.0) if attracted and w <= 1 else w + gain
         if h == whole:
             return w, 0.0, total
@@ -166,7 +177,7 @@ def march(w, x, sigma, direction, n):
 
 @njit(inline="always", error_model="numpy")
 def exponential(w, x, sigma, direction):
-    """`flow` for sigma = +1 or -1 and n = 1."""
+    """Does what `flow` does, for sigma = +1 or -1 and n = 1."""
     rest = 0.0
     if direction < 0:
         to_zero = -sigma * math.log1p(-sigma * w)
@@ -185,13 +196,14 @@ def exponential(w, x, sigma, direction):
 
 @njit(inline="always", error_model="numpy")
 def flow(w, x, sigma, direction, n):
-    """Follows dw/dx = direction (1 - sigma w^n) over x, but not below w = 0.
+    """Solves dw/dx = direction (1 - sigma w^n) over the length x, but not below w = 0.
 
-    Returns w (NaN at a pole), how much of x is left at w = 0, and the integral of w^(n+1) |dx|.
+    Returns w at the end (NaN past a pole), the part of x that is left when w reaches 0, and the
+    integral of w^(n+1) |dx|.
     """
     if sigma == 0:
         end = w + direction * x
-        return max(end, 0.0), max(-end, 0.0), 0.0
+        return max(end, 0.0), max(-end, 0.0), 0.0  # the loss is sigma times the integral
     if n == 1:
         return exponential(w, x, sigma, direction)
     return march(w, x, sigma, direction, n)

@@ -6,8 +6,8 @@ Y = (A / |Q|)^(1/n), with w = |y| / Y, x = A tau / Y and sigma = sign(Q), that i
 
     dw/dx = 1 - sigma w^n  (loading)      dw/dx = -(1 - sigma w^n)  (unloading, until w = 0)
 
-and what a motion dissipates is +sigma (loading) or -sigma (unloading) times hysteretic Y^2 / A
-times the integral of w^(n+1) |dx|.
+and a motion dissipates +sigma (loading) or -sigma (unloading) times hysteretic Y^2 / A times the
+integral of w^(n+1) |dx|.
 """
 
 import math
@@ -21,7 +21,7 @@ LOADING_SCALE, LOADING_SIGN, UNLOADING_SCALE, UNLOADING_SIGN = range(5, 9)
 PARAMETER_SIZE = 9
 ANGLE, TORQUE, LOSS, Z = range(4)
 MEMORY_SIZE = 4
-LARGEST_POWER = 1e6  # w^n has lost 10 of its 16 digits
+LARGEST_POWER = 1e6  # there w^n keeps 10 of its 16 digits
 FINE, NOT_ZERO, POSITIVE, FROM_1_TO_1E6 = range(4)
 COMPLAINTS = (
     b"",
@@ -29,16 +29,16 @@ COMPLAINTS = (
     b"give a number above 0",
     b"give a number from 1 to 1e6",
 )
-ROUNDING = 1e-9  # of z, forgiven to a start at saturation
+ROUNDING = 1e-9  # of z, by which rounding may lift a saturated start above the bound
 
 
 @njit(cache=True, error_model="numpy")
 def set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle):
-    """Fills p: the parameters, and scale and sign of both branches."""
+    """Fills p with the parameters, and the scale and sign of both branches."""
     p[ELASTIC], p[HYSTERETIC], p[REST], p[SLOPE], p[POWER] = elastic, hysteretic, rest_angle, A, n
     for at, curvature in ((LOADING_SCALE, beta + gamma), (UNLOADING_SCALE, gamma - beta)):
         ratio = A / abs(curvature) if curvature != 0 else math.inf
-        # A curvature too small to matter counts as 0.
+        # A curvature too small for a finite ratio counts as 0.
         p[at] = ratio ** (1 / n) if ratio < math.inf else 1.0
         p[at + 1] = math.copysign(1.0, curvature) if ratio < math.inf else 0.0
 
@@ -47,7 +47,7 @@ def set_parameters(p, elastic, hysteretic, A, beta, gamma, n, rest_angle):
 def is_certified(p):
     """Returns whether z stays finite and the joint only takes energy, in every motion.
 
-    hysteretic beta >= |hysteretic gamma| says: neither branch gains energy, by their signs.
+    The signs of the branches decide hysteretic beta >= |hysteretic gamma|: neither gains energy.
     """
     if p[HYSTERETIC] > 0:
         return p[LOADING_SIGN] >= 0 and p[UNLOADING_SIGN] <= 0
@@ -64,6 +64,7 @@ def travel(p, s, angle):
     n, A = p[POWER], p[SLOPE]
     y = delta * s[Z]
     loss = 0.0
+    # A motion against z unloads first; `rest` is the part of it that is left at z = 0.
     if y < 0:
         Y, sigma = p[UNLOADING_SCALE], p[UNLOADING_SIGN]
         w, rest, area = flow(-y / Y, tau * A / Y, sigma, -1.0, n)
@@ -81,7 +82,7 @@ def travel(p, s, angle):
 
 @njit(inline="always", error_model="numpy")
 def memory_variable(p, s, angle, torque):
-    """Returns z [rad] at the end of a trial motion."""
+    """Returns z [rad] at the end of a trial motion, computed from its torque."""
     if angle == s[ANGLE]:
         return s[Z]
     return (torque - p[ELASTIC] * (angle - p[REST])) / p[HYSTERETIC]
@@ -89,7 +90,7 @@ def memory_variable(p, s, angle, torque):
 
 @njit(cache=True, error_model="numpy")
 def bound(p):
-    """Returns the |z| [rad] that no motion from below exceeds (`BoucWen.certificate`)."""
+    """Returns the |z| [rad] that no motion from a lower one exceeds (`BoucWen.certificate`)."""
     if p[LOADING_SIGN] <= 0:
         return math.inf
     if p[UNLOADING_SIGN] > 0 and p[UNLOADING_SCALE] < p[LOADING_SCALE]:
@@ -99,7 +100,7 @@ def bound(p):
 
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
-    """Starts a motion; returns how far |z| [rad] is below its bound, minus if above it."""
+    """Starts a motion; returns how far |z| [rad] is below its bound, negative if it is above."""
     z = (torque - p[ELASTIC] * (angle - p[REST])) / p[HYSTERETIC]
     s[ANGLE], s[TORQUE], s[LOSS], s[Z] = angle, torque, 0.0, z
     if not abs(z) < math.inf:
@@ -118,7 +119,7 @@ def move(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
-    """Makes a motion to `angle` the memory and returns its torque; NaN leaves s as it is."""
+    """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[ANGLE]:
         return s[TORQUE]
     torque, loss, z = travel(p, s, angle)
@@ -153,13 +154,13 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    """Returns whether the model is certified, which no range changes, and how far inside s is."""
     return is_certified(p), inside
 
 
 @njit(cache=True, error_model="numpy")
 def is_sound(p):
-    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1
 
 
@@ -171,7 +172,7 @@ def size(counts):
 
 @njit(cache=True)
 def memory_size(total):
-    """Returns how many of them belong to the memory."""
+    """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
 
 

@@ -22,7 +22,7 @@ SHARPEST = kernels.LARGEST_POWER
 
 @dataclass(frozen=True, kw_only=True)
 class BoucWen(HysteresisModel):
-    """A spring beside a spring that yields smoothly (Bouc 1967, Wen 1976).
+    """A spring in parallel with a spring that yields smoothly (Bouc 1967, Wen 1976).
 
         T  = elastic (theta - rest_angle) + hysteretic z
         dz = A dtheta - beta |dtheta| |z|^(n-1) z - gamma dtheta |z|^n,    z in radians
@@ -30,22 +30,22 @@ class BoucWen(HysteresisModel):
     beta opens the loop, gamma bends it (softening above -beta, hardening below), n sharpens the
     yield. The scale of z is redundant: `normalized` removes it.
 
-    What the joint stores is elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A); the rest
-    of the work is dissipated, at the rate
+    The joint stores elastic (theta - rest_angle)^2 / 2 + hysteretic z^2 / (2 A). It dissipates the
+    rest of the work, at the rate
 
         hysteretic / A (beta + gamma sign(z dtheta)) |z|^(n+1) |dtheta|.
 
     Attributes:
-        elastic: stiffness after yield [N·m/rad].
-        hysteretic: torque per z [N·m/rad], not 0.
-        A: slope dz/dtheta at z = 0, > 0.
-        beta: loss [1/rad^n].
-        gamma: shape [1/rad^n].
-        n: sharpness, 1 to 1e6.
-        rest_angle: where the elastic part is zero [rad].
+        elastic: Stiffness after yield [N·m/rad].
+        hysteretic: Torque per z, not 0 [N·m/rad].
+        A: Slope dz/dtheta at z = 0, > 0.
+        beta: Loss coefficient, which opens the loop [1/rad^n].
+        gamma: Shape coefficient, which bends the loop [1/rad^n].
+        n: Sharpness of the yield, 1 to 1e6.
+        rest_angle: Angle at which the elastic part is zero [rad].
 
     Raises:
-        InputError: a parameter is not finite or out of its range.
+        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "bouc-wen"
@@ -99,11 +99,11 @@ class BoucWen(HysteresisModel):
             T = k (d_e V - h),    h' = alpha d_e V' - beta |V'| |h|^(n-1) h - gamma V' |h|^n
 
         with V = theta - rest_angle in radians: k is in N·m/rad, h in radians, d_e and alpha are
-        numbers, beta and gamma in 1/rad^n. The factor d_e of alpha is missing in print, where it
-        leaves h some 1e6 times too large beside d_e V; `literal` reads eq. (1) without it.
+        numbers, beta and gamma in 1/rad^n. The factor d_e of alpha is missing in print, which makes
+        h some 1e6 times too large beside d_e V; `literal` takes eq. (1) as printed.
 
         Raises:
-            InputError: a parameter is not finite or out of its range, or the slope of h is 0.
+            InputError: A parameter is not finite or out of its range, or the slope of h is 0.
         """
         k, d_e, alpha = number("k", k), number("d_e", d_e), number("alpha", alpha)
         slope = alpha if literal else alpha * d_e
@@ -137,16 +137,16 @@ class BoucWen(HysteresisModel):
         """Returns the model of the textbooks, T = alpha k theta + (1 - alpha) k z.
 
         Args:
-            k: stiffness before yield, for A = 1 [N·m/rad].
-            alpha: stiffness after yield over k, not 1.
-            beta: as in the class.
-            gamma: as in the class.
-            n: as in the class.
-            A: as in the class.
-            rest_angle: as in the class [rad].
+            k: Stiffness before yield, for A = 1 [N·m/rad].
+            alpha: Ratio of the stiffness after yield to k, not 1.
+            beta: Loss coefficient, which opens the loop [1/rad^n].
+            gamma: Shape coefficient, which bends the loop [1/rad^n].
+            n: Sharpness of the yield, 1 to 1e6.
+            A: Slope dz/dtheta at z = 0, > 0.
+            rest_angle: Angle at which the elastic part is zero [rad].
 
         Raises:
-            InputError: a parameter is not finite or out of its range.
+            InputError: A parameter is not finite or out of its range.
         """
         k, alpha = number("k", k), number("alpha", alpha)
         return cls(
@@ -163,7 +163,7 @@ class BoucWen(HysteresisModel):
         """Returns the arguments of `from_kao_fung` that give this model.
 
         Raises:
-            InputError: `elastic` is 0, a model they cannot describe.
+            InputError: `elastic` is 0, which the form of Kao and Fung cannot describe.
         """
         if self.elastic == 0:
             raise InputError(
@@ -193,10 +193,10 @@ class BoucWen(HysteresisModel):
         )
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "BoucWen":
-        """Returns the model whose torque at `angle` theta is `torque` times this one's at theta.
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
         Raises:
-            InputError: a scale is not finite and above 0.
+            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         shape = angle**-self.n
@@ -211,7 +211,7 @@ class BoucWen(HysteresisModel):
 
     @property
     def z_bound(self) -> float:
-        """The |z| [rad] that no motion from below exceeds; infinite if there is none."""
+        """Value of |z| [rad] that no motion from a lower one exceeds; infinite if there is none."""
         return float(kernels.bound(self.parameter_vector))
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
@@ -219,15 +219,15 @@ class BoucWen(HysteresisModel):
 
         With y = z sign(dtheta) and per angle moved, y' = A - (beta + gamma) y^n while y > 0 and
         m' = -(A + (beta - gamma) m^n) while m = -y > 0. For n = 1 both are linear: z is finite at
-        any angle. For n > 1 it is too if beta >= 0 and beta + gamma >= 0:
+        any angle. For n > 1 z is finite too if beta >= 0 and beta + gamma >= 0:
 
         - beta + gamma > 0: loading stops short of y_s = (A / (beta + gamma))^(1/n), and unloading
           from m <= y_s never raises m, since there A + (beta - gamma) m^n is at least the smaller
           of A and A + (beta - gamma) y_s^n = 2 beta y_s^n. So |z| <= y_s for ever.
         - beta + gamma = 0: y' = A and m' = -(A + 2 beta m^n) <= -A.
 
-        With beta + gamma < 0 loading has a pole, and with beta < 0 the unloading from near y_s has.
-        The margin is then beta or beta + gamma, whichever is less, over |beta| + |gamma|.
+        With beta + gamma < 0 loading has a pole, and with beta < 0 unloading from near y_s has one.
+        The margin is then the smaller of beta and beta + gamma, over |beta| + |gamma|.
 
         The rate of dissipation (see the class) is never negative exactly if hysteretic beta >=
         |hysteretic gamma|, the thermodynamic condition of Erlicher and Point (2004).
@@ -248,7 +248,7 @@ class BoucWen(HysteresisModel):
 
     @property
     def free_parameters(self) -> int:
-        """All but A, which fits take as 1."""
+        """How many numbers a fit chooses: all parameters but A, which fits keep at 1."""
         return len(self.config_keys) - 1
 
     @property
@@ -287,7 +287,7 @@ class BoucWen(HysteresisModel):
 
     @cached_property
     def parameter_vector(self) -> Array:
-        """The parameters, and scale and sign of both branches, as the kernels read them."""
+        """The parameters, and the scale and sign of both branches, as the kernels read them."""
         p = np.empty(kernels.PARAMETER_SIZE)
         kernels.set_parameters(
             p,

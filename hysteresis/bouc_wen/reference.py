@@ -1,4 +1,4 @@
-"""A readable Bouc-Wen model, and examples of it."""
+"""A readable reference of the Bouc-Wen model, and examples of the model."""
 
 import math
 
@@ -6,7 +6,7 @@ from ...arrays import Array
 from ..reference import Example, Reference, runge_kutta
 from .model import BoucWen
 
-ANGLE_STEP = 1e-3  # of the Runge-Kutta steps [rad]
+ANGLE_STEP = 1e-3  # rad, length of a Runge-Kutta step
 
 
 class BoucWenReference(Reference):
@@ -18,17 +18,17 @@ class BoucWenReference(Reference):
         self.z = self.z_of(self.angle, self.torque)
 
     def z_of(self, angle: float, torque: float) -> float:
-        """Returns z [rad], read back from the torque."""
+        """Returns z [rad], computed from the torque."""
         elastic = self.model.elastic * (angle - self.model.rest_angle)
         return (torque - elastic) / self.model.hysteretic
 
     def equation(self, _: float, z: float, delta: float) -> float:
-        """Returns dz/dtheta."""
+        """Returns dz/dtheta of a motion with the sign `delta`."""
         m = self.model
         return m.A - delta * m.beta * abs(z) ** (m.n - 1) * z - m.gamma * abs(z) ** m.n
 
     def step(self, z: float, h: float) -> float:
-        """Returns z after a small motion h; z = 0, where the equation bends, is approached."""
+        """Returns z after a small motion h; steps across the kink at z = 0 are halved."""
         after = runge_kutta(self.equation, 0.0, z, h)
         if z * after < 0 and abs(h) > 1e-9:
             return self.step(self.step(z, h / 2), h / 2)
@@ -41,7 +41,7 @@ class BoucWenReference(Reference):
         return self.model.elastic * (angle - self.model.rest_angle) + self.model.hysteretic * self.z
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         dz = self.equation(angle, self.z_of(angle, torque), delta)
         return self.model.elastic + self.model.hysteretic * dz
 

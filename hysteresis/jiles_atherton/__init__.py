@@ -1,8 +1,8 @@
 """The Jiles-Atherton model: the class, its kernels, and what fits of it need.
 
-`kernels` steps one model, a population of models, or one model with its derivatives; `_bulk` has
-the exact step behind them, `_forms` the other equations of the literature, `_envelope` the
-certificate for a range of angles.
+`kernels` steps one model or a population of models, and `sensitivity` one model with its
+derivatives. `_bulk` has the exact step behind them, `_forms` the other equations of the literature,
+`margins` the certificate, and `coordinates` those in which a search stays certified.
 """
 
 from .model import PARAMETERS, UNIT_PER_RADIAN, AngleUnit, JilesAtherton

@@ -5,10 +5,14 @@ Symbols as in the paper (Li et al. 2022, eq. 1-4); all angles and a, k, alpha he
     He = H + alpha M      effective field          Man(He) = Ms L(He / a)      anhysteretic torque
     M  = Man + u          u obeys  du/dHe = -u / (delta k) + (c - 1) dMan/dHe
 
-which is eq. (4) written for u: linear in He, whatever c is. One step integrates it exactly but for
-Man, replaced by its cubic Hermite interpolant, and solves He - alpha M = H by Newton. The local
-error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
+which is eq. (4) written for u, and linear whatever c is. One step integrates it exactly, except
+that a cubic Hermite interpolant replaces Man, and solves He - alpha M = H by Newton's method. The
+local error is bounded beforehand (`field_step_limit`), so no step is ever rejected.
 """
+
+# The memory holds u, not M: the slope f, the loss and the certificate need u, and M - Man loses its
+# digits where M is near Man. Man and its derivatives are kept with u, so that a step does not
+# compute the Langevin function at its beginning again.
 
 import math
 
@@ -31,9 +35,10 @@ P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
 def field_step_limit(Ms: float, a: float, alpha: float, c: float, k: float) -> float:
     """Returns the longest step in He whose error in M stays below LOCAL_TOLERANCE * Ms.
 
-    The cubic Hermite interpolant of Man is off by at most dx^4/384 max|Man''''|; weighted by the
-    exponential kernel that changes u by at most |c-1| dx/k times as much.
+    The cubic Hermite interpolant of Man is off by at most dx^4/384 max|Man''''|. Weighted by the
+    exponential kernel, this changes u by at most |c-1| dx/k times as much.
     """
+    # The error and its limit are both proportional to Ms, which cancels.
     gain = abs(c - 1) * MAX_LANGEVIN_4TH_DERIVATIVE
     if gain == 0:
         return a
@@ -42,7 +47,7 @@ def field_step_limit(Ms: float, a: float, alpha: float, c: float, k: float) -> f
 
 @njit(inline="always", error_model="numpy")
 def stretched(dx_max, x, per_a):
-    """Returns the step limit at the effective field x: it grows in saturation.
+    """Returns the step limit at the effective field x, which grows in saturation.
 
     There |L''''| is about 24 / |x/a|^5, so that steps up to a quarter of |x| keep the error bound,
     and a march takes logarithmically many steps.
@@ -52,14 +57,15 @@ def stretched(dx_max, x, per_a):
 
 @njit(inline="always", error_model="numpy")
 def short_decay_weights(z: float) -> tuple[float, float, float, float]:
-    """Returns what `decay_weights` does, for z < SHORT and without a branch."""
-    # sum over j of (-z)^j / (j + 3)!, grouped in pairs; the rest is below 1e-12.
+    """Returns the result of `decay_weights` for z < SHORT, without a branch."""
+    # phi_3 = sum over j of (-z)^j / (j + 3)!, grouped in pairs (Estrin); the rest is below 1e-12.
     z2 = z * z
     phi3 = fma(
         z2 * z2,
         fma(z2, fma(-z, P7, P6), fma(-z, P5, P4)),
         fma(z2, fma(-z, P3, P2), fma(-z, P1, P0)),
     )
+    # Down from phi_3 each line shrinks the error by z; up from exp(-z) it would grow by 1 / z.
     phi2 = fma(-z, phi3, 0.5)
     phi1 = fma(-z, phi2, 1.0)
     return fma(-z, phi1, 1.0), phi1, phi2, phi3
@@ -67,7 +73,10 @@ def short_decay_weights(z: float) -> tuple[float, float, float, float]:
 
 @njit(inline="always", error_model="numpy")
 def decay_weights(z: float) -> tuple[float, float, float, float]:
-    """Returns exp(-z) and phi_1, phi_2, phi_3 at -z, for z >= 0."""
+    """Returns exp(-z) and phi_1, phi_2, phi_3 at -z, for z >= 0.
+
+    phi_j(-z) is the sum over i >= 0 of (-z)^i / (i + j)!, as in exponential integrators.
+    """
     if z < SHORT:
         return short_decay_weights(z)
     decay = math.exp(-z)
@@ -84,7 +93,10 @@ def step_field(dx, u0, man0, slope0, man1, slope1, c, per_k):
 
 @njit(inline="always", error_model="numpy")
 def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
-    """Returns what `step_field` does, from the `decay_weights` of the step."""
+    """Returns the result of `step_field` from the `decay_weights` of the step."""
+    # The Hermite basis has the slopes 1 - 4t + 3t^2, 3t^2 - 2t and 6t - 6t^2 for t from 0 to 1, and
+    # the integral of exp(-z (1 - t)) t^j dt is j! phi_(j+1).
+    # The explicit fma rounds once: the scalar and the vector path agree to the last bit.
     decay, phi1, phi2, phi3 = weights
     start, end = fma(6.0, phi3, fma(-4.0, phi2, phi1)), fma(6.0, phi3, -2 * phi2)
     rise = fma(6.0, phi2, -12 * phi3)
@@ -94,7 +106,10 @@ def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
 
 @njit(inline="always", error_model="numpy")
 def predict(left, u, slope, curvature, alpha, c, per_k):
-    """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order."""
+    """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order.
+
+    `left` is the change of the angle that the step is to reach.
+    """
     tangent = fma(c, slope, -u * per_k)
     per_g = 1 / fma(-alpha, tangent, 1.0)
     dx = left * per_g
@@ -104,7 +119,7 @@ def predict(left, u, slope, curvature, alpha, c, per_k):
 
 @njit(inline="always", error_model="numpy")
 def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights):
-    """Returns the residual of a step dx in He, its Newton correction and where both together end.
+    """Returns the residual of a step dx in He, its Newton correction, and the state after both.
 
     `at_end` is the Langevin function at x + dx, `weights` the step's `decay_weights`. The
     correction is NaN past the pole.
@@ -116,7 +131,9 @@ def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weight
     tangent = fma(c, slope1, -u1 * per_k)
     g = fma(-alpha, tangent, 1.0)
     residual = fma(-alpha, man1 + u1, x + dx - H1)
+    # NaN fails every comparison, so that neither path takes a point past the pole for a landing.
     newton = -residual / g if g > 0 else math.nan
+    # The correction is added to first order, without another Langevin function (NEWTON_TOLERANCE).
     return (
         residual,
         newton,
@@ -136,8 +153,10 @@ def advance_short(
 ):
     """Does what `advance` does, without a branch, where one step inside both series is enough.
 
-    Returns whether it is, and only then what `advance` returns, to the last bit.
+    Returns whether that is so, and the end of the motion, which is valid only if it is so. It then
+    equals that of `advance` to the last bit.
     """
+    # Every expression stands here as in `advance` and `land`: another order would round otherwise.
     delta = 1.0 if H1 > H0 else -1.0
     per_k *= delta
     limit = stretched(dx_max, x, per_a)
@@ -147,6 +166,7 @@ def advance_short(
     _, newton, moved = correct(
         dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
     )
+    # `and` would branch, and LLVM would no longer vectorize the loop over the models.
     in_series = (abs(end) < SERIES_BELOW) & (z < SHORT)
     in_limit = (per_g > 0) & (abs(first) <= limit) & (0 < delta * dx) & (delta * dx <= 2 * limit)
     landed = abs(newton) <= fma(RESOLUTION, abs(H1), tolerance)
@@ -158,24 +178,24 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     """Moves the model monotonically from the angle H0 to H1.
 
     Args:
-        H0: the angle at which the memory stands.
-        H1: the angle to reach.
-        x: effective field at H0.
-        u: M - Man there.
-        man: Man there.
-        slope: its derivative by x.
-        curvature: its second derivative.
-        Ms: as in the class; so are alpha and c.
-        alpha: see Ms.
-        c: see Ms.
-        per_a: 1 / a.
-        per_k: 1 / k.
-        dx_max: `field_step_limit`.
-        tolerance: of the effective field at the end.
+        H0: Angle at which the memory stands.
+        H1: Angle to reach.
+        x: Effective field at H0.
+        u: Lag M - Man at H0.
+        man: Anhysteretic torque Man at H0.
+        slope: First derivative of Man by x at H0.
+        curvature: Second derivative of Man by x at H0.
+        Ms: Saturation torque.
+        alpha: Coupling of torque into the effective field.
+        c: Reversibility.
+        per_a: Reciprocal 1 / a of the shape parameter.
+        per_k: Reciprocal 1 / k of the loss parameter.
+        dx_max: Longest step in the effective field, from `field_step_limit`.
+        tolerance: Tolerance of the effective field at the end.
 
     Returns:
-        The same five numbers at H1: x, u, man, slope, curvature. u is NaN when H1 is not finite, or
-        when the motion meets the pole 1 - alpha f = 0, where dM/dH is infinite and the model has no
+        The five numbers x, u, man, slope, curvature at H1. u is NaN when H1 is not finite, or when
+        the motion meets the pole 1 - alpha f = 0, where dM/dH is infinite and the model has no
         continuation.
     """
     if not math.isfinite(H1):
@@ -186,10 +206,11 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     left = H1 - H0
     for _ in range(MARCH_LIMIT):
         per_g, first, dx = predict(left, u, slope, curvature, alpha, c, per_k)
-        if not per_g > 0:
+        if not per_g > 0:  # past the pole, or NaN
             return x, math.nan, man, slope, curvature
         limit = stretched(dx_max, x, per_a)
         if abs(first) <= limit:
+            # Near the pole the second-order guess can run off, even backwards.
             if not 0 < delta * dx <= 2 * limit:
                 dx = delta * limit
             break
@@ -198,7 +219,7 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
         man1, slope1 = Ms * L, chi * dL
         u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
         left1 = H1 - (x + dx - alpha * (man1 + u1))
-        if delta * left1 <= 0:
+        if delta * left1 <= 0:  # the step passes H1: `land` shortens it
             break
         x, u, man, slope, curvature, left = x + dx, u1, man1, slope1, chi * per_a * ddL, left1
     else:
@@ -208,7 +229,9 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
 
 @njit(inline="always", error_model="numpy")
 def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
-    """Ends a motion at H1: Newton, kept inside a bracket, on the last step's dx; see `advance`."""
+    """Ends a motion at H1 by Newton's method on the length dx of the last step; see `advance`."""
+    # H rises with dx up to the pole, so signs of the residual bracket the end. Newton alone can
+    # leap past the pole, where g is near 0: a bisection or a doubled step replaces such a leap.
     tolerance = fma(RESOLUTION, abs(H1), tolerance)
     low, high = 0.0, math.inf
     for _ in range(NEWTON_LIMIT):
@@ -222,7 +245,7 @@ def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
             high = abs(dx)
         elif not math.isnan(newton):
             low = abs(dx)
-        else:
+        else:  # past the pole and still short of H1: no dx lands
             break
         reach = abs(dx) + delta * newton
         if not low < reach < high:
@@ -236,8 +259,7 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
     """Returns the part of the past `loss` that a motion from (H, M) could still get back.
 
     It is Willems' available storage of the irreversible part: while u opposes a return, turning
-    back gives work until u = 0, which is the best that any motion can do (docs/theory.md,
-    "Energy").
+    back gives work until u = 0, and no motion gives more (docs/theory.md, "Energy").
     """
     if c <= 1:
         return 0.0
@@ -261,6 +283,7 @@ def recoverable_energy(H, M, Ms, a, alpha, c, k, dx_max):
         u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
         if u1 * u <= 0:
             break
+        # The integral of u dHe, in closed form from the differential equation of u.
         gained += delta * k * ((u1 - u) - (c - 1) * (man1 - man))
         x, u, man, slope = x + dx, u1, man1, slope1
     for _ in range(NEWTON_LIMIT):

@@ -35,7 +35,7 @@ class JilesAthertonReference(Reference):
         return M
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         return self.equation(angle * self.unit, torque, delta) * self.unit
 
 

@@ -28,7 +28,7 @@ class PrandtlIshlinskiiReference(Reference):
         return self.sum(angle)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         moved, total = abs(angle - self.angle), self.model.stiffness
         parts = zip(self.model.weights, self.model.thresholds, self.stops, strict=True)
         for weight, r, stop in parts:

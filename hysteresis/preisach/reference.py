@@ -63,7 +63,7 @@ class PreisachReference(Reference):
         return float(self.offset + self.elastic(angle) - self.weight @ self.up)
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
-        """Returns dT/dtheta [N·m/rad] of the branch from here."""
+        """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
         if delta > 0:
             way, width, able = angle - self.up_from, self.up_width, 1 - self.up
         else:
