@@ -20,7 +20,10 @@ from .synthetic import first_order_motions, measure, multi_order_motion
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
+BASELINES = LIBRARIES  # the name of version 0.1
+
 __all__ = [
+    "BASELINES",
     "KAO_FUNG",
     "LIBRARIES",
     "MPSO",
