@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, unknown_name
-from ...hysteresis.engine.native import STAGE_VEL, layout, register_plugin
+from ...hysteresis.engine.native import STAGE_VEL, compile_plugin, layout, register_plugin
 from ._bushing_callbacks import build
 from ._bushing_configuration import KEYS, LARGEST_OFFSET, PLUGIN_NAME, Layout
 from ._bushing_kernels import PARAMETER_SIZE
@@ -117,6 +117,7 @@ def attach_bushing(
         raise InputError(f"there is a plugin instance {name!r} already: give another name")
     if PLUGIN_NAME not in {plugin.plugin_name for plugin in spec.plugins}:
         spec.activate_plugin(PLUGIN_NAME)
+    compile_plugin(PLUGIN_NAME)
     plugin = spec.add_plugin(name=name, plugin_name=PLUGIN_NAME, active=True)
     numbers = {key: " ".join(map(repr, getattr(bushing, key))) for key in KEYS[2:]}
     plugin.config = {"limb": limb_site, "exo": exo_site, **numbers}
@@ -162,7 +163,8 @@ def register() -> int:
     Raises:
         RuntimeError: The structs of the installed MuJoCo differ from their own description.
     """
-    return register_plugin(PLUGIN_NAME, KEYS, lambda: build(layout(Layout)), STAGE_VEL)
+    at = layout(Layout)
+    return register_plugin(PLUGIN_NAME, KEYS, lambda: build(at), STAGE_VEL, sensors=True)
 
 
 def _triple(name: str, values: Triple) -> Triple:

@@ -17,6 +17,7 @@ from ..registry import MODELS
 from ._faults import ANGLE_RANGE, POLYNOMIAL
 from ._plugins import plugin_name, register
 from ._state import FAULT
+from .native import compile_plugin
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
@@ -73,6 +74,7 @@ def attach(
         _require_certificate(model, start, joint)
     register()
     name, config = _config(model)
+    compile_plugin(name)
     if name not in {plugin.plugin_name for plugin in spec.plugins}:
         spec.activate_plugin(name)
     config |= {"joint": joint, "start_torque": repr(float(start_torque))}

@@ -1,6 +1,7 @@
 """The plugins of the hysteresis models: one for each model of the registry that is no wrapper."""
 
 import zlib
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -11,7 +12,7 @@ from ._callbacks import build
 from ._configuration import A_LIST, A_NUMBER, A_WORD, OPTIONAL
 from ._faults import COMMON_KEYS
 from ._layout import Layout
-from .native import layout, register_plugin
+from .native import STAGE_POS, layout, register_plugin
 
 KINDS = {"number": A_NUMBER, "list": A_LIST, "word": A_WORD}
 
@@ -31,8 +32,9 @@ def register() -> dict[str, int]:
     return {plugin_name(model): _register(model) for model in bare}
 
 
+@cache
 def _register(model: type[HysteresisModel]) -> int:
-    own = model.config_keys
+    own, at = model.config_keys, layout(Layout)
     return register_plugin(
         plugin_name(model),
         [*COMMON_KEYS, *(key.name for key in own)],
@@ -40,8 +42,10 @@ def _register(model: type[HysteresisModel]) -> int:
             model.kernels,
             tuple(KINDS[key.kind] + OPTIONAL * key.optional for key in own),
             tuple(" ".join(key.words).encode() for key in own),
-            layout(Layout)._replace(stamp=_stamp(model.kernels)),
+            at._replace(stamp=_stamp(model.kernels)),
         ),
+        STAGE_POS,
+        sensors=True,
     )
 
 

@@ -30,7 +30,14 @@ from ._instance import (
 )
 from ._layout import layout
 from ._memory import character_at, doubles, int32_at, name2id, pointer_at, store_pointer
-from ._registration import STAGE_ACC, STAGE_POS, STAGE_VEL, callback, register_plugin
+from ._registration import (
+    STAGE_ACC,
+    STAGE_POS,
+    STAGE_VEL,
+    callback,
+    compile_plugin,
+    register_plugin,
+)
 from ._text import (
     add,
     add_choices,
@@ -56,6 +63,7 @@ __all__ = [
     "callback",
     "character_at",
     "choice_of",
+    "compile_plugin",
     "complain",
     "config",
     "count_words",

@@ -1,7 +1,13 @@
-"""Compiles callbacks with the C signatures of a plugin, and makes plugins known to MuJoCo."""
+"""Compiles callbacks with the C signatures of a plugin, and makes plugins known to MuJoCo.
 
+A plugin is registered at once and compiled when it is first needed: by `compile_plugin`, or when
+MuJoCo calls one of the callbacks with which it begins on a model.
+"""
+
+import _thread
 import ctypes
 import threading
+import traceback
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
@@ -24,10 +30,16 @@ SIGNATURES = {
     "compute": types.void(_POINTER, _POINTER, _INT, _INT),
     "advance": types.void(_POINTER, _POINTER, _INT),
 }
+# MuJoCo calls one of these before any other: the first two when it compiles a model, the last one
+# when it makes an mjData.
+FIRST = {
+    "nstate": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int),
+    "nsensordata": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_int, ctypes.c_int),
+    "init": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_ssize_t, ctypes.c_ssize_t, ctypes.c_int),
+}
 
 _lock = threading.RLock()
-_slots: dict[str, int] = {}
-_kept: list[object] = []  # what the C side points into, for the life of the process
+_plugins: dict[str, "_Registered"] = {}  # for the life of the process: C points into it
 
 
 def callback(function: Callable[..., Any]) -> Any:
@@ -47,41 +59,93 @@ def callback(function: Callable[..., Any]) -> Any:
 
 
 def register_plugin(
-    name: str, keys: Sequence[str], build: Callable[[], Iterable[Any]], stage: int = STAGE_POS
+    name: str,
+    keys: Sequence[str],
+    build: Callable[[], Iterable[Any]],
+    stage: int = STAGE_POS,
+    *,
+    sensors: bool = False,
 ) -> int:
     """Registers a plugin of passive forces with MuJoCo, once per process.
-
-    A plugin with the callback `nsensordata` has sensors too: MuJoCo then calls `compute` with
-    mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Args:
         name: Unique name of the plugin, which MJCF refers to.
         keys: Names of its config keys, in the order in which `config` counts them.
-        build: Function that compiles the callbacks; it is called the first time only.
+        build: Function that compiles and returns the callbacks; it is called when the plugin is
+            first needed.
         stage: Stage whose results the sensors need, as `STAGE_VEL` for velocities.
+        sensors: Whether it has sensors too. MuJoCo then calls `nsensordata`, and `compute` with
+            mjPLUGIN_SENSOR as well as with mjPLUGIN_PASSIVE.
 
     Returns:
         The slot of the plugin, its number in `mjModel.plugin`.
     """
     with _lock:
-        if name not in _slots:
-            _slots[name] = _register(name, keys, list(build()), stage)
-        return _slots[name]
+        if name not in _plugins:
+            _plugins[name] = _Registered(name, keys, build, stage, sensors)
+        return _plugins[name].slot
 
 
-def _register(name: str, keys: Sequence[str], callbacks: Sequence[Any], stage: int) -> int:
-    library = mujoco_library()
-    attributes = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
-    plugin = Plugin()
-    library.mjp_defaultPlugin(ctypes.byref(plugin))
-    plugin.name = name.encode()
-    plugin.nattribute = len(keys)
-    plugin.attributes = attributes
-    has_sensors = any(compiled.__name__ == "nsensordata" for compiled in callbacks)
-    plugin.capabilityflags = PASSIVE | SENSOR if has_sensors else PASSIVE
-    plugin.needstage = stage
-    for compiled in callbacks:
-        setattr(plugin, compiled.__name__, compiled.address)
-        _kept.append(compiled)
-    _kept.extend((attributes, plugin))
-    return library.mjp_registerPlugin(ctypes.byref(plugin))
+def compile_plugin(name: str) -> None:
+    """Compiles a registered plugin, unless that is done; it takes seconds the first time.
+
+    MuJoCo would have it compiled anyway, but inside of its own calls, where no exception passes.
+    """
+    _plugins[name].compile()
+
+
+class _Registered:
+    """A plugin that MuJoCo knows, whose callbacks are put in place when they are compiled.
+
+    Attributes:
+        slot: Its number in `mjModel.plugin`.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        keys: Sequence[str],
+        build: Callable[[], Iterable[Any]],
+        stage: int,
+        sensors: bool,
+    ) -> None:
+        self._name, self._build = name, build
+        self._callbacks: dict[str, Any] = {}
+        self._keys = (ctypes.c_char_p * len(keys))(*(key.encode() for key in keys))
+        self._first = {which: kind(self._beginning(which)) for which, kind in FIRST.items()}
+        library = mujoco_library()
+        plugin = Plugin()
+        library.mjp_defaultPlugin(ctypes.byref(plugin))
+        plugin.name = name.encode()
+        plugin.nattribute = len(keys)
+        plugin.attributes = self._keys
+        plugin.capabilityflags = PASSIVE | SENSOR if sensors else PASSIVE
+        plugin.needstage = stage
+        for which, function in self._first.items():
+            setattr(plugin, which, ctypes.cast(function, ctypes.c_void_p).value)
+        self.slot: int = library.mjp_registerPlugin(ctypes.byref(plugin))
+        library.mjp_getPluginAtSlot.restype = ctypes.POINTER(Plugin)
+        self._entry = library.mjp_getPluginAtSlot(self.slot).contents  # MuJoCo's own copy
+
+    def compile(self) -> dict[str, Any]:
+        """Puts the compiled callbacks in place of those that only begin; returns them by name."""
+        with _lock:
+            if not self._callbacks:
+                self._callbacks = {one.__name__: one for one in self._build()}
+                for which, compiled in self._callbacks.items():
+                    setattr(self._entry, which, compiled.address)
+            return self._callbacks
+
+    def _beginning(self, which: str) -> Callable[..., int]:
+        """Returns what MuJoCo calls first: it compiles the plugin and passes the call on."""
+
+        def begin(*arguments: int) -> int:
+            try:
+                return self.compile()[which].ctypes(*arguments)
+            except KeyboardInterrupt:
+                _thread.interrupt_main()
+            except BaseException:  # none may pass through MuJoCo, which is told that it failed
+                traceback.print_exc()
+            return -1
+
+        return begin
