@@ -15,10 +15,8 @@ from scipy import optimize
 
 from ...assets import curves_path
 from ...identification import Curve, CurveObjective, certified_fit, identify, load_curves
-from ...identification.optimizers.mpso import mpso
-from ...identification.optimizers.pso import pso
-from ...identification.optimizers.rank_distance_mpso import rank_distance_mpso
-from ...identification.optimizers.sa_pso import sa_pso
+from ...identification.optimizers import pso, sa_pso
+from ...identification.optimizers.registry import SWARMS
 from ...published import LI_BOUNDS
 from ..output import messages
 from .hysteresis import textbook_rk4
@@ -29,7 +27,6 @@ BOUNDS = [(-5.12, 5.12)] * DIMENSIONS
 EVALUATIONS = POPULATION * (ITERATIONS + 1)
 OVERHEAD_LIMIT = 1.0  # us per evaluation
 STUDY_LIMIT = 20.0  # s
-SWARMS = {"PSO": pso, "SA-PSO": sa_pso, "MPSO": mpso, "rank-distance MPSO": rank_distance_mpso}
 
 
 def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
@@ -121,7 +118,7 @@ def swarm_rows(repeats: int) -> list[Row]:
         ratios = [b / a for a, b in zip(ours, reference, strict=True)]
         found.append(
             Row(
-                what="PSO: overhead beyond the objective",
+                what="pso: overhead beyond the objective",
                 against=name,
                 unit="us/evaluation",
                 ours=statistics.median(ours),
