@@ -1,7 +1,7 @@
-"""Measured angle-torque records: reversals, branches, loops and first-order families.
+"""Splits measured angle-torque records into branches, loops and first-order families.
 
 A record is two series in the order of measurement: angle [rad] and torque [N·m]. Time plays no
-part, but the samples should follow each other evenly enough for the noise estimate to make sense.
+part, but samples should follow each other evenly enough for the estimate of noise to make sense.
 """
 
 import math
@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..errors import InputError
 from .protocol import finite_series
 
-NOISE_DEAD_BAND = 10.0  # deviations: a dwell of 1e4 Gaussian samples exceeds it once in 1e4
+NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # of the angle's range, for records of a few samples per branch
 TOLERANCE = 0.02  # of the angle's range, within which a loop closes
@@ -27,11 +27,11 @@ class Branch:
     """The part of a record between two reversals; neighbors share the sample at the turn.
 
     Attributes:
-        direction: +1 for growing angles, -1 for falling ones.
-        start: index of the first sample in the record.
-        stop: index after the last sample, so that record[start:stop] is the branch.
-        angle: angles as measured [rad], shape (n,); jitter and dwell included.
-        torque: torques as measured [N·m], shape (n,).
+        direction: Sign of the motion: +1 for growing angles, -1 for falling ones.
+        start: Index of the first sample in the record.
+        stop: Index after the last sample, so that record[start:stop] is the branch.
+        angle: Angles as measured [rad], shape (n,); jitter and dwell included.
+        torque: Torques as measured [N·m], shape (n,).
     """
 
     direction: int
@@ -50,7 +50,7 @@ class Loop:
 
     @property
     def angle(self) -> Array:
-        """Angles from start to turn and back [rad], the turn once."""
+        """Angles from the start to the turn and back [rad]; the turn occurs once."""
         return np.concatenate([self.outward.angle, self.back.angle[1:]])
 
     @property
@@ -69,8 +69,8 @@ class FirstOrderFamily:
     """First-order transition curves that begin and end at one angle.
 
     Attributes:
-        base: mean angle of their starts [rad], theta_min of Li et al. 2022.
-        curves: the curves in the order of measurement.
+        base: Mean angle of the starts, theta_min of Li et al. 2022 [rad].
+        curves: Curves in the order of measurement.
     """
 
     base: float
@@ -80,9 +80,9 @@ class FirstOrderFamily:
 def angle_noise(angle: ArrayLike) -> float:
     """Estimates the standard deviation of white noise in a measured motion [rad].
 
-    It is taken from the median of |third differences|, repeated readings left out: they are
-    sqrt(20) times as noisy as the angle, and next to nothing for smooth motion. A low-pass filter
-    hides the noise of its input from this estimate.
+    The estimate is the median of |third differences| of the angle without repeated readings. Third
+    differences are sqrt(20) times as noisy as the angle, and nearly zero for a smooth motion. A
+    low-pass filter hides the noise of its input from this estimate.
 
     Raises:
         InputError: `angle` is not one finite series.
@@ -92,11 +92,11 @@ def angle_noise(angle: ArrayLike) -> float:
 
 
 def estimate_dead_band(angle: ArrayLike) -> float:
-    """Estimates from the angle's own noise how far it must come back to count as a reversal [rad].
+    """Estimates from the noise of the angle how far it must come back to count as a reversal [rad].
 
     This is 10 times `angle_noise`, at least 2.5 times the smallest step (the resolution of a coarse
-    sensor), and at most a quarter of the angle's range. Give the dead band of filtered angles
-    yourself.
+    sensor), and at most a quarter of the angle's range. Choose the dead band of filtered angles
+    yourself: the estimate does not see their noise.
 
     Raises:
         InputError: `angle` is not one finite series.
@@ -116,11 +116,12 @@ def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.in
     dead band, then exactly the true reversals are found.
 
     Args:
-        angle: joint angles [rad], shape (n,).
-        dead_band: see above [rad], >= 0; None takes `estimate_dead_band`.
+        angle: Joint angles [rad], shape (n,).
+        dead_band: Distance by which the motion comes back from a turning point [rad], >= 0; None
+            takes `estimate_dead_band`.
 
     Returns:
-        Indices of the turning points, ascending; of a dwell at the extreme, its first sample. The
+        Indices of the turning points, ascending. A dwell at an extreme gives its first sample. The
         two ends of the record are not among them.
 
     Raises:
@@ -135,15 +136,15 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
     """Splits a record at its reversals.
 
     Args:
-        angle: joint angles [rad], shape (n,), n >= 3.
-        torque: torques [N·m], shape (n,).
-        dead_band: as in `reversals` [rad].
+        angle: Joint angles [rad], shape (n,), n >= 3.
+        torque: Torques [N·m], shape (n,).
+        dead_band: Dead band of `reversals` [rad].
 
     Returns:
         The branches in the order of measurement, with alternating directions.
 
     Raises:
-        InputError: not a record, or the angle never leaves the dead band.
+        InputError: The series are not a record, or the angle never leaves the dead band.
     """
     angle, torque = finite_record(angle, torque)
     dead_band = _dead_band(angle, dead_band)
@@ -174,22 +175,22 @@ def loops(
 ) -> list[Loop]:
     """Finds the closed loops of a record: pairs of branches that end where they began.
 
-    The first pair that closes is taken, then the first one after it, and so on: no sample but the
-    shared ends belongs to two loops. An initial curve that the motion does not come back to, and
-    swings that grow or decay, are left out.
+    The first pair that closes is taken, then the first one after it, and so on: two loops share no
+    samples but their ends. An initial curve to which the motion does not come back, and swings that
+    grow or decay, are left out.
 
     Args:
-        angle: joint angles [rad], shape (n,), n >= 3.
-        torque: torques [N·m], shape (n,).
-        dead_band: as in `reversals` [rad].
-        tolerance: how far the two ends of a loop may be apart [rad]; None takes 2 % of the angle's
-            range, or the dead band if that is larger.
+        angle: Joint angles [rad], shape (n,), n >= 3.
+        torque: Torques [N·m], shape (n,).
+        dead_band: Dead band of `reversals` [rad].
+        tolerance: Largest distance between the two ends of a loop [rad]; None takes 2 % of the
+            angle's range, or the dead band if that is larger.
 
     Returns:
         The loops in the order of measurement; it can be empty.
 
     Raises:
-        InputError: not a record, or a record without a reversal.
+        InputError: The series are not a record, or the record has no reversal.
     """
     pieces, tolerance = _turned(angle, torque, dead_band, tolerance)
     return _closed_pairs(pieces, tolerance)
@@ -208,17 +209,19 @@ def first_order_families(
     3.1). Consecutive curves belong to one family as long as they begin at the same angle.
 
     Args:
-        angle: joint angles [rad], shape (n,), n >= 3.
-        torque: torques [N·m], shape (n,).
-        dead_band: as in `reversals` [rad].
-        tolerance: as in `loops` [rad]; also how far the starts of a family may be apart.
-        direction: +1 for curves that begin upwards, -1 for the mirror image used in magnetics.
+        angle: Joint angles [rad], shape (n,), n >= 3.
+        torque: Torques [N·m], shape (n,).
+        dead_band: Dead band of `reversals` [rad].
+        tolerance: Tolerance of `loops`, and largest distance of the starts in a family [rad].
+        direction: Sign of each curve's first branch: +1 for upwards, -1 for the mirror image that
+            is used in magnetics.
 
     Returns:
         The families in the order of measurement; it can be empty.
 
     Raises:
-        InputError: not a record, a record without a reversal, or another direction.
+        InputError: The series are not a record, the record has no reversal, or the direction is
+            another number.
     """
     if direction not in (1, -1):
         raise InputError(f"direction is {direction}: use 1 (up first) or -1 (down first)")
@@ -271,7 +274,7 @@ def _dead_band(angle: Array, dead_band: float | None) -> float:
 
 
 def _turning_points(angle: Array, dead_band: float) -> tuple[list[int], int]:
-    """Returns the indices of the turns and the last direction: 0 if it never left the dead band."""
+    """Returns the indices of the turns and the last direction, 0 within the dead band."""
     turns: list[int] = []
     direction = lowest_at = highest_at = 0
     lowest = highest = float(angle[0])

@@ -1,4 +1,4 @@
-"""Numbers that describe one hysteresis loop."""
+"""Measures the size and the shape of one hysteresis loop."""
 
 import math
 from dataclasses import dataclass
@@ -19,29 +19,31 @@ SMALLEST_SPAN = 1 / LARGEST  # rad
 
 @dataclass(frozen=True, kw_only=True)
 class LoopMetrics:
-    """Size and shape of one loop, whose two branches run between its lowest and highest angle.
+    """Size and shape of a loop whose two branches run between its lowest and highest angle.
 
     Attributes:
-        area: work that the cycle takes, the closed integral of torque over angle [J]; positive if
+        area: Work that the cycle takes, the closed integral of torque over angle [J]; positive if
             the loop dissipates, negative if it drives (magnetization over field is negative).
-        center: the angle to which remanence and asymmetry refer [rad].
-        mid_torque: mean torque of the two branches at the center [N·m]; 0 for a loop that is
+        center: Angle to which remanence and asymmetry refer [rad].
+        mid_torque: Mean torque of the two branches at the center [N·m]; 0 for a loop that is
             symmetric about the center and zero torque.
-        remanence: half the torque between the two branches at the center [N·m]. Where their torques
-            have opposite signs it is the mean of |torque|: for center 0, Mr of magnetics.
-        coercive_angle: half the angle between the points where the two branches pass the mid torque
-            [rad]; for a symmetric loop and center 0, Hc of magnetics. NaN if one never passes.
-        peak_torque: largest |torque| [N·m].
-        closure_error: torque at the end of the cycle minus torque at its start [N·m].
-        secant_stiffness: slope between the torques with which the branches arrive at the lowest and
+        remanence: Half the difference in torque of the two branches at the center [N·m]. Where
+            their torques have opposite signs it is the mean of |torque|; with center 0 that is Mr
+            of magnetics.
+        coercive_angle: Half the angle between the points where the two branches pass the mid torque
+            [rad]; for a symmetric loop and center 0 it is Hc of magnetics. NaN if a branch never
+            passes the mid torque.
+        peak_torque: Largest |torque| [N·m].
+        closure_error: Torque at the end of the cycle minus torque at its start [N·m].
+        secant_stiffness: Slope between the torques with which the branches arrive at the lowest and
             at the highest angle [N·m/rad].
-        stiffness_into_low: slope with which the falling branch arrives at the low turn [N·m/rad].
-        stiffness_out_of_low: slope with which the rising branch leaves the low turn [N·m/rad].
-        stiffness_into_high: slope with which the rising branch arrives at the high turn [N·m/rad].
-        stiffness_out_of_high: slope with which the falling branch leaves the high turn [N·m/rad].
-        asymmetry: RMS difference, over the angles that both have, between the rising branch and the
-            falling branch mirrored at the point (center, mid_torque), over the range of the torque;
-            0 for a point-symmetric loop.
+        stiffness_into_low: Slope with which the falling branch arrives at the low turn [N·m/rad].
+        stiffness_out_of_low: Slope with which the rising branch leaves the low turn [N·m/rad].
+        stiffness_into_high: Slope with which the rising branch arrives at the high turn [N·m/rad].
+        stiffness_out_of_high: Slope with which the falling branch leaves the high turn [N·m/rad].
+        asymmetry: Root mean square difference between the rising branch and the falling branch
+            mirrored at the point (center, mid_torque), over the angles that both have, divided by
+            the range of the torque; 0 for a point-symmetric loop.
     """
 
     area: float
@@ -71,7 +73,7 @@ class _Path:
     seam: int
 
     def mirrored(self, center: float, mid_torque: float) -> "_Path":
-        """Turned by 180 degrees about a point: a falling branch becomes a rising one."""
+        """Returns the path turned by 180 degrees about a point: a falling branch becomes rising."""
         return _Path(2 * center - self.angle, 2 * mid_torque - self.torque, self.seam)
 
     def backwards(self) -> "_Path":
@@ -79,7 +81,7 @@ class _Path:
         return _Path(self.angle[::-1], self.torque[::-1], seam)
 
     def measured(self, near: float) -> "_Path":
-        """Without a closing line that lies at the path's beginning, where the cycle is open."""
+        """Returns the path without a closing line at its beginning, where the cycle is open."""
         if self.seam < 0:
             return self
         first, last = self.seam, self.seam + 1
@@ -99,27 +101,27 @@ def loop_metrics(
 ) -> LoopMetrics:
     """Measures one loop.
 
-    The cycle may begin anywhere, turns or not; a straight line from its last sample to its first
-    closes it. Slopes and tips know only samples: a closing line within `tangent_span` of a turn,
-    where a first-order transition curve is open, is left out of them. Between samples the torque is
-    linear: the numbers are exact for piecewise linear loops. Where jitter makes a noisy branch pass
-    a level several times, the median of the passages counts; for more than that, `smooth` the
-    record first.
+    The cycle may begin anywhere, at a turn or not; a straight line from its last sample to its
+    first closes it. Slopes and tips come from samples alone: a closing line within `tangent_span`
+    of a turn, where a first-order transition curve is open, is left out of them. Between samples
+    the torque is linear, so the numbers are exact for piecewise linear loops. Where jitter makes a
+    noisy branch pass a level several times, the median of the passages counts; a record with more
+    noise than that needs `smooth` first.
 
     Args:
-        angle: joint angles of one cycle [rad], shape (n,), n >= 3, in the order of motion.
-        torque: torques [N·m], shape (n,).
-        center: where to measure the remanence [rad]; None takes the middle of the angle's range.
-        tangent_span: the slopes at the turns are those of least-squares lines through the samples
-            within this angle of the turn [rad], and at least two; None takes 5 % of the range, and
-            25 % is the most. A dwell at the turn does not count.
+        angle: Joint angles of one cycle [rad], shape (n,), n >= 3, in the order of motion.
+        torque: Torques [N·m], shape (n,).
+        center: Angle at which to measure the remanence [rad]; None takes the middle of the range.
+        tangent_span: Distance from a turn up to which samples give the slope there [rad], that of
+            a least-squares line through at least two; None takes 5 % of the range, and 25 % is the
+            most. A dwell at the turn does not count.
 
     Returns:
         The metrics.
 
     Raises:
-        InputError: not a record, no reversal, more than one cycle, a center outside the loop, or a
-            tangent span out of its range.
+        InputError: The series are not a record of one closed cycle, the center is outside the
+            loop, or the tangent span is out of its range.
     """
     angle, torque = finite_record(angle, torque)
     up, down = _rising_and_falling(angle, torque)
@@ -196,13 +198,13 @@ def _rising_and_falling(angle: Array, torque: Array) -> tuple[_Path, _Path]:
 
 
 def _arrival(angle: Array, extreme: float) -> int:
-    """Returns the first sample of the cycle's dwell at an extreme angle."""
+    """Returns the index of the first sample of the cycle's dwell at an extreme angle."""
     there = angle == extreme
     return int(np.flatnonzero(there & ~np.roll(there, 1))[0])
 
 
 def _passage(x: Array, y: Array, level: float) -> float:
-    """Returns y where x passes a level, in the sense in which it does so first; NaN for never."""
+    """Returns y where x passes a level in the sense of its first passage; NaN if it never does."""
     above = x > level
     changes = np.flatnonzero(above[1:] != above[:-1])
     if changes.size == 0:

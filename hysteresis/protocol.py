@@ -1,4 +1,4 @@
-"""What every hysteresis model does: one protocol over compiled kernels."""
+"""`HysteresisModel`, the protocol of every hysteresis model over its compiled kernels."""
 
 import math
 from abc import ABC, abstractmethod
@@ -24,13 +24,13 @@ FIRST_REACH, FARTHEST = 1e-3, 1e6  # rad, where the search of an inverse begins 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A model's whole memory after some motion.
+    """The whole memory of a model after some motion.
 
     Attributes:
-        memory: the kernel's numbers, read-only: angle, torque of the hysteretic part, the path part
-            of the work done so far, then what the model adds.
-        angle: the last angle [rad].
-        torque: the resistance [N·m].
+        memory: Numbers of the kernels, read-only: angle, torque of the hysteretic part, the part of
+            the work so far that depends on the path, then the numbers that the model adds.
+        angle: Last angle [rad].
+        torque: Resistance at that angle [N·m].
     """
 
     memory: Array
@@ -47,7 +47,12 @@ class State:
 
 
 class Energy(NamedTuple):
-    """Where the work done on a model since its start went [J]."""
+    """Energy of a model: what it stores, and what it has dissipated since its start.
+
+    Attributes:
+        stored: Stored energy [J].
+        dissipated: Dissipated energy [J].
+    """
 
     stored: float
     dissipated: float
@@ -60,7 +65,8 @@ class HysteresisModel(ABC):
     functions over a parameter vector p and a memory s = [angle, torque, loss, ...]:
 
         begin(p, s, angle, torque)              fills s; returns how far the start is inside what
-                                                the certificate covers (< 0 outside, NaN impossible)
+                                                the certificate covers: < 0 outside, NaN if the
+                                                model cannot have that torque there
         move(p, s, angle)                       (torque, loss) after a monotone motion; s unchanged
         commit(p, s, angle)                     the torque after it, which becomes the memory;
                                                 s stays as it is where the torque is NaN
@@ -70,7 +76,8 @@ class HysteresisModel(ABC):
         response(p, s, angles, torques)         a whole series, bit-identical to move and commit
 
     The engine plugin calls the same kernels, so a simulation and `response` agree to the last bit.
-    It reads the parameters from MJCF, where their names are `config_keys`, and needs of the module
+    It reads the parameters from MJCF, where their names are `config_keys`, and needs these members
+    of the module too:
 
         size(counts)                            how many numbers s and p have together, if the keys
                                                 have so many values
@@ -81,8 +88,8 @@ class HysteresisModel(ABC):
         COMPLAINTS                              those complaints, as bytes; the first is empty
         certify(p, s, inside, low, high)        (is certified between two angles, how far inside
                                                 the start s is), given what `begin` returned
-        is_sound(p)                             whether p, which a user can overwrite in a saved
-                                                state, cannot mislead the kernels
+        is_sound(p)                             whether the kernels can rely on p, which a user can
+                                                overwrite in a saved state
     """
 
     name: ClassVar[str]
@@ -122,14 +129,14 @@ class HysteresisModel(ABC):
         return {key.name: getattr(self, key.name) for key in self.config_keys}
 
     def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns a slow, readable model that knows the equations, and not the kernels.
+        """Returns a slow, readable model, written from the equations and not from the kernels.
 
         Args:
             angles: Angles of the whole motion that it will follow [rad], shape (n,).
             torque: Resistance at the first of them [N·m].
 
         Raises:
-            NotImplementedError: The model has none.
+            NotImplementedError: The model has no reference.
         """
         raise NotImplementedError(f"model {self.name!r} has no reference model")
 
@@ -149,15 +156,15 @@ class HysteresisModel(ABC):
         is taken as monotone; a repeated angle repeats its torque.
 
         Args:
-            angle: joint angles [rad], shape (n,).
-            initial_torque: resistance at angle[0] [N·m].
+            angle: Joint angles [rad], shape (n,).
+            initial_torque: Resistance at angle[0] [N·m].
 
         Returns:
             Resistance [N·m], shape (n,), with torque[0] == initial_torque.
 
         Raises:
             InputError: `angle` is not one finite series, or the model has no such start.
-            PoleError: the motion meets the pole of an uncertified model.
+            PoleError: The motion meets the pole of an uncertified model.
         """
         angle = finite_series("angle", angle, "rad")
         memory = self.start(angle[0], initial_torque).memory.copy()
@@ -172,7 +179,7 @@ class HysteresisModel(ABC):
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 
         Raises:
-            InputError: a number is not finite, or the model cannot have that torque there.
+            InputError: A number is not finite, or the model cannot have that torque there.
         """
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
@@ -194,21 +201,21 @@ class HysteresisModel(ABC):
         return bool(self.kernels.begin(self.parameter_vector, scratch, s[0], s[1]) >= 0)
 
     def anhysteretic(self, state: State) -> float | None:
-        """Returns the torque [N·m] from which the certificate's memory bound counts.
+        """Returns the torque [N·m] from which the memory bound of the certificate counts.
 
-        None for a model whose kernel `begin` alone knows what its certificate covers.
+        It is None for a model whose kernel `begin` says what the certificate covers.
         """
         return None
 
     def step(self, state: State, angle: float) -> tuple[State, float]:
-        """Moves on to `angle` [rad]; the incremental twin of `response`, bit for bit.
+        """Moves on to `angle` [rad]; steps give the same torques as `response`, bit for bit.
 
         Returns:
             The new state and the resistance [N·m] there.
 
         Raises:
             InputError: `angle` is not finite.
-            PoleError: the motion meets the pole of an uncertified model.
+            PoleError: The motion meets the pole of an uncertified model.
         """
         number("angle", angle, "rad")
         p, memory = self.parameter_vector, state.memory.copy()
@@ -218,16 +225,16 @@ class HysteresisModel(ABC):
         return _state(memory, torque), float(torque)
 
     def tangent(self, state: State, direction: float) -> float:
-        """Returns the stiffness [N·m/rad] of a motion that goes on with sign `direction`."""
+        """Returns the stiffness [N·m/rad] of a motion that goes on with the sign `direction`."""
         s, delta = state.memory, math.copysign(1.0, direction)
         return float(self.kernels.stiffness(self.parameter_vector, s, s[0], s[1], delta))
 
     def energy(self, state: State) -> Energy:
         """Returns the energy stored in `state` and dissipated since its start [J].
 
-        Stored energy counts from a state of the model's own choice; differences are what matters.
-        Stored plus dissipated changes by exactly the work done on the model. The dissipated part
-        never decreases in a model whose certificate says `dissipative` (by more than the
+        Each model chooses the state in which its stored energy is zero; only differences matter.
+        Stored plus dissipated energy changes by exactly the work done on the model. If the
+        certificate says `dissipative`, the dissipated part never decreases (by more than the
         tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
         """
         s = state.memory
@@ -238,12 +245,12 @@ class HysteresisModel(ABC):
         """Computes the angles along which the resistance runs through given torques.
 
         Args:
-            torque: resistance [N·m], shape (n,).
-            initial_angle: the angle of torque[0] [rad].
+            torque: Resistance [N·m], shape (n,).
+            initial_angle: Angle of torque[0] [rad].
 
         Returns:
-            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` takes them back.
-            Where several angles give a torque, it is the first that the motion meets.
+            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` gives the torques
+            back. Where several angles give a torque, it is the first that the motion meets.
 
         Raises:
             InputError: `torque` is not one finite series, or the model cannot reach a torque.
@@ -324,7 +331,7 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
 
 
 def read_only(values: ArrayLike) -> Array:
-    """Returns a read-only float64 copy."""
+    """Returns a read-only float64 copy of `values`."""
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array

@@ -1,4 +1,4 @@
-"""Smoothing of measured angle-torque records that leaves the tips of the loops alone."""
+"""Smooths measured angle-torque records and keeps the tips of the loops."""
 
 import math
 from itertools import pairwise
@@ -12,9 +12,9 @@ from ..arrays import Array
 from ..errors import InputError
 from .loops import Branch, angle_noise, branches, estimate_dead_band, finite_record
 
-BANDWIDTH = 0.15  # of a branch, for the local regression
+BANDWIDTH = 0.15  # of the range of a branch, for the local regression
 KNOTS_PER_BANDWIDTH = 8
-NEIGHBORS = 5  # at least, in a local regression
+NEIGHBORS = 5  # least number of samples in a local regression
 TIP_EXCESS = 1.5  # standard errors; keeps the bias of a tip near half the noise or below
 
 
@@ -35,17 +35,17 @@ def smooth(
     get one torque.
 
     Args:
-        angle: joint angles [rad], shape (n,), n >= 3.
-        torque: torques [N·m], shape (n,).
-        bandwidth: distance at which a neighbor's weight has fallen to zero [rad], > 0; None takes
+        angle: Joint angles [rad], shape (n,), n >= 3.
+        torque: Torques [N·m], shape (n,).
+        bandwidth: Distance at which a neighbor's weight has fallen to zero [rad], > 0; None takes
             15 % of each branch.
-        dead_band: as in `reversals` [rad].
+        dead_band: Dead band of `reversals` [rad].
 
     Returns:
-        Angle [rad] and torque [N·m], shape (n,) each, sample by sample those of the record.
+        Angle [rad] and torque [N·m], shape (n,) each, with one value for each sample of the record.
 
     Raises:
-        InputError: not a record, or a bandwidth that is not above 0.
+        InputError: The series are not a record, or the bandwidth is not above 0.
     """
     if bandwidth is not None and not (math.isfinite(bandwidth) and bandwidth > 0):
         raise InputError(f"bandwidth is {bandwidth}: give a finite number above 0 (rad)")
@@ -73,14 +73,14 @@ def resample(branch: Branch, samples: int) -> tuple[Array, Array]:
     Jitter is removed as in `smooth`, and a dwell counts with its mean torque.
 
     Args:
-        branch: one of `branches`.
-        samples: number of angles, >= 2.
+        branch: Branch of a record, as `branches` returns them.
+        samples: Number of angles, >= 2.
 
     Returns:
         Angle [rad] and torque [N·m], shape (samples,) each.
 
     Raises:
-        InputError: fewer than 2 samples.
+        InputError: `samples` is below 2.
     """
     if samples < 2:
         raise InputError(f"samples is {samples}: use at least 2")
@@ -115,7 +115,7 @@ def _tip(fitted: Array, noise: float, largest_cut: float) -> float:
 
 
 def _distinct(angle: Array, torque: Array) -> tuple[Array, Array, Array, NDArray[np.intp]]:
-    """Returns distinct angles, ascending, with mean torques and counts, and where each one went."""
+    """Returns distinct angles, ascending, their mean torques and counts, and the map to them."""
     distinct, where, counts = np.unique(angle, return_inverse=True, return_counts=True)
     return distinct, np.bincount(where, torque) / counts, counts.astype(np.float64), where
 

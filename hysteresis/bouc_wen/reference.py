@@ -6,7 +6,7 @@ from ...arrays import Array
 from ..reference import Example, Reference, runge_kutta
 from .model import BoucWen
 
-ANGLE_STEP = 1e-3  # rad, length of a Runge-Kutta step
+ANGLE_STEP = 1e-3  # rad, longest Runge-Kutta step
 
 
 class BoucWenReference(Reference):

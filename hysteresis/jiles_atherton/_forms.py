@@ -1,7 +1,7 @@
 """The other forms of the Jiles-Atherton model, and the clamps: an adaptive step in the field.
 
-Each form says dM/dH; divided by dHe/dH = 1 + alpha dM/dH it becomes a smooth dM/dHe, also where
-dM/dH is infinite. With D = Man - M and the direction delta:
+The literature gives dM/dH for each form. Divided by dHe/dH = 1 + alpha dM/dH it becomes dM/dHe,
+which is smooth also where dM/dH is infinite. With D = Man - M and the direction delta, dM/dHe is:
 
     bulk        D / (delta k) + c Man'                                           (Li et al. 2022)
     original    (D + c Man' (delta k - alpha D)) / ((1 + c) delta k - c alpha D)
@@ -30,8 +30,8 @@ BULK, ORIGINAL, DERIVATIVE, JILES_1992 = range(4)
 CLAMPS = ("none", "jiles", "irreversible")
 NO_CLAMP, JILES_CLAMP, IRREVERSIBLE_CLAMP = range(3)
 
-TOLERANCE = 1e-9  # of Ms, per step
-LANDING_TOLERANCE = 1e-11  # of min(a, k)
+TOLERANCE = 1e-9  # of Ms, error of a step
+LANDING_TOLERANCE = 1e-11  # of min(a, k), error of the field at the end of a motion
 MARCH_LIMIT = 1_000_000
 LANDING_LIMIT = 80
 

@@ -1,12 +1,12 @@
-"""Coordinates of the Jiles-Atherton model in which a box of certified models is a box.
+"""Coordinates of the Jiles-Atherton model in which every point of a box is certified.
 
 A point is
 
     log a,  alpha (2c-1) Ms / (3a),  log(c-1),  log(k (c-1)),  log Ms.
 
-The second is the certificate's steepness: below 1, and above -2, no motion meets the pole at any
-angle. A row is Ms, a, alpha, c, k. All angles are in one unit. Each of the first four coordinates
-describes the shape of the loops alone: at fixed ones the torque is proportional to Ms.
+The second is the certificate's steepness: where it is between -2 and 1, no motion meets the pole at
+any angle. A row is Ms, a, alpha, c, k. All angles are in one unit. The first four coordinates
+describe the shape of the loops alone: where they are fixed, the torque is proportional to Ms.
 """
 
 from typing import Any
@@ -21,7 +21,7 @@ STEEPNESS_LIMITS = (-2.0, 1.0)  # between them every model with c > 1 is certifi
 
 
 def unit_rows(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Returns the rows with Ms = 1 of points without their last coordinate, (n, 4) -> (n, 5)."""
+    """Returns the rows, with Ms = 1, of points without the last coordinate, (n, 4) -> (n, 5)."""
     log_a, steepness, log_excess, log_reach = shapes.T
     a, excess = np.exp(log_a), np.exp(log_excess)
     alpha = steepness * 3 * a / (2 * excess + 1)
@@ -29,7 +29,7 @@ def unit_rows(shapes: NDArray[Any]) -> NDArray[Any]:
 
 
 def rows(points: NDArray[Any]) -> NDArray[Any]:
-    """Returns the rows of points, (n, 5) -> (n, 5); complex ones keep their imaginary part."""
+    """Returns the rows of points, (n, 5) -> (n, 5); complex points give complex rows."""
     unit, Ms = unit_rows(points[:, :LOG_MS]), np.exp(points[:, LOG_MS])
     return np.column_stack([Ms, unit[:, 1], unit[:, 2] / Ms, unit[:, 3:]])
 

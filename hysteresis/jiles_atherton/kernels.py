@@ -32,23 +32,23 @@ BLOCK = 32  # models of a population that take their steps together
 
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
-    """Starts anywhere; inside is how much nearer to Man than the certificate's bound."""
+    """Starts a motion; returns how far |M - Man| is below its bound, negative if it is above."""
     remember(p, s, angle, torque)
-    s[LOSS] = recoverable(p, angle, torque)
+    s[LOSS] = recoverable(p, angle, torque)  # so that `dissipated` begins at 0
     _, bound = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return bound - abs(s[LAG])
 
 
 @njit(cache=True, error_model="numpy")
 def is_certified(p):
-    """Returns whether no motion whatever meets the pole or gains energy."""
+    """Returns whether no motion, at any angles, meets the pole or gains energy."""
     margin, _ = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return is_exact(p) and p[C] >= 1 and margin > ROUNDING
 
 
 @njit(cache=True, error_model="numpy")
 def remember(p, s, angle, torque):
-    """Makes (angle, torque) the memory and derives the rest of it."""
+    """Makes (angle, torque) the memory and computes the rest of it, but for the loss."""
     Ms, a = p[MS], p[A]
     x = angle + p[ALPHA] * torque
     L, dL, ddL = langevin(x / a)
@@ -79,7 +79,7 @@ def travel(p, s, angle, step: Callable = bulk.advance):
 
 @njit(inline="always", error_model="numpy")
 def store(s, angle, moved):
-    """Makes the end of `travel` the memory, but for the loss."""
+    """Makes the end of `travel` the memory; the loss stays as it is."""
     s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE] = moved
     s[ANGLE], s[TORQUE] = angle, s[MAN] + s[LAG]
 
@@ -127,7 +127,7 @@ def move(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
-    """Moves the memory on to `angle`; returns the torque."""
+    """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[ANGLE]:
         return s[TORQUE]
     if not is_exact(p):
@@ -154,7 +154,7 @@ def stiffness(p, s, angle, torque, delta):
 
 @njit(cache=True, error_model="numpy")
 def recoverable(p, angle, torque):
-    """Returns what of the past loss a motion from here could still get back."""
+    """Returns the part of the past loss that a motion from here could still get back."""
     if not is_exact(p):
         return 0.0
     return bulk.recoverable_energy(angle, torque, p[MS], p[A], p[ALPHA], p[C], p[K], p[STEP_LIMIT])
@@ -162,7 +162,7 @@ def recoverable(p, angle, torque):
 
 @njit(cache=True, error_model="numpy")
 def stored(p, s, angle, torque, loss):
-    """Returns the stored energy: the integral of Man dHe, and what of the past loss is left."""
+    """Returns the stored energy: the bracket in docs/theory.md, and the recoverable loss."""
     Ms, a, alpha = p[MS], p[A], p[ALPHA]
     elastic = Ms * a * log_sinhc((angle + alpha * torque) / a) - alpha * torque * torque / 2
     return elastic + recoverable(p, angle, torque)
@@ -170,13 +170,13 @@ def stored(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def dissipated(p, s, angle, torque, loss):
-    """Returns the dissipated energy: the loss but for what a motion could still get back."""
+    """Returns the dissipated energy: the loss less what a motion could still get back."""
     return s[LOSS] + loss - recoverable(p, angle, torque)
 
 
 @njit(cache=True, error_model="numpy")
 def response(p, s, H, M):
-    """Fills M with the torque along H."""
+    """Fills M with the torque along the angles H, from s; NaN from a pole onwards."""
     M[0] = s[TORQUE]
     for i in range(1, H.size):
         M[i] = commit(p, s, H[i])
@@ -197,7 +197,7 @@ def certify(p, s, inside, low, high):
 
 @njit(cache=True, error_model="numpy")
 def is_sound(p):
-    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return min(p[MS], p[A], p[K]) > 0 and p[STEP_LIMIT] > 0
 
 
@@ -209,7 +209,7 @@ def size(counts):
 
 @njit(cache=True)
 def memory_size(total):
-    """Returns how many of them belong to the memory."""
+    """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
 
 
@@ -229,7 +229,7 @@ def configure(values, ends, p):
 
 @njit(cache=True, error_model="numpy")
 def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
-    """Fills p."""
+    """Fills p: the parameters, form and clamp, and constants that every step needs."""
     p[MS], p[A], p[ALPHA], p[C], p[K] = Ms, a, alpha, c, k
     p[STEP_LIMIT] = bulk.field_step_limit(Ms, a, alpha, c, k)
     p[FORM], p[CLAMP] = form, clamp
@@ -239,6 +239,7 @@ def set_parameters(p, Ms, a, alpha, c, k, form, clamp):
 @njit(inline="always", error_model="numpy")
 def advance_together(p, s, done, rows, angle):
     """Moves the models on to `angle`: those for which a short step is enough, then the others."""
+    # Only this loop becomes vector instructions; the scalar steps after it give the same bits.
     for row in rows:
         done[row], moved = travel(p[:, row], s[:, row], angle, bulk.advance_short)
         if done[row]:
@@ -253,15 +254,15 @@ def population_response(H, starts, M0, parameters, M):
     """Fills M with the torque of n parameter rows along several curves laid end to end.
 
     The models take each step together. The loop over them has no branch and one array per quantity,
-    and so compiles to vector instructions: about six times as fast as one by one, and the same to
-    the last bit.
+    and so compiles to vector instructions: about six times as fast as one model after the other,
+    with torques that are equal to the last bit.
 
     Args:
-        H: angles of all curves (samples,).
-        starts: index of each curve's first sample, then the number of samples (curves + 1,).
-        M0: torque of each row at each curve's first sample (n, curves).
-        parameters: rows of Ms, a, alpha, c, k in the unit of H (n, 5), form bulk without clamp.
-        M: the result (n, samples).
+        H: Angles of all curves (samples,).
+        starts: Index of each curve's first sample, then the number of samples (curves + 1,).
+        M0: Torque of each row at each curve's first sample (n, curves).
+        parameters: Rows of Ms, a, alpha, c, k in the unit of H (n, 5), form bulk without clamp.
+        M: Result (n, samples).
     """
     p, s = np.zeros((PARAMETER_SIZE, BLOCK)), np.zeros((MEMORY_SIZE, BLOCK))
     done = np.empty(BLOCK, np.bool_)

@@ -6,8 +6,8 @@ from typing import Any
 from numba import njit, types
 from numba.extending import intrinsic
 
-# Below this |x| the closed form loses digits to cancellation, and the series is exact there.
-# A suit works in exactly this zone.
+# Below this |x| the closed form loses digits to cancellation, and the series is exact to rounding.
+# The joints of a suit work in this zone.
 SERIES_BELOW = 0.42
 
 # L(x) = x (C0 + C1 x^2 + ...), from coth x = sum 2^(2n) B_2n x^(2n-1) / (2n)!
@@ -35,7 +35,7 @@ fma: Any = intrinsic(_fused)  # a float of three floats
 
 @njit(inline="always", error_model="numpy")
 def langevin_series(x: float) -> tuple[float, float, float]:
-    """Returns what `langevin` does, for |x| < SERIES_BELOW and without a branch."""
+    """Returns the result of `langevin` for |x| < SERIES_BELOW, without a branch."""
     s = x * x
     # Grouped in pairs (Estrin) so that the processor can work on them side by side.
     s2 = s * s

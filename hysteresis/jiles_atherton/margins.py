@@ -1,7 +1,7 @@
 """The certificate of the Jiles-Atherton model: its margin for all angles and for a finite range.
 
-In the effective field x the lag u = M - Man obeys du/dx = -u/(delta k) + (c-1) Man'. Say that every
-start has |u| <= B, and c >= 1. Let U run to the right from the state u = B at the lowest angle,
+In the effective field x the lag u = M - Man obeys du/dx = -u/(delta k) + (c-1) Man'. Suppose that
+c >= 1 and every start has |u| <= B. Let U run to the right from u = B at the lowest angle,
 
     U' = ((c-1) k Man' - U) / k,  never below B,
 
@@ -20,7 +20,7 @@ from numba import njit
 from ._bulk import step_field
 from .langevin import langevin
 
-CELL = 0.02  # of min(a, k)
+CELL = 0.02  # of min(a, k), step in the effective field
 MAX_LANGEVIN_2ND_DERIVATIVE = 0.106  # max |L''|, near |x| = 1.37
 CELLS_LIMIT = 1_000_000
 BISECTIONS = 200
@@ -43,7 +43,7 @@ def margin_everywhere(Ms, a, alpha, c, k):
 def margin_in_range(low, high, Ms, a, alpha, c, k):
     """Returns (margin, B, largest |u|) for angles between low and high.
 
-    B covers every start without torque.
+    B is the largest |u| of a start; it covers every start without torque.
     """
     if c < 1 or alpha * Ms >= 3 * a:  # the latter: several fields belong to one angle and lag
         margin, bound = margin_everywhere(Ms, a, alpha, c, k)
@@ -80,8 +80,8 @@ def run(low, high, start, Ms, a, alpha, c, k):
 
 @njit(inline="always", error_model="numpy")
 def between(dx, U, U1, steepest, Ms, a, c, k):
-    """Returns by how much U can exceed both its ends within a cell: dx^2 / 8 max |U''|."""
-    source = (c - 1) * steepest  # (c-1) Man', which is what U' is less U / k
+    """Returns by how much U can exceed its values at both ends of a cell: dx^2 / 8 max |U''|."""
+    source = (c - 1) * steepest  # (c-1) Man'; U' is this less U / k
     bend = (c - 1) * MAX_LANGEVIN_2ND_DERIVATIVE * Ms / (a * a)
     return dx * dx / 8 * (bend + (source + (max(U, U1) + dx * source) / k) / k)
 

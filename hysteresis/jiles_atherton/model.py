@@ -41,21 +41,21 @@ class JilesAtherton(HysteresisModel):
     magnetics; the same five numbers mean different loops in each.
 
     Attributes:
-        Ms: saturation torque [N·m], > 0.
-        a: shape parameter [angle_unit], > 0.
-        alpha: coupling of torque into the effective angle [angle_unit per N·m].
-        c: reversibility, >= 1 unless `allow_active`.
-        k: loss parameter [angle_unit], > 0.
-        angle_unit: unit of a, k and alpha. The published sets are in degrees; angles that go into
-            the methods are radians whatever it is.
-        form: which equation: `bulk`, `original` (Jiles and Atherton 1986), `derivative` (with
-            dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
-        clamp: whether the irreversible part stops while it points against the motion: `none`,
+        Ms: Saturation torque, > 0 [N·m].
+        a: Shape parameter, > 0 [angle_unit].
+        alpha: Coupling of torque into the effective angle [angle_unit per N·m].
+        c: Reversibility, >= 1 unless `allow_active`.
+        k: Loss parameter, > 0 [angle_unit].
+        angle_unit: Unit of a, k and alpha. The published sets are in degrees; the angles that the
+            methods take are in radians in either case.
+        form: Equation of the model: `bulk`, `original` (Jiles and Atherton 1986), `derivative`
+            (with dMan/dHe for dMan/dH) or `jiles-1992`; all but `bulk` drive the joint.
+        clamp: Rule that stops the irreversible part while it points against the motion: `none`,
             `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
-        allow_active: accept a model that feeds energy into the joint.
+        allow_active: Whether to accept a model that feeds energy into the joint.
 
     Raises:
-        InputError: a parameter is not finite or out of its range.
+        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "jiles-atherton"
@@ -119,7 +119,7 @@ class JilesAtherton(HysteresisModel):
 
     @cached_property
     def parameter_vector(self) -> Array:
-        """Ms, a, alpha, c, k in radians, the longest internal step, form and clamp."""
+        """Ms, a, alpha, c, k in radians, and what the kernels compute from them, form and clamp."""
         p = np.empty(kernels.PARAMETER_SIZE)
         scale = 1 / UNIT_PER_RADIAN[self.angle_unit]
         form, clamp = FORMS.index(self.form), CLAMPS.index(self.clamp)
@@ -137,9 +137,9 @@ class JilesAtherton(HysteresisModel):
         it does at both ends; for c >= 1 and alpha > 0 that is alpha (2c-1) Ms / (3a) < 1.
 
         Args:
-            angle_range: angles [rad] that the joint keeps to. In a finite range u is bounded more
-                tightly, by the longest possible run in either direction, so a model may be safe
-                there that is not for all angles.
+            angle_range: Angles that the joint never leaves [rad]. In a finite range u is bounded
+                more tightly, by the longest possible run in either direction, so a model may be
+                safe there although it is not safe for all angles.
 
         Returns:
             The certificate. Nothing is proved (margin -inf) for forms other than `bulk` without a
@@ -169,10 +169,10 @@ class JilesAtherton(HysteresisModel):
         return float(state.memory[kernels.MAN])
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "JilesAtherton":
-        """Returns the model whose response at `angle` times an angle is `torque` times this one's.
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
-        Exact, whatever the motion: Ms -> torque Ms, alpha -> alpha / torque (with torque = P / P0
-        the pressure scaling of the volume effect); a, k and alpha -> angle times as much.
+        This is exact for any motion: Ms -> torque Ms, alpha -> alpha / torque (with torque = P / P0
+        it is the pressure scaling of the volume effect); a, k and alpha -> angle times as much.
         """
         scales(torque=torque, angle=angle)
         return replace(
@@ -210,7 +210,7 @@ class JilesAtherton(HysteresisModel):
         return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns name and parameters for JSON; what has its default value is left out."""
+        """Returns name and parameters, ready for JSON; most defaults are left out."""
         content = asdict(self)
         for field in fields(self):
             if content[field.name] == field.default and field.name != "angle_unit":

@@ -1,4 +1,4 @@
-"""The certified Jiles-Atherton model whose curves differ least from a given one's."""
+"""Finds the certified Jiles-Atherton model whose curves differ least from those of another."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -12,9 +12,9 @@ from . import coordinates
 from .coordinates import LOG_EXCESS, LOG_REACH, STEEPNESS
 from .model import PARAMETERS, JilesAtherton
 
-MARGIN = 0.02  # that the result keeps
-LEAST_EXCESS = 0.01  # of c above 1
-REACH = 5.0  # of the search, in e-folds to either side
+MARGIN = 0.02  # certificate margin that the result keeps
+LEAST_EXCESS = 0.01  # least c - 1 of the result
+REACH = 5.0  # e-folds, how far the search goes to either side
 C = PARAMETERS.index("c")
 WIDEST = 100.0  # in units of a or k, where the search for a common range of angles begins
 SAMPLES = 60  # per branch
@@ -22,7 +22,12 @@ TIE_BREAK = 1e-3  # of the curve's peak, per e-fold of a parameter that the curv
 
 
 class Nearest(NamedTuple):
-    """A certified model, and the root mean square change of its curves [of their peak]."""
+    """A certified model, and how much its curves differ from those of another.
+
+    Attributes:
+        model: Certified model.
+        change: Root mean square change of the curves, as a share of their peak.
+    """
 
     model: JilesAtherton
     change: float
@@ -31,20 +36,20 @@ class Nearest(NamedTuple):
 def nearest_certified(model: JilesAtherton) -> Nearest:
     """Finds the certified model with the least mean square change of torque.
 
-    The curves compared are a first loading, a full loop and a half loop between -R and R, R the
-    largest angle up to which the model itself is safe (its certificate for that range), so that
-    there is a curve to compare with. The search runs in coordinates in which every point is
-    certified; `coordinates` has them.
+    The curves that are compared are a first loading, a full loop and a half loop between -R and R.
+    R is the largest angle up to which the given model is itself safe (by its certificate for that
+    range), so that its curves exist. The search runs in `coordinates`, where every point is
+    certified.
 
     Args:
-        model: any Jiles-Atherton model; one that is certified already comes back as it is. Of
-            another form or with a clamp, its nearest is of form `bulk` without one.
+        model: Any Jiles-Atherton model; a certified one comes back as it is. The model that is
+            nearest to another form, or to one with a clamp, has form `bulk` without a clamp.
 
     Returns:
         A certified model in the same angle unit, and how much its curves differ.
 
     Raises:
-        InputError: `model` is of another kind.
+        InputError: `model` is not a Jiles-Atherton model.
     """
     from scipy.optimize import least_squares  # slow to import, rarely needed
 
@@ -97,7 +102,7 @@ def _at(point: Array, model: JilesAtherton) -> JilesAtherton:
 
 
 def _plain(model: JilesAtherton) -> JilesAtherton:
-    """Returns the form that certificates speak of."""
+    """Returns the model in form `bulk` without a clamp, the one with a certificate."""
     return replace(model, form="bulk", clamp="none", allow_active=True)
 
 

@@ -1,4 +1,4 @@
-"""A readable Jiles-Atherton model, and examples of it."""
+"""A readable reference of the Jiles-Atherton model, and examples of the model."""
 
 import math
 
@@ -8,7 +8,7 @@ from ..reference import Example, Reference, runge_kutta
 from .model import JilesAtherton
 from .table_2 import TABLE_2
 
-FIELD_STEP = 0.05  # of the Runge-Kutta steps, in degrees
+FIELD_STEP = 0.05  # degrees, longest Runge-Kutta step
 
 
 class JilesAthertonReference(Reference):

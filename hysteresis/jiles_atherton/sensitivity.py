@@ -1,14 +1,15 @@
-"""The Jiles-Atherton torque along curves with its derivatives by every parameter.
+"""The Jiles-Atherton torque along curves, with its derivatives by every parameter.
 
-Symbols and the exact step as in `_jiles_atherton_bulk`. At a fixed effective field x the lag u
-obeys a linear equation, so its derivatives v_j = du/dq_j obey the same one with other sources: the
-source of u is (c-1) dMan/dx, that of v_j its derivative by q_j, plus u / (delta k^2) for k. One
-step is differentiated as it stands: its weights by k, the Hermite interpolant by Ms and a. What
-joins u and M,
+Symbols and the exact step are those of `_bulk`. At a fixed effective field x the lag u obeys a
+linear equation, so its derivatives v_j = du/dq_j obey the same equation with other sources: the
+source of u is (c-1) dMan/dx; the source of v_j is its derivative by q_j, plus u / (delta k^2) for
+q_j = k. The step is differentiated as it is computed: its weights by k, the Hermite interpolant by
+Ms and a.
+The relations between u and M,
 
     M = Man(x) + u(x),   x = H + alpha M,
 
-gives dM/dq_j = (dMan/dq_j + v_j + f M [q_j = alpha]) / (1 - alpha f), and v_j from dM/dq_j at the
+give dM/dq_j = (dMan/dq_j + v_j + f M [q_j = alpha]) / (1 - alpha f), and v_j from dM/dq_j at the
 beginning of the next motion, whose f belongs to its own direction.
 """
 
@@ -44,7 +45,7 @@ from .kernels import (
 from .langevin import fma, langevin
 
 INITIAL = 5  # the torque at the beginning, after Ms, a, alpha, c, k
-SERIES_TERMS = 9  # of phi_4 for z < SHORT
+SERIES_TERMS = 9  # of phi_4 for z < 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -54,12 +55,12 @@ def response_and_derivatives(H, starts, M0, parameters, M, dM):
     M is that of `population_response` to the last bit.
 
     Args:
-        H: angles of all curves (samples,).
-        starts: index of each curve's first sample, then the number of samples (curves + 1,).
-        M0: torque at each curve's first sample (curves,).
-        parameters: Ms, a, alpha, c, k in the unit of H (5,), form bulk without clamp.
-        M: the torque (samples,); NaN from the pole on.
-        dM: its derivatives by Ms, a, alpha, c, k and the torque at the beginning (samples, 6).
+        H: Angles of all curves (samples,).
+        starts: Index of each curve's first sample, then the number of samples (curves + 1,).
+        M0: Torque at each curve's first sample (curves,).
+        parameters: Values of Ms, a, alpha, c, k in the unit of H (5,), form bulk without clamp.
+        M: Torque (samples,); NaN from the pole on.
+        dM: Derivatives of M by Ms, a, alpha, c, k and the torque at the start (samples, 6).
     """
     p, s = np.zeros(PARAMETER_SIZE), np.zeros(MEMORY_SIZE)
     Ms, a, alpha, c, k = parameters
@@ -80,7 +81,7 @@ def response_and_derivatives(H, starts, M0, parameters, M, dM):
 
 @njit(cache=True, error_model="numpy")
 def carry(p, s, end, before, after):
-    """Fills `after` with the derivatives of M where the motion from s ends at the field `end`."""
+    """Fills `after` with the derivatives of M after a motion from s to the field `end`."""
     Ms, a, alpha, c, k = p[MS], p[A], p[ALPHA], p[C], p[K]
     x, u, man, slope, curvature = s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE]
     per_k = math.copysign(1 / k, end - x)
@@ -121,7 +122,7 @@ def weights_and_derivatives(z):
     """Returns `decay_weights` and their derivatives by z: of phi_j it is j phi_(j+1) - phi_j."""
     decay, phi1, phi2, phi3 = decay_weights(z)
     phi4 = (1 / 6 - phi3) / z
-    if z < 1:  # where the closed form loses digits; sum over j of (-z)^j / (j + 4)!
+    if z < 1:  # the closed form loses digits here; sum over j of (-z)^j / (j + 4)!
         term, phi4 = 1 / 24, 0.0
         for j in range(5, 5 + SERIES_TERMS):
             phi4 += term

@@ -1,4 +1,4 @@
-"""Published parameter sets."""
+"""Published parameter sets of suit joints, as models."""
 
 from ...published import LI_TABLE_2
 from .model import JilesAtherton

@@ -1,7 +1,7 @@
 """Kernels of the Prandtl-Ishlinskii model: plain functions over scalars and arrays.
 
-They know the stop form only, T = K (theta - rest) + sum w_i E_i; `PrandtlIshlinskii` rewrites the
-play form. Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n], thresholds r rising.
+They compute the stop form only, T = K (theta - rest) + sum w_i E_i; `PrandtlIshlinskii` rewrites
+the play form. Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n], thresholds r rising.
 
 The memory s = [angle, torque, loss, F_1 ... F_n] holds the play F of each element, the angle at
 which its stop E = theta - F is zero. F follows from the turning points alone, F = max(F, theta - r)
@@ -21,12 +21,12 @@ COMPLAINTS = (
     b"give increasing numbers (thresholds above 0, levels two or more)",
     b"give as many numbers as thresholds or segments between levels",
 )
-START_TOLERANCE = 1e-12  # of all torques at hand: what rounding may add to a saturated one
+START_TOLERANCE = 1e-12  # of the sum of all |torques|, by which rounding may lift a saturated one
 
 
 @njit(inline="always", error_model="numpy")
 def stop(angle: float, play: float, threshold: float) -> tuple[float, float]:
-    """Returns E and F of an element at `angle` that arrives with the play `play`.
+    """Returns E and F of an element that moves to `angle` with the play `play`.
 
     |E| never exceeds the threshold: subtractions are monotone, rounded or not.
     """
@@ -42,7 +42,7 @@ def stop(angle: float, play: float, threshold: float) -> tuple[float, float]:
 def first_motion(p, n, wanted, tolerance):
     """Returns the smallest x with phi(x) = sum w_i clip(x, -r_i, r_i) = wanted, or NaN.
 
-    phi is odd and linear between thresholds: the first |phi| as large as |wanted| is it.
+    phi is odd and linear between thresholds: x lies below the first one with |phi| >= |wanted|.
     """
     slope = 0.0
     for i in range(n):
@@ -61,7 +61,7 @@ def first_motion(p, n, wanted, tolerance):
 
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
-    """Fills s as after the first loading from rest that gives `torque`; returns 1, or NaN if none.
+    """Fills s as after a first loading that gives `torque`; returns 1, or NaN if none does.
 
     Loading by x from the angle where all stops are at zero gives K (angle - rest) + phi(x).
     """
@@ -81,7 +81,7 @@ def begin(p, s, angle, torque):
 
 @njit(inline="always", error_model="numpy")
 def travel(p, s, angle, keep):
-    """Returns torque and loss of a motion to `angle`; the plays are then the memory's if `keep`."""
+    """Returns torque and loss of a motion to `angle`; `keep` stores the new plays in s."""
     n = s.size - 3
     torque, loss = p[0] * (angle - p[1]), 0.0
     for i in range(n):
@@ -115,7 +115,7 @@ def move(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
-    """Makes a motion to `angle` the memory and returns its torque; NaN leaves s as it is."""
+    """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[0]:
         return s[1]
     if not math.isfinite(angle):
@@ -128,7 +128,7 @@ def commit(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def stiffness(p, s, angle, torque, delta):
-    """Returns dT/dangle at the end of a motion if it goes on with sign `delta`."""
+    """Returns dT/dangle at the end of a motion that goes on with the sign `delta`."""
     n = s.size - 3
     slope = p[0]
     for i in range(n):
@@ -157,13 +157,13 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    """Returns whether the model is certified, which no range changes, and how far inside s is."""
     return is_certified(p), inside
 
 
 @njit(cache=True)
 def is_sound(p):
-    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return True
 
 
@@ -175,7 +175,7 @@ def size(counts):
 
 @njit(cache=True)
 def memory_size(total):
-    """Returns how many of them belong to the memory."""
+    """Returns how many of these `total` numbers belong to the memory."""
     return FIRST_PLAY + (total - FIRST_PLAY - HEADER) // 3
 
 
@@ -207,7 +207,7 @@ def response(p, s, H, M):
 
 @njit(cache=True, error_model="numpy")
 def play_sum(slope, thresholds, weights, plays, x, y):
-    """Fills y with slope x + sum w_i F_i(x); `plays`, the F before x[0], end up at their last."""
+    """Fills y with slope x + sum w_i F_i(x); `plays` holds the F before x[0], then the last F."""
     for k in range(x.size):
         total = slope * x[k]
         for i in range(thresholds.size):

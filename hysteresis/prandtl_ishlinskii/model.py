@@ -31,21 +31,21 @@ class PrandtlIshlinskii(HysteresisModel):
         "stop":  T = stiffness u + sum w_i E_i        (the sum softens: springs with sliders)
         "play":  T = stiffness u + sum w_i F_i        (the sum stiffens, with backlash)
 
-    where E_r follows u one to one but for its limits |E_r| <= r (Brokate and Sprekels, Hysteresis
+    where E_r follows u one to one within its limits |E_r| <= r (Brokate and Sprekels, Hysteresis
     and Phase Transitions, 1996, ch. 2). A stop with w > 0 and a play with w < 0 only ever lose
     energy; other signs are allowed, but the certificate then does not say `dissipative`. A play
     model is the stop model with weights -w and a stiffness larger by sum w, and is computed as
     such. The model has return-point memory, and its loops between the same angles are congruent.
 
     Attributes:
-        stiffness: of the elastic part [N·m/rad].
-        thresholds: r_i [rad], > 0, strictly increasing.
-        weights: w_i [N·m/rad], as many as thresholds.
-        operator: which of the two sums it is.
-        rest_angle: where u is zero [rad].
+        stiffness: Stiffness of the elastic part [N·m/rad].
+        thresholds: Thresholds r_i [rad], > 0, strictly increasing.
+        weights: Weights w_i [N·m/rad], as many as thresholds.
+        operator: Which of the two sums the model is.
+        rest_angle: Angle at which u is zero [rad].
 
     Raises:
-        InputError: a parameter is not finite or out of its range, or the numbers do not match.
+        InputError: A parameter is not finite or out of its range, or the numbers do not match.
     """
 
     name: ClassVar[str] = "prandtl-ishlinskii"
@@ -90,19 +90,19 @@ class PrandtlIshlinskii(HysteresisModel):
 
     @cached_property
     def parameter_vector(self) -> Array:
-        """The stop form: stiffness, rest_angle, thresholds, weights."""
+        """The parameters of the stop form: stiffness, rest_angle, thresholds, weights."""
         thresholds, weights = self._arrays
         sign = 1 if self.operator == "stop" else -1
         return read_only([self.loading_slopes[-1], self.rest_angle, *thresholds, *(sign * weights)])
 
     @property
     def memory_size(self) -> int:
-        """Angle, torque and loss, and the play of each element."""
+        """How many numbers the memory holds: angle, torque, loss and the play of each element."""
         return 3 + len(self.thresholds)
 
     @property
     def free_parameters(self) -> int:
-        """The weights, stiffness and rest angle; the thresholds are given."""
+        """How many numbers a fit chooses: weights, stiffness and rest angle, not the thresholds."""
         return 2 + len(self.weights)
 
     def config(self) -> dict[str, Any]:
@@ -119,11 +119,10 @@ class PrandtlIshlinskii(HysteresisModel):
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 
-        The elements are as after the first loading, at wherever it took the least motion to come
-        to that torque.
+        The elements are as after a first loading, the shortest one that gives this torque.
 
         Raises:
-            InputError: a number is not or the model cannot have that torque there.
+            InputError: A number is not finite, or the model cannot have that torque there.
         """
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
@@ -143,11 +142,11 @@ class PrandtlIshlinskii(HysteresisModel):
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """States what holds for every motion, from every start.
 
-        In the stop form |E_i| <= r_i, and nothing has a pole. A cycle loses sum w_i r_i |dF_i|,
-        which is never negative if no w_i is.
+        In the stop form |E_i| <= r_i, and nothing has a pole. A cycle loses the integral of
+        sum w_i r_i |dF_i|, which is never negative if no w_i is.
 
         Raises:
-            InputError: the range is empty or not a number.
+            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         stiffness, weights = self.parameter_vector[0], self.parameter_vector[-len(self.weights) :]
@@ -169,15 +168,16 @@ class PrandtlIshlinskii(HysteresisModel):
         slopes of its loading curve are the reciprocals. It is explicit and O(n) per sample.
 
         Args:
-            torque: resistance [N·m], shape (n,).
-            initial_angle: the angle of torque[0] [rad].
+            torque: Resistance [N·m], shape (n,).
+            initial_angle: Angle of torque[0] [rad].
 
         Returns:
-            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` takes them back.
+            Angles [rad], shape (n,), with angle[0] == initial_angle; `response` gives the torques
+            back.
 
         Raises:
             InputError: `torque` is not one finite series, the model has no such start, or it does
-                not rise everywhere: it saturates, or softens below zero.
+                not rise everywhere: it saturates, or its slope falls below zero.
         """
         torque = finite_series("torque", torque, "N·m")
         thresholds, slopes = self._arrays[0], self.loading_slopes
@@ -207,11 +207,11 @@ class PrandtlIshlinskii(HysteresisModel):
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
         Args:
-            torque: scale of the resistance, > 0.
-            angle: scale of the angles, > 0.
+            torque: Scale of the resistance, > 0.
+            angle: Scale of the angles, > 0.
 
         Raises:
-            InputError: a scale is not finite or not above 0.
+            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         return replace(

@@ -1,4 +1,4 @@
-"""A readable Prandtl-Ishlinskii model, and examples of it."""
+"""A readable reference of the Prandtl-Ishlinskii model, and examples of the model."""
 
 import math
 
@@ -8,7 +8,7 @@ from .model import PrandtlIshlinskii
 
 
 class PrandtlIshlinskiiReference(Reference):
-    """A list of stops, all at zero in the beginning; a play is what a stop leaves of the angle."""
+    """A list of stops, all zero at the start; a play is u = angle - rest_angle less its stop."""
 
     def __init__(self, model: PrandtlIshlinskii, angles: Array, _: float) -> None:
         self.model = model

@@ -1,4 +1,4 @@
-"""The parameter vector of the Preisach model: sums over its cells, taken once.
+"""Computes the parameter vector of the Preisach model: sums over its cells, taken once.
 
 `kernels` describes the vector and reads it.
 """
@@ -17,13 +17,13 @@ def parameter_size(segments):
 
 @njit(cache=True)
 def set_parameters(p, levels, density, elastic):
-    """Fills p.
+    """Fills the parameter vector p.
 
     Args:
-        p: the result, `parameter_size` numbers.
-        levels: n + 1 increasing angles [rad].
-        density: the rows of weights [N·m] one after the other, n (n + 1) / 2 numbers.
-        elastic: slope of the elastic part in each segment [N·m/rad], n numbers.
+        p: Result, `parameter_size` numbers.
+        levels: Increasing angles [rad], n + 1 numbers.
+        density: Rows of weights [N·m], one after the other, n (n + 1) / 2 numbers.
+        elastic: Slope of the elastic part in each segment [N·m/rad], n numbers.
     """
     n = elastic.size
     weight = np.zeros((n, n))

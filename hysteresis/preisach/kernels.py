@@ -26,7 +26,7 @@ from numba import njit
 
 from ._tables import CELL, HEADER, SEGMENT, parameter_size, set_parameters
 
-CAPACITY = 64  # even, so that the innermost branch of a full stack rises
+CAPACITY = 64  # even: branch 64 rises, so that `walk` asks only if a fall passes its base
 FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
 COMPLAINTS = (
     b"",
@@ -67,7 +67,7 @@ def clipped(p, angle):
 
 @njit(inline="always", error_model="numpy")
 def turning_points(s):
-    """Returns the number of turning points, inside the stack even if the memory is garbage."""
+    """Returns the number of turning points, within the stack even if a user overwrote s."""
     count = s[COUNT]
     if count >= CAPACITY:
         return CAPACITY
@@ -86,6 +86,7 @@ def swept(p, x, y):
     i, j = segment(p, x), segment(p, y)
     a, c = HEADER + SEGMENT * i, HEADER + SEGMENT * j
     if i <= j:
+        # One triangle on the diagonal: the mean of (up - down) / 2 over it is a sixth of its side.
         u = (x - y) * p[a + PER_WIDTH]
         weight = p[a + DIAGONAL] * u * u
         return weight, weight * (x - y) / 6
@@ -140,11 +141,12 @@ def elastic(p, angle):
 
 @njit(cache=True, error_model="numpy")
 def walk(p, s, angle):
-    """Moves to an angle without a trace.
+    """Computes a motion to an angle and leaves the memory as it is.
 
-    Returns (k, relays, lost, on_branch): the branch where the motion ends, k = turning points + 1
-    if it is a new one from s[0]; torque of the relays; energy dissipated on the way and, of that,
-    on this branch since its record. On the innermost branch of a full stack no loss counts.
+    Returns (k, relays, lost, on_branch): the branch k on which the motion ends (turning points + 1
+    for a new branch, which leaves s[0]), the torque of the relays, the energy dissipated on the
+    way, and the energy dissipated on branch k since its record. On the innermost branch of a full
+    stack no loss counts.
     """
     x, k = clipped(p, angle), turning_points(s)
     if angle == s[0]:
@@ -152,6 +154,7 @@ def walk(p, s, angle):
     rises = angle > s[0]
     base, relays, on_branch = s[RECORDS + 2 * k], s[RECORDS + 2 * k + 1], s[BRANCH_LOSS]
     if rises != (k % 2 == 0):
+        # The motion turns: it opens a branch, or goes back along the last one if the stack is full.
         if k < CAPACITY:
             k, base, relays, on_branch = k + 1, clipped(p, s[0]), s[RELAYS], 0.0
         elif x > base:
@@ -166,15 +169,17 @@ def walk(p, s, angle):
         bound = s[RECORDS + 2 * (k - 1)]
         if x < bound if rises else x > bound:
             break
-        # The loop between base and bound closes and is wiped out.
+        # The loop between base and bound closes. A loop has two turning points, a minimum and a
+        # maximum, so two records go, and the motion continues the branch before them.
         lost += swept(p, bound, base)[1] - on_branch
         k -= 2
         base, relays = s[RECORDS + 2 * max(k, 0)], s[RECORDS + 2 * max(k, 0) + 1]
         on_branch = swept(p, bound, base)[1]
-    k = max(k, 0)
+    k = max(k, 0)  # -1 after a fall to the lowest level, which is record 0 itself
     weight, loss = swept(p, x, base)
     if k == CAPACITY:
         loss = 0.0
+    # From the record, not from s: a closed loop leaves no trace, and rounding does not add up.
     relays += weight if k % 2 else -weight
     return k, relays, lost + loss - on_branch, loss
 
@@ -201,7 +206,7 @@ def is_certified(p):
 
 @njit(cache=True, error_model="numpy")
 def begin(p, s, angle, torque):
-    """Fills the memory as if the angle had come up from below the lowest level."""
+    """Starts a motion as if the angle had come up from below the lowest level."""
     s[:] = 0.0
     offset = torque - elastic(p, angle)[0]
     if not (math.isfinite(angle) and math.isfinite(offset)):
@@ -226,7 +231,7 @@ def move(p, s, angle):
 
 @njit(cache=True, error_model="numpy")
 def commit(p, s, angle):
-    """Makes a motion to `angle` the memory and returns its torque; NaN leaves s as it is."""
+    """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
     if angle == s[0]:
         return s[1]
     if not math.isfinite(angle):
@@ -250,6 +255,7 @@ def stiffness(p, s, angle, torque, delta):
     k, _, _, _ = walk(p, s, angle)
     rises = delta > 0
     i = segment(p, angle)
+    # At a level the motion enters the segment on its own side.
     if not rises and i > 0 and angle == p[HEADER + SEGMENT * i]:
         i -= 1
     a = HEADER + SEGMENT * i
@@ -258,7 +264,7 @@ def stiffness(p, s, angle, torque, delta):
         return slope
     if angle < p[1] if rises else angle <= p[1]:
         return slope
-    if rises != (k % 2 == 0) and k < CAPACITY:
+    if rises != (k % 2 == 0) and k < CAPACITY:  # just after a turn no relay switches
         return slope
     base = s[RECORDS + 2 * k] if k <= turning_points(s) else clipped(p, s[0])
     j = segment(p, base)
@@ -280,7 +286,7 @@ def stiffness(p, s, angle, torque, delta):
 
 @njit(cache=True, error_model="numpy")
 def stored(p, s, angle, torque, loss):
-    """Returns the stored energy at the end of the motion to `angle` (proof: `Preisach`)."""
+    """Returns the energy stored at the end of a motion to `angle`; `Preisach` has the proof."""
     k, relays, _, _ = walk(p, s, angle)
     count = turning_points(s)
     turned, last = 0.0, s[RECORDS]
@@ -299,19 +305,19 @@ def stored(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def dissipated(p, s, angle, torque, loss):
-    """Returns the energy dissipated from the start to the end of the motion to `angle`."""
+    """Returns the energy dissipated from the start to the end of a motion to `angle`."""
     return s[2] + loss
 
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, in any range, and how far inside the start is."""
+    """Returns whether the model is certified, which no range changes, and how far inside s is."""
     return is_certified(p), inside
 
 
 @njit(cache=True)
 def is_sound(p):
-    """Returns whether p, which a user of the engine can overwrite, cannot mislead a kernel."""
+    """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
     return parameter_size(p[0]) == p.size
 
 
@@ -323,7 +329,7 @@ def size(counts):
 
 @njit(cache=True)
 def memory_size(total):
-    """Returns how many of them belong to the memory."""
+    """Returns how many of these `total` numbers belong to the memory."""
     return MEMORY_SIZE
 
 

@@ -29,10 +29,10 @@ class Preisach(HysteresisModel):
     A relay (alpha, beta), alpha >= beta, goes up where a rising angle passes alpha and down where
     a falling one passes beta. Between the levels the relays fill the half plane with a density
     that is uniform in each cell (Mayergoyz, Mathematical Models of Hysteresis, 1991, ch. I). The
-    minus makes positive weights resist: just after a turn no relay switches and the joint is as
-    stiff as its elastic part, then relay after relay gives way. On a branch that left its turn at
-    t, the relays in the triangle between t and theta have switched; their weight, the Everett
-    function E(max, min), is a closed form in each cell. So the turning points are all the memory.
+    minus sign makes positive weights resist: just after a turn no relay switches and the joint is
+    as stiff as its elastic part, then relay after relay gives way. On a branch that left its turn
+    at t, the relays in the triangle between t and theta have switched; their weight, the Everett
+    function E(max, min), is a closed form in each cell. So the memory is the turning points alone.
 
     Memory. A motion starts as if the angle had come up from below the lowest level; the torque
     there fixes the offset, since a measured family of curves has no absolute zero. (Relays that
@@ -56,14 +56,15 @@ class Preisach(HysteresisModel):
     together change by the work of T. Both sums are closed forms in each cell, as E is.
 
     Attributes:
-        levels: n + 1 >= 2 increasing angles that part the range into n segments [rad].
-        density: n rows; entry j of row i, j <= i, is the weight [N·m] of all relays with alpha in
-            segment i and beta in segment j. The torque drops by it when they all go up and gets it
-            back when they go down. The model is dissipative if none is below 0.
-        elastic: slope of the elastic part in each segment [N·m/rad], of any sign; empty: all 0.
+        levels: Increasing angles that divide the range into n segments [rad], n + 1 >= 2 numbers.
+        density: Weights [N·m] in n rows: entry j of row i, j <= i, is the weight of all relays with
+            alpha in segment i and beta in segment j. The torque drops by it when they all go up
+            and rises by it when they all go down. The model is dissipative if no weight is below 0.
+        elastic: Slope of the elastic part in each segment [N·m/rad], of any sign; 0 where it is
+            left out.
 
     Raises:
-        InputError: levels, density or elastic are not finite or do not fit together.
+        InputError: The levels, density or elastic are not finite or do not fit together.
     """
 
     name: ClassVar[str] = "preisach"
@@ -110,7 +111,7 @@ class Preisach(HysteresisModel):
 
     @cached_property
     def parameter_vector(self) -> Array:
-        """Segments, then cells, as `kernels` describes them; read-only."""
+        """The parameters as the kernels read them: segments, then cells; read-only."""
         segments = len(self.density)
         p = np.empty(parameter_size(segments))
         density = np.concatenate([np.array(row) for row in self.density])
@@ -119,7 +120,7 @@ class Preisach(HysteresisModel):
 
     @property
     def memory_size(self) -> int:
-        """Angle, torque and loss, three numbers of the present branch, and the turning points."""
+        """How many numbers the memory holds, with space for the most turning points."""
         return self.kernels.MEMORY_SIZE
 
     def everett(self, alpha: float, beta: float) -> float:
@@ -131,11 +132,11 @@ class Preisach(HysteresisModel):
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """States what holds for every motion in a range of angles [rad], from every start.
 
-        No stiffness is infinite, since the density is bounded. The energy in the class's docstring
-        makes the model dissipative if no weight is below 0. The offset being free, the torque
-        bound speaks of motions that start with 0 N·m (of |T - T(start)| otherwise): the spread of
-        the elastic part, plus the sum of |weight| of all relays that can switch, those that go up
-        inside the range.
+        No stiffness is infinite, since the density is bounded. The model is dissipative if no
+        weight is below 0, by the energy in the docstring of the class. The torque bound holds for
+        motions that start with 0 N·m; for others it bounds |T - T(start)|, since the offset is
+        free. It is the spread of the elastic part, plus the sum of |weight| of all relays that can
+        switch, which are those that go up inside the range.
 
         Raises:
             InputError: `angle_range` is not two ascending angles.
@@ -160,11 +161,11 @@ class Preisach(HysteresisModel):
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 
         Args:
-            torque: scale of the resistance, > 0.
-            angle: scale of the angles, > 0.
+            torque: Scale of the resistance, > 0.
+            angle: Scale of the angles, > 0.
 
         Raises:
-            InputError: a scale is not finite or not above 0.
+            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         return Preisach(
@@ -175,7 +176,7 @@ class Preisach(HysteresisModel):
 
     @property
     def free_parameters(self) -> int:
-        """The weights of all cells and the elastic slopes; the levels are given."""
+        """How many numbers a fit chooses: all weights and elastic slopes; the levels are given."""
         return len(self.elastic) + sum(map(len, self.density))
 
     def config(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A readable Preisach model, and examples of it."""
+"""A readable reference of the Preisach model, and examples of the model."""
 
 import math
 from itertools import pairwise
@@ -15,9 +15,9 @@ SEED = 1
 class PreisachReference(Reference):
     """The half plane of relays cut into patches, and the share of each patch that is up.
 
-    Levels and turning points of the whole motion cut, so that at a turn each patch is up or down as
-    one. Between turns the shares are exact areas: of a rectangle, or of the triangle that a patch
-    on the diagonal is.
+    The cuts are the levels and all turning points of the motion, so that at each turn a patch is
+    either all up or all down. Between turns the shares are exact areas, of a rectangle or, for a
+    patch on the diagonal, of a triangle.
     """
 
     def __init__(self, model: Preisach, angles: Array, torque: float) -> None:
