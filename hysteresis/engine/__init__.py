@@ -1,7 +1,7 @@
 """Hysteretic joint torque inside MuJoCo: an engine plugin compiled by numba, and `attach`.
 
-Importing this module registers one plugin for each model, once per process. Use them from Python
-with `attach`, or from MJCF:
+Importing this module registers one plugin for each model, once per process. A joint gets one from
+Python, with `attach`, or from MJCF:
 
     <extension>
       <plugin plugin="activesuit.jiles_atherton">
@@ -21,10 +21,10 @@ with `attach`, or from MJCF:
     activesuit.prandtl_ishlinskii   stiffness rest_angle* thresholds weights
     activesuit.preisach             levels density elastic*
 
-and of each `joint`, `start_angle`*, `start_torque`*, `polynomial`* (coefficients of an elastic
-torque), `angle_range`* (outside which the torque is held) and `allow_uncertified`* ("true"). Lists
-are numbers with blanks between them; `density` has its rows one after the other. The name of a
-sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
+Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `polynomial`* (coefficients
+of an elastic torque), `angle_range`* (outside which the torque is held) and `allow_uncertified`*
+("true"). Lists are numbers with blanks between them; `density` has its rows one after the other.
+The name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
 MuJoCo finds the plugin's code in the process, not in the file.

@@ -1,4 +1,4 @@
-"""Puts a hysteresis model on a joint of any MuJoCo model."""
+"""Attaches a hysteresis model to a joint of any MuJoCo model, and replaces it there."""
 
 import math
 from collections.abc import Sequence
@@ -37,30 +37,31 @@ def attach(
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
     integrator. After a reset the memory stands at (start_angle, start_torque). A keyframe or a
-    written `qpos` is felt as one monotone motion from there, but the memory follows only at the end
-    of a step: if that step turns back, the written position is no turning point.
+    written `qpos` acts like one monotone motion from there, but the memory follows only at the end
+    of a step: if that step turns back, the written position does not count as a turning point.
 
-    With `sensors`, three are added: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
+    `sensors` adds three sensors: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
-    `<joint>_suit_dissipated_energy` [J], which never decreases in a motion of a certified
-    model.
+    `<joint>_suit_dissipated_energy` [J], which never decreases in a motion of a certified model.
 
     Compose first, attach last: when a spec is attached to another one under a name prefix, MuJoCo
     renames its joints, but not the joint in the plugin's config.
 
     Args:
-        spec: any model specification; it is changed in place.
-        joint: name of a hinge (rad) or slide joint (m, read as the model's angle).
-        model: the resistance, positive against positive motion.
-        start_angle: where the memory begins [rad]; by default the joint's reference position.
-        start_torque: the resistance there [N·m].
-        sensors: whether to add the three sensors.
-        allow_uncertified: accept a model without a certificate; at a pole the simulation then
-            holds the last valid torque, sets the fault flag and warns.
+        spec: Any model specification; it is changed in place.
+        joint: Name of a hinge joint (rad) or a slide joint (m, taken as the model's angle).
+        model: Model of the resistance, which is positive against positive motion.
+        start_angle: Angle at which the memory begins [rad]; by default the joint's reference
+            position.
+        start_torque: Resistance at that angle [N·m].
+        sensors: Whether to add the three sensors.
+        allow_uncertified: Whether to accept a model without a certificate. At a pole the simulation
+            then holds the last valid torque, sets the fault flag and warns.
 
     Raises:
-        InputError: there is no such joint, it is neither hinge nor slide, or it has a suit already.
-        UncertifiedModelError: the model, or its start, is outside the certificate.
+        InputError: There is no such joint, it is neither hinge nor slide, it has a hysteresis model
+            already, or `model` is none that is registered.
+        UncertifiedModelError: The model has no certificate, or its start is outside of it.
     """
     target = _target(spec, joint)
     _require_model(model)
@@ -90,7 +91,7 @@ def attach(
 
 
 def _target(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsJoint:
-    """Returns the joint of that name, which must be one that a model can resist."""
+    """Returns the joint of that name, which must be a hinge or a slide joint."""
     if not isinstance(spec, mujoco.MjSpec):
         raise InputError(
             f"attach got a {type(spec).__name__}: give a mujoco.MjSpec, from MjSpec.from_file "
@@ -107,9 +108,9 @@ def _target(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsJoint:
 def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
 
-    A flag is 1 from the moment a motion met the model's pole, until the next reset; the joint's
-    torque is held meanwhile, and MuJoCo logs a warning. Certified models never set it. With
-    MuJoCo's `autoreset` on, a simulation that goes on to diverge is reset, flag included.
+    A flag is 1 from the moment at which a motion meets the model's pole until the next reset.
+    Meanwhile the joint's torque is held, and MuJoCo logs a warning. Certified models never set it.
+    With MuJoCo's `autoreset` on, a simulation that goes on to diverge is reset, and its flags too.
     """
     ours = np.flatnonzero(np.isin(model.plugin, list(register().values())))
     return model.plugin_stateadr[ours].astype(np.int64) + FAULT
@@ -131,17 +132,18 @@ def replace_model(
     own. A reset brings the compiled model's parameters back.
 
     Args:
-        mj_model: the compiled model, with a hysteresis model attached to `joint`.
-        plugin_state: `data.plugin_state`, or one simulation's row of a batch; changed in place.
-        joint: name of the joint.
-        model: the new model.
-        start_angle: where its memory begins [rad].
-        start_torque: the resistance there [N·m].
-        allow_uncertified: accept a model without a certificate.
+        mj_model: Compiled model, with a hysteresis model attached to `joint`.
+        plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
+            changed in place.
+        joint: Name of the joint.
+        model: New hysteresis model.
+        start_angle: Angle at which its memory begins [rad].
+        start_torque: Resistance at that angle [N·m].
+        allow_uncertified: Whether to accept a model without a certificate.
 
     Raises:
-        InputError: the joint has no hysteresis model, or one of another kind or size.
-        UncertifiedModelError: the model, or its start, is outside the certificate.
+        InputError: The joint has no hysteresis model, or one of another kind or size.
+        UncertifiedModelError: The model has no certificate, or its start is outside of it.
     """
     kind = mujoco.mjtObj.mjOBJ_PLUGIN
     names = [mujoco.mj_id2name(mj_model, kind, i) or "" for i in range(mj_model.nplugin)]
@@ -178,7 +180,7 @@ def replace_model(
 
 
 def _compiled_sizes(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int]:
-    """Returns how many numbers polynomial and angle_range have in an instance's config."""
+    """Returns how many numbers `polynomial` and `angle_range` have in an instance's config."""
     text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
     values = text.split(b"\0")
     return len(values[POLYNOMIAL].split()), len(values[ANGLE_RANGE].split())
@@ -194,7 +196,7 @@ def _require_model(model: object) -> None:
 
 
 def _parts(model: HysteresisModel) -> tuple[HysteresisModel, Array, Array]:
-    """Returns the bare model, the coefficients of a polynomial, the range it is held outside."""
+    """Returns the model without wrappers, and its polynomial and range, which may be empty."""
     polynomial, limits = np.empty(0), np.empty(0)
     if isinstance(model, Asymmetric):
         model, polynomial = model.model, np.array(model.polynomial)

@@ -1,12 +1,12 @@
-"""What MuJoCo calls: a joint with a hysteresis model as an engine plugin, compiled to C callbacks.
+"""The C callbacks of a joint with a hysteresis model, which MuJoCo calls, compiled by numba.
 
 An instance keeps parameters and memory in `mjData.plugin_state`, so they are part of the physics
 state: saved, restored, copied and batched by MuJoCo itself. `compute` only reads the memory (it
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 
-Each model gets callbacks of its own, compiled with its module of kernels. What runs in every step
-is inlined, here and in `_state`: to hand the layout and the arrays, dozens of numbers, from one
-compiled function to the next took half as long as the torque.
+Each model gets callbacks of its own, compiled with its module of kernels. The functions that run in
+every step are inlined, here and in `_state`: to pass the layout and the arrays, dozens of numbers,
+from one compiled function to the next took half as long as the torque.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -51,7 +51,7 @@ def angle_of(m, d, joint, at):
 
 @njit(inline="always")
 def within(limits, angle):
-    """Returns the angle, or the nearest in the range outside which the torque is held."""
+    """Returns the angle, clipped to the range outside which the torque is held, if there is one."""
     if limits.size == 0 or math.isnan(angle):
         return angle
     return min(max(angle, limits[0]), limits[1])
@@ -59,7 +59,7 @@ def within(limits, angle):
 
 @njit(inline="always")
 def reached(kernels, p, memory, fault, angle):
-    """Returns angle, torque and loss at a trial angle; those of the memory if it has no torque."""
+    """Returns angle, torque and loss at a trial angle, or of the memory where it has no torque."""
     # The angles are equal after every step, when the memory has just been moved there.
     if angle != memory[0] and fault == 0 and kernels.is_sound(p):
         torque, loss = kernels.move(p, memory, angle)
@@ -108,8 +108,8 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
 
     Args:
         kernels: Module of the model's kernels.
-        kinds: What the value of each of the model's own config keys is, as in `_configuration`.
-        words: Words that each key may hold, with blanks between them; empty for numbers.
+        kinds: Kinds of the model's own config keys, as `_configuration` numbers them.
+        words: Words that each of these keys may hold, with blanks between them; empty for numbers.
         at: Layout of MuJoCo's structs.
     """
 

@@ -1,7 +1,7 @@
 """Sets an instance up from its MJCF config: its joint, sensors, parameters and memory.
 
-`kernels` is the module of the model's kernels, `kinds` and `words` say what its own config keys
-hold, in the order of the keys.
+`kernels` is the module of the model's kernels; `kinds` and `words` say what the model's own config
+keys hold, in the order of the keys.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -77,7 +77,7 @@ SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
 @njit(cache=True)
 def is_hysteretic(m, instance, at):
-    """Returns whether an instance is of one of our plugins: their config keys begin alike."""
+    """Returns whether an instance has a hysteresis plugin: the config keys of all begin alike."""
     if not starts_with(plugin_name(m, instance, at), b"activesuit."):
         return False
     return equals(key_name(m, instance, JOINT, at), b"joint") and equals(
@@ -87,7 +87,7 @@ def is_hysteretic(m, instance, at):
 
 @njit(cache=True)
 def sensor_kind(name):
-    """Returns what a sensor measures, as its name says, or -1."""
+    """Returns what a sensor measures, by the end of its name; -1 if that says nothing."""
     if ends_with(name, b"torque"):
         return TORQUE_SENSOR
     if ends_with(name, b"stiffness"):
@@ -154,7 +154,7 @@ def required_size(kernels, kinds, m, instance, at):
 
 @njit(cache=True)
 def read_values(m, instance, kinds, words, counts, values, at):
-    """Fills `values` with those of all keys, one key after the other; returns a fault."""
+    """Fills `values` with the values of all keys, one key after the other; returns a fault."""
     start = 0
     for i in range(len(kinds)):
         text, part = config(m, instance, FIRST_KEY + i, at), values[start : start + counts[i]]
@@ -197,7 +197,7 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
 
 @njit(cache=True)
 def read_polynomial(m, instance, polynomial, at):
-    """Reads the coefficients of the elastic polynomial; there may be none."""
+    """Reads the coefficients of the elastic polynomial, if there are any; returns a fault."""
     count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
     if count < 0:
         return NUMBERS, POLYNOMIAL
@@ -206,7 +206,7 @@ def read_polynomial(m, instance, polynomial, at):
 
 @njit(cache=True)
 def read_range(m, instance, limits, at):
-    """Reads lowest and highest angle, if the torque is held outside a range."""
+    """Reads the range outside which the torque is held, if there is one; returns a fault."""
     if limits.size == 0:
         return FINE, JOINT
     count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)
@@ -237,7 +237,8 @@ def allows_uncertified(m, instance, at):
 def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
-    Refuses parameters without a certificate, and starts outside it, unless told otherwise.
+    Returns a fault: also for a model without a certificate and for a start outside of it, unless
+    the config allows both.
     """
     fault, angle, torque = read_start(m, instance, joint, at)
     allowed = allows_uncertified(m, instance, at)
@@ -270,7 +271,7 @@ def value_of(polynomial, angle):
 
 @njit(inline="always")
 def slope_of(polynomial, angle):
-    """Returns its derivative."""
+    """Returns the derivative of the polynomial by the angle."""
     slope = 0.0
     for power in range(polynomial.size - 1, 0, -1):
         slope = slope * angle + power * polynomial[power]

@@ -1,4 +1,4 @@
-"""What can be wrong with an instance's config, whatever its model, and the sentences that say so.
+"""The faults that an instance of any model can have, and the sentences that report them.
 
 A fault is a reason and the config key that it is about, `JOINT` where it is about the instance as a
 whole. Reasons from `MODEL` on are the model's own complaints (`COMPLAINTS` of its kernels).

@@ -1,13 +1,13 @@
-"""The fields of MuJoCo's structs that a hysteretic joint touches."""
+"""The fields of MuJoCo's structs that a hysteretic joint reads and writes."""
 
 from typing import NamedTuple
 
 
 class Layout(NamedTuple):
-    """Byte offsets of fields in mjModel (m_) and mjData (d_); values of some enums.
+    """Byte offsets of fields in mjModel (m_) and mjData (d_), and values of some enums.
 
-    `stamp` tells one version of a model's kernels from another, so that what was compiled from an
-    older one is not taken from numba's cache.
+    `stamp` tells one version of a model's kernels from another, so that numba's cache does not give
+    back machine code of an older version.
     """
 
     m_nsensor: int

@@ -1,4 +1,4 @@
-"""The plugins of the hysteresis models: one for each model of the registry that is no wrapper."""
+"""Registers a MuJoCo plugin for each hysteresis model of the registry that is no wrapper."""
 
 import zlib
 from functools import cache
@@ -26,7 +26,7 @@ def register() -> dict[str, int]:
     """Registers a plugin for each model with MuJoCo, once; returns their slots by plugin name.
 
     Raises:
-        RuntimeError: The installed MuJoCo is laid out differently from what it says.
+        RuntimeError: The structs of the installed MuJoCo are not as it describes them.
     """
     bare = [model for model in MODELS.values() if not issubclass(model, Wrapper)]
     return {plugin_name(model): _register(model) for model in bare}
@@ -50,7 +50,7 @@ def _register(model: type[HysteresisModel]) -> int:
 
 
 def _stamp(kernels: ModuleType) -> int:
-    """Returns a number that changes when a file beside a module of kernels does."""
+    """Returns a number that changes with any file in the folder of a module of kernels."""
     files = sorted(Path(str(kernels.__file__)).parent.glob("*.py"))
     stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
     return zlib.crc32(repr(stats).encode())

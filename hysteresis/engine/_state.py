@@ -1,10 +1,10 @@
-"""Where an instance keeps what it needs.
+"""Where an instance keeps its state and its ids in mjData.
 
-`mjData.plugin_state` holds what is physics: fault flag, memory, parameters (radians), the elastic
-polynomial and the range. They are saved, copied and batched with the rest of the state, and may
-differ between simulations. `mjData.plugin_data` holds what follows from the MuJoCo model: the ids
-of the joint and of the sensors, packed into one integer. A state may be set on any MuJoCo model;
-these ids always fit the one at hand, and so do the sizes, which come from mjModel.
+`mjData.plugin_state` holds the physical state: fault flag, memory, parameters (radians), the
+elastic polynomial and the range. They are saved, copied and batched with the rest of the state, and
+may differ between simulations. `mjData.plugin_data` holds what follows from the MuJoCo model: the
+ids of the joint and of the sensors, packed into one integer. A state may be set on any MuJoCo
+model: the ids always fit the model at hand, and so do the sizes, which come from mjModel.
 """
 
 from numba import njit
@@ -14,8 +14,8 @@ from .native import doubles
 FAULT, MEMORY = 0, 1
 POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
 
-# Four ids of 14 bits, the length of the polynomial (3 bits) and whether the torque is held outside
-# a range (1) in one pointer-sized word. Sensors count from 1; 0 is none.
+# A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits) and whether
+# the torque is held outside a range (1 bit). Sensors count from 1; 0 is none.
 BITS, LARGEST = 14, 2**14 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
 POLYNOMIAL_SHIFT, HELD_SHIFT = 4 * BITS, 4 * BITS + 3

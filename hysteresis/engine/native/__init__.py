@@ -10,8 +10,8 @@ one, a joint with Stribeck friction, in forty lines. The steps are
    and `parse_numbers`, their own state with `state_of`;
 3. `register_plugin`, once per process, before a model that uses the plugin is compiled or loaded.
 
-What a callback calls must be compiled too (`numba.njit`). Nothing in it may raise: `complain` tells
-what is wrong in a sentence, and `init` then returns -1, with which MuJoCo refuses the model.
+The functions that a callback calls must be compiled too (`numba.njit`), and none may raise.
+`complain` says in a sentence what is wrong, and `init` then returns -1: MuJoCo refuses the model.
 """
 
 from ._instance import (

@@ -1,10 +1,10 @@
-"""An instance of a plugin: its config, its state, its sensors, and what is wrong with it.
+"""Access to an instance of a plugin: its config, state and sensors, and complaints about it.
 
 Every function takes the addresses of mjModel (`m`) or mjData (`d`), the number of the instance, and
 `at`, the `layout` of the plugin with the fields that the function names.
 
 None of them has a cache of its own: it would hold the layout classes of all plugins, and could not
-be read where the module of one of them is missing. They are part of the plugin's own machine code.
+be read where the module of one of them is missing. They are compiled into the plugin's own code.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -70,7 +70,7 @@ def word_of(d, instance, at):
 
 @njit
 def set_word(d, instance, word, at):
-    """Stores that integer, which no reset and no saved state changes."""
+    """Stores the integer of `word_of`, which no reset and no saved state changes."""
     store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, word)
 
 
@@ -104,9 +104,10 @@ def begin_complaint(m, instance, noun, subject, key, at):
     Args:
         m: Address of mjModel.
         instance: Number of the instance.
-        noun: What the instance acts on, as b"joint".
-        subject: Number of the config key that names it.
-        key: Number of the config key that is wrong; `subject` leaves that part of the sentence out.
+        noun: Word for the thing that the instance acts on, as b"joint".
+        subject: Number of the config key that names this thing.
+        key: Number of the config key that is wrong; with `subject`, its part of the sentence is
+            left out.
         at: Layout of the plugin.
 
     Returns:
@@ -129,7 +130,7 @@ def begin_complaint(m, instance, noun, subject, key, at):
 
 @njit
 def complain(m, instance, noun, subject, key, reason, at):
-    """Issues a sentence about a config that ends with `reason`, as a MuJoCo warning."""
+    """Issues a MuJoCo warning: a sentence about a config that ends with `reason`."""
     sentence, n = begin_complaint(m, instance, noun, subject, key, at)
     add(sentence, n, reason)
     issue(sentence)

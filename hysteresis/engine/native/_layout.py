@@ -1,4 +1,4 @@
-"""Where MuJoCo keeps the fields that a plugin touches, read from the bindings' own introspection.
+"""Finds the fields that a plugin touches, by the introspection of MuJoCo's own bindings.
 
 Callbacks get raw pointers to mjModel and mjData. The byte offsets of their fields follow from
 `mujoco.introspect.structs`, which ships with the wheel, and are checked against real addresses
@@ -78,9 +78,9 @@ def layout(kind: type[Layout]) -> Layout:
     """Returns the fields that a plugin asks for, found in the installed MuJoCo and checked.
 
     Args:
-        kind: A named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
-            mjModel, `d_NAME` that in mjData, and the name of a value of one of MuJoCo's enums, as
-            `mjOBJ_JOINT`, that value. Other fields keep their defaults.
+        kind: Named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
+            mjModel, `d_NAME` its byte offset in mjData, and the name of a value of a MuJoCo enum,
+            as `mjOBJ_JOINT`, becomes that value. Other fields keep their defaults.
 
     Raises:
         RuntimeError: A field does not exist, or is not where MuJoCo says it is.
@@ -97,7 +97,7 @@ def layout(kind: type[Layout]) -> Layout:
 
 @cache
 def struct(name: str) -> type[ctypes.Structure]:
-    """Returns the ctypes twin of a MuJoCo C struct."""
+    """Returns the ctypes class of a MuJoCo C struct."""
     return _structure(structs.STRUCTS[name])
 
 

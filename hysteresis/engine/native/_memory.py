@@ -26,7 +26,7 @@ def mujoco_library() -> ctypes.CDLL:
     """Returns the MuJoCo C library that the Python bindings have loaded.
 
     Raises:
-        RuntimeError: the wheel holds no such library.
+        RuntimeError: The wheel holds no such library.
     """
     folder = Path(mujoco.__file__).parent
     pattern = LIBRARY_NAMES.get(sys.platform, "libmujoco.so*")

@@ -46,10 +46,10 @@ def callback(function: Callable[..., Any]) -> Any:
     """Compiles a callback (a decorator); the name of the function says which one it is.
 
     The machine code is cached on disk, separately for each set of values that the function takes
-    from the function around it; but not where the function has no file, as in a notebook.
+    from the function around it. A function that has no file, as in a notebook, is not cached.
 
     Raises:
-        KeyError: The name is that of no callback.
+        KeyError: No callback has the name of the function.
     """
     signature = SIGNATURES[function.__name__]
     try:
@@ -89,7 +89,7 @@ def register_plugin(
 def compile_plugin(name: str) -> None:
     """Compiles a registered plugin, unless that is done; it takes seconds the first time.
 
-    MuJoCo would have it compiled anyway, but inside of its own calls, where no exception passes.
+    MuJoCo would have it compiled anyway, but inside its own calls, where no exception passes.
     """
     _plugins[name].compile()
 
@@ -98,7 +98,7 @@ class _Registered:
     """A plugin that MuJoCo knows, whose callbacks are put in place when they are compiled.
 
     Attributes:
-        slot: Its number in `mjModel.plugin`.
+        slot: Number of the plugin in `mjModel.plugin`.
     """
 
     def __init__(
@@ -137,7 +137,7 @@ class _Registered:
             return self._callbacks
 
     def _beginning(self, which: str) -> Callable[..., int]:
-        """Returns what MuJoCo calls first: it compiles the plugin and passes the call on."""
+        """Returns a callback for MuJoCo's first call: it compiles the plugin, then passes it on."""
 
         def begin(*arguments: int) -> int:
             try:

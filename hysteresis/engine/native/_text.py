@@ -51,7 +51,7 @@ def equals(text, word):
 
 @njit(cache=True)
 def behind_blanks(text):
-    """Returns the address of the first character at or after `text` that is not blank."""
+    """Returns the address of the first character at or after `text` that is not a blank."""
     while character_at(text) in BLANKS:
         text += 1
     return text
@@ -109,7 +109,7 @@ def to_number(text, end):
 def parse_numbers(text, values):
     """Fills `values` with the blank-separated numbers of the C string at `text`.
 
-    Returns how many there are, also if that is more than fit; -1 if one is not a finite number.
+    Returns how many numbers there are, even if they do not all fit; -1 if one is not finite.
     """
     count = 0
     text = behind_blanks(text)
@@ -152,7 +152,7 @@ def add_text(sentence, n, text):
 
 @njit(cache=True)
 def add(sentence, n, words):
-    """Appends bytes likewise."""
+    """Appends the bytes `words` to a sentence of n characters; returns the new n."""
     for i in range(len(words)):
         if n < SENTENCE_LIMIT - 1:
             sentence[n] = words[i]
@@ -169,7 +169,7 @@ def issue(sentence):
 
 @njit(cache=True)
 def choice_of(text, words):
-    """Returns which of some words the C string at `text` is, from 0; -1 for none of them.
+    """Returns the number, from 0, of the word that the C string at `text` is; -1 for none.
 
     Args:
         text: Address of the C string.
@@ -195,7 +195,7 @@ def is_word(text, words, start, end):
 
 @njit(cache=True)
 def add_choices(sentence, n, words):
-    """Appends words that a blank separates as "a, b or c"; returns the new length."""
+    """Appends words, which blanks separate in `words`, as "a, b or c"; returns the new n."""
     last = len(words) - 1
     while last >= 0 and words[last] != ord(" "):
         last -= 1
