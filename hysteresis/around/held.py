@@ -35,7 +35,7 @@ class Held(Wrapper):
         angle_range: Lowest and highest angle that the inner model follows [rad].
 
     Raises:
-        InputError: The range is not two finite ascending angles, or the model is one of those.
+        InputError: The range is not two finite ascending angles, or `model` is itself a wrapper.
     """
 
     name = "held"
