@@ -3,6 +3,7 @@
 Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJoCo.
 """
 
+from . import first_use  # noqa: F401  (speaks when kernels compile)
 from .around import Asymmetric, Held
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError

@@ -16,7 +16,10 @@ SERIES_BELOW, SERIES_END = 0.125, 0.25  # of w^n: where the series takes over, a
 SATURATED = 2e-15  # of w: closer to the fixed point w = 1 than rounding can resolve
 FAR = 1e16  # of w^n: from here on the 1 in dw/dx is lost in rounding
 HUGE = 1e300  # of w^n: a decay from above reaches it within a negligible x
+# No loop is without a bound: a state that a user overwrites must not hang the engine.
 MARCH_LIMIT = 100_000
+SERIES_LIMIT = 64  # terms; 28 are enough below SERIES_END
+SHORTENING_LIMIT = 100
 NEWTON_LIMIT = 20
 
 
@@ -81,7 +84,9 @@ def time_and_area(w, u, sigma, n):
     t = sigma * u
     time, area = 1.0, 0.0
     power, divisor = t, n + 1
-    while abs(power) > 1e-17 * divisor:
+    for _ in range(SERIES_LIMIT):
+        if not abs(power) > 1e-17 * divisor:
+            break
         time += power / divisor
         area += power / (divisor + 1)
         power *= t
@@ -162,7 +167,9 @@ def march(w, x, sigma, direction, n):
                 return w, x, total
             continue
         gain, area, error = taylor(w, u, sigma, direction * h, 1 / n)
-        while error > TOLERANCE:
+        for _ in range(SHORTENING_LIMIT):
+            if not error > TOLERANCE:
+                break
             h *= max(0.1, 0.95 * (TOLERANCE / error) ** 0.125)
             gain, area, error = taylor(w, u, sigma, direction * h, 1 / n)
         total += direction * area

@@ -161,7 +161,15 @@ def certify(p, s, inside, low, high):
 @njit(cache=True, error_model="numpy")
 def is_sound(p):
     """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
-    return min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1
+    if not (min(p[LOADING_SCALE], p[UNLOADING_SCALE], p[SLOPE]) > 0 and p[POWER] >= 1):
+        return False
+    return is_sign(p[LOADING_SIGN]) and is_sign(p[UNLOADING_SIGN])
+
+
+@njit(inline="always", error_model="numpy")
+def is_sign(x):
+    """Returns whether a number is -1, 0 or 1."""
+    return x in (-1, 0, 1)
 
 
 @njit(cache=True)

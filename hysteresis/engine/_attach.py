@@ -14,7 +14,7 @@ from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
 from ..protocol import HysteresisModel, State
 from ..registry import MODELS
-from ._faults import ANGLE_RANGE, POLYNOMIAL
+from ._faults import ANGLE_RANGE, POLYNOMIAL, START_ANGLE, START_TORQUE
 from ._plugins import plugin_name, register
 from ._state import FAULT
 from .native import compile_plugin
@@ -122,14 +122,16 @@ def replace_model(
     joint: str,
     model: HysteresisModel,
     *,
-    start_angle: float = 0.0,
-    start_torque: float = 0.0,
+    start_angle: float | None = None,
+    start_torque: float | None = None,
     allow_uncertified: bool = False,
 ) -> None:
     """Gives one simulation another model of the same kind and size, as in a randomized batch.
 
     Parameters and memory are part of the simulation's state, so each row of a batch may have its
-    own. A reset brings the compiled model's parameters back.
+    own. The memory starts again, where the compiled model's does unless told otherwise, and
+    `mj_forward` brings forces and sensors up to date. A reset brings the compiled model's
+    parameters back.
 
     Args:
         mj_model: Compiled model, with a hysteresis model attached to `joint`.
@@ -137,8 +139,8 @@ def replace_model(
             changed in place.
         joint: Name of the joint.
         model: New hysteresis model.
-        start_angle: Angle at which its memory begins [rad].
-        start_torque: Resistance at that angle [N·m].
+        start_angle: Angle at which its memory begins [rad]; by default that of the compiled model.
+        start_torque: Resistance at that angle [N·m]; by default that of the compiled model.
         allow_uncertified: Whether to accept a model without a certificate.
 
     Raises:
@@ -152,7 +154,11 @@ def replace_model(
         raise unknown_name("joint with a hysteresis model", joint, attached)
     instance = names.index(f"{joint}_suit")
     _require_model(model)
-    start = model.start(start_angle, start_torque)
+    angle, torque = _compiled_start(mj_model, instance, joint)
+    start = model.start(
+        angle if start_angle is None else start_angle,
+        torque if start_torque is None else start_torque,
+    )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
     inner, polynomial, limits = _parts(model)
@@ -179,11 +185,23 @@ def replace_model(
     plugin_state[address : address + size] = content
 
 
+def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
+    """Returns the values of an instance's config keys, empty where a key was not given."""
+    text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
+    return [value.decode() for value in text.split(b"\0")]
+
+
 def _compiled_sizes(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int]:
     """Returns how many numbers `polynomial` and `angle_range` have in an instance's config."""
-    text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
-    values = text.split(b"\0")
+    values = _compiled_config(mj_model, instance)
     return len(values[POLYNOMIAL].split()), len(values[ANGLE_RANGE].split())
+
+
+def _compiled_start(mj_model: mujoco.MjModel, instance: int, joint: str) -> tuple[float, float]:
+    """Returns the angle [rad] and the torque [N·m] at which an instance's memory starts."""
+    values = _compiled_config(mj_model, instance)
+    reference = float(mj_model.joint(joint).qpos0[0])
+    return float(values[START_ANGLE] or reference), float(values[START_TORQUE] or 0.0)
 
 
 def _require_model(model: object) -> None:

@@ -21,10 +21,12 @@ PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
 DEGREE = math.pi / 180
-FINE, POSITIVE, AT_LEAST_0 = range(3)
+SMALLEST = 1e-100  # of Ms, a and k; beyond it and its inverse the steps lose all their digits
+FINE, POSITIVE, EXTREME, AT_LEAST_0 = range(4)
 COMPLAINTS = (
     b"",
     b"give a number above 0",
+    b"give a number from 1e-100 to 1e+100; choose another unit",
     b"give a number of at least 0 (below 1 for form jiles-1992)",
 )
 BLOCK = 32  # models of a population that take their steps together
@@ -219,6 +221,8 @@ def configure(values, ends, p):
     for i in (MS, A, K):
         if not values[i] > 0:
             return POSITIVE, i
+        if not SMALLEST <= values[i] <= 1 / SMALLEST:
+            return EXTREME, i
     Ms, a, alpha, c, k, unit, form, clamp = values
     if form != forms.BULK and not 0 <= c < (1 if form == forms.JILES_1992 else math.inf):
         return AT_LEAST_0, C

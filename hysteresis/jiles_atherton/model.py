@@ -22,7 +22,6 @@ AngleUnit = Literal["rad", "deg"]
 Form = Literal["bulk", "original", "derivative", "jiles-1992"]
 Clamp = Literal["none", "jiles", "irreversible"]
 PARAMETERS = ("Ms", "a", "alpha", "c", "k")
-SMALLEST = 1e-100  # of Ms, a and k; beyond it and its inverse the steps lose all their digits
 UNIT_PER_RADIAN: dict[str, float] = {"rad": 1.0, "deg": 180 / math.pi}
 
 
@@ -91,10 +90,10 @@ class JilesAtherton(HysteresisModel):
             value = getattr(self, name)
             if value <= 0:
                 raise InputError(f"parameter {name} is {value}: it must be above 0")
-            if not SMALLEST <= value <= 1 / SMALLEST:
+            if not kernels.SMALLEST <= value <= 1 / kernels.SMALLEST:
                 raise InputError(
-                    f"parameter {name} is {value}: use a number from {SMALLEST:g} to "
-                    f"{1 / SMALLEST:g}; choose another unit"
+                    f"parameter {name} is {value}: use a number from {kernels.SMALLEST:g} to "
+                    f"{1 / kernels.SMALLEST:g}; choose another unit"
                 )
         self._check_activity()
 

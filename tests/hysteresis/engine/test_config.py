@@ -130,6 +130,8 @@ def say(key, value, what):
         ("jiles_atherton", {"c": "1 2"}, say("c", "1 2", "give one finite number")),
         ("jiles_atherton", {"c": ""}, say("c", "", "give one finite number")),
         ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
+        ("jiles_atherton", {"k": "1e-320"}, say("k", "1e-320", "give a number from 1e-100 to 1e")),
+        ("jiles_atherton", {"Ms": "1e101"}, say("Ms", "1e101", "give a number from 1e-100 to 1e")),
         ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
         ("jiles_atherton", {"angle_unit": "d"}, say("angle_unit", "d", "use rad or deg")),
         ("jiles_atherton", {"form": "wiki"}, say("form", "wiki", "use bulk, original")),

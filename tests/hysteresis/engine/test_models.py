@@ -200,6 +200,31 @@ def test_a_garbage_state_never_harms_the_process(model, value):
     mujoco.mj_step(compiled, data, 3)
 
 
+def test_a_replaced_model_starts_where_the_compiled_one_does(elbow):
+    compiled = pendulum(elbow, start_angle=0.4, start_torque=1.5)
+    data = mujoco.MjData(compiled)
+    stronger = elbow.scaled(torque=1.1)
+    replace_model(compiled, data.plugin_state, "j", stronger)
+    data.qpos[0] = 0.7
+    mujoco.mj_forward(compiled, data)
+    torque = stronger.response([0.4, 0.7], initial_torque=1.5)[-1]
+    assert data.sensor("j_suit_torque").data[0] == -torque
+    replace_model(compiled, data.plugin_state, "j", stronger, start_angle=0.1, start_torque=0.0)
+    mujoco.mj_forward(compiled, data)
+    assert data.sensor("j_suit_torque").data[0] == -stronger.response([0.1, 0.7])[-1]
+
+
+@pytest.mark.parametrize("slot", range(10))
+@pytest.mark.parametrize("value", [0.5, -3.0, 1e7, -1e7, 1e-300])
+def test_no_number_in_a_bouc_wen_state_hangs_the_engine(slot, value):
+    # Series and steps of the flow ended for the signs of its branches only: -1, 0 and 1.
+    compiled = pendulum(BoucWen(elastic=1, hysteretic=9, beta=4, gamma=-1, n=1.7))
+    data = mujoco.MjData(compiled)
+    data.plugin_state[4 + slot] = value
+    data.qpos[0] = 0.3
+    mujoco.mj_step(compiled, data, 3)
+
+
 def test_a_pole_holds_the_torque_of_any_model():
     runaway = BoucWen(elastic=0, hysteretic=1, beta=1, gamma=-3, n=2)
     with pytest.raises(UncertifiedModelError, match=r"margin -0\.5.*use other parameters"):
