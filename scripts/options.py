@@ -8,7 +8,9 @@ import tyro
 from tyro.constructors import PrimitiveConstructorSpec
 
 
-def choice(names: Callable[[], Iterable[str]], help: str | None = None) -> Any:
+def choice(
+    names: Callable[[], Iterable[str]], help: str | None = None, usual: str | None = None
+) -> Any:
     """Describes an option that takes a name from a registry.
 
     The help lists the names that the registry has when the command runs, so that those of
@@ -18,12 +20,15 @@ def choice(names: Callable[[], Iterable[str]], help: str | None = None) -> Any:
     Args:
         names: Function that returns the names; one in capitals stands for a file or a folder.
         help: Help text; by default what the docstring of the command says.
+        usual: What None stands for, where the option has that default.
 
     Returns:
         An annotation for the type of the option, as in `Annotated[str, choice(...)]`.
     """
     return tyro.conf.arg(
-        constructor_factory=lambda: _one_of(names()), help=help, help_behavior_hint=_default
+        constructor_factory=lambda: _one_of(names()),
+        help=help,
+        help_behavior_hint=f"(default: {usual})" if usual else _default,
     )
 
 
@@ -44,10 +49,10 @@ def _default(label: str) -> str:
 
 
 def environments() -> list[str]:
-    """Returns the ids of the registered environments of this package."""
+    """Returns the ids of the registered environments of this package, and the form of others."""
     import gymnasium
 
-    return [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
+    return [*(name for name in gymnasium.registry if name.startswith("ActiveSuit/")), "MODULE:ID"]
 
 
 def policies() -> list[str]:
@@ -78,10 +83,39 @@ def joints() -> Iterable[str]:
     return JOINTS
 
 
-Env = Annotated[str, choice(environments, "Id of the environment to simulate.")]
-PolicyName = Annotated[str, choice(policies, "Name of a policy, or folder of a training run.")]
+def env_option(usual: str) -> Any:
+    """Describes `--env`, which is `usual` if neither it nor a training run says otherwise."""
+    help = (
+        "Id of the environment to simulate; one of your own as MODULE:ID, where importing the "
+        "module registers the id."
+    )
+    return choice(environments, help, usual)
+
+
+def suit_option(usual: str) -> Any:
+    """Describes `--suit`, which is `usual` if neither it nor a training run says otherwise."""
+    return choice(suits, "Name of a shipped suit, or path of a suit file.", usual)
+
+
+def gravity_option(usual: str) -> Any:
+    """Describes `--gravity`, which is `usual` if neither it nor a training run says otherwise."""
+    return choice(gravities, "Place whose gravity acts on the arm.", usual)
+
+
+ENV, SUIT, GRAVITY = "ActiveSuit/ArmTracking-v0", "mock-suit", "earth"
+
+# None where the option is not given: a training run may say what it is then (`runs.scene`).
+Env = Annotated[str | None, env_option(ENV)]
+Suit = Annotated[str | None, suit_option(SUIT)]
+Gravity = Annotated[str | None, gravity_option(GRAVITY)]
 SuitName = Annotated[str, choice(suits, "Name of a shipped suit, or path of a suit file.")]
-Gravity = Annotated[str, choice(gravities, "Place whose gravity acts on the arm.")]
+PolicyName = Annotated[
+    str,
+    choice(
+        policies,
+        "Name of a policy, or folder of a training run, whose task and options then hold.",
+    ),
+]
 Seed = Annotated[
     int, tyro.conf.arg(help="Seed of all random numbers; the same one repeats the result.")
 ]

@@ -1,89 +1,37 @@
-"""Output of the commands: tables or JSON, a progress bar, and the files of a run folder."""
+"""Output of the commands: tables or JSON, and a progress bar."""
 
-import csv
-import io
-import json
-import math
 import shutil
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
-from ..errors import InputError
-from ..files import replacing, write_text
+from .folders import RunFolder, to_json
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+__all__ = [
+    "Bar",
+    "Rows",
+    "RunFolder",
+    "conclude",
+    "console",
+    "markdown_table",
+    "messages",
+    "progress",
+    "table",
+    "telling",
+    "to_json",
+]
 
 # Tables keep their width: on a narrow terminal lines wrap, but nothing is left out.
 console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
 Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
-
-
-class RunFolder:
-    """A folder of results; every file in it is written in one piece.
-
-    Raises:
-        InputError: The folder cannot be created or written.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        try:
-            path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(
-                f"cannot make the folder {str(path)!r} ({error.strerror}): choose another --out"
-            ) from error
-        try:
-            tempfile.TemporaryFile(dir=path).close()
-        except OSError as error:
-            raise InputError(
-                f"cannot write into {str(path)!r} ({error.strerror}): choose another --out"
-            ) from error
-
-    def __truediv__(self, name: str) -> Path:
-        return self.path / name
-
-    def json(self, name: str, content: Any) -> None:
-        """Writes `content` as JSON."""
-        write_text(self.path / name, to_json(content) + "\n")
-
-    def csv(self, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-        """Writes a header and rows as CSV."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(rows)
-        write_text(self.path / name, text.getvalue())
-
-    def text(self, name: str, content: str) -> None:
-        """Writes a text file."""
-        write_text(self.path / name, content)
-
-    def figure(self, name: str, figure: "Figure") -> None:
-        """Writes a matplotlib figure as `name`.png and `name`.svg."""
-        for suffix, options in ((".png", {"dpi": 140}), (".svg", {"metadata": {"Date": None}})):
-            with replacing(self.path / (name + suffix)) as scratch:
-                figure.savefig(scratch, format=suffix[1:], **options)  # pyright: ignore
-
-    def picture(self, name: str, pixels: np.ndarray) -> None:
-        """Writes an image (height, width, 3) as `name`.png."""
-        from matplotlib.image import imsave
-
-        with replacing(self.path / f"{name}.png") as scratch:
-            imsave(scratch, pixels, format="png")
 
 
 @contextmanager
@@ -95,25 +43,6 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
         if interrupt.args:
             raise
         raise KeyboardInterrupt(kept()) from None
-
-
-def to_json(content: Any) -> str:
-    """Returns `content` as strict JSON, where numbers that are not finite become null."""
-    return json.dumps(_plain(content), indent=2, allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple, np.ndarray)):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, Path):
-        return str(value)
-    return value
 
 
 @contextmanager
