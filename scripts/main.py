@@ -1,12 +1,17 @@
 """The program `activesuit`: finds the command, runs it, and reports a mistake."""
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
 from .. import __version__
 from ..errors import InputError, unknown_name
+from .engine_log import engine_warnings
+from .text import visible
 
 # Each is a function in a module of `commands` with the same name. Only the module that is asked for
 # is imported, because all of them together take more than a second. The sentence is the beginning
@@ -29,10 +34,14 @@ COMMANDS = {
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Runs one command; after a user's mistake, prints one sentence and exits with code 2."""
+    """Runs one command; after a user's mistake, prints one sentence and exits with code 2.
+
+    SIGTERM, by which a scheduler ends a job, does what Ctrl-C does.
+    """
     try:
-        _run(sys.argv[1:] if arguments is None else list(arguments))
-        sys.stdout.flush()
+        with _terminated_as_interrupted():
+            _run(sys.argv[1:] if arguments is None else list(arguments))
+            sys.stdout.flush()
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
@@ -41,6 +50,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         _stop(f"error: {error}")
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread gets signals
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _run(arguments: Sequence[str]) -> None:
@@ -79,16 +100,18 @@ def _run_command(name: str, arguments: Sequence[str]) -> None:
 
     load_extensions()
     function = name.replace("-", "_")
-    tyro.cli(
-        getattr(import_module(f".commands.{function}", __package__), function),
-        prog=f"activesuit {name}",
-        args=arguments,
-        config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-    )
+    command = getattr(import_module(f".commands.{function}", __package__), function)
+    with engine_warnings():
+        tyro.cli(
+            command,
+            prog=f"activesuit {name}",
+            args=arguments,
+            config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+        )
 
 
 def _stop(message: str) -> None:
-    print(f"activesuit: {message}", file=sys.stderr)
+    print(visible(f"activesuit: {message}".replace("\n", " ")), file=sys.stderr)
     sys.exit(2)
 
 

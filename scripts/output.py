@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from .folders import RunFolder, to_json
+from .text import say, visible
 
 __all__ = [
     "Bar",
@@ -22,9 +23,11 @@ __all__ = [
     "markdown_table",
     "messages",
     "progress",
+    "say",
     "table",
     "telling",
     "to_json",
+    "visible",
 ]
 
 # Tables keep their width: on a narrow terminal lines wrap, but nothing is left out.
@@ -49,14 +52,14 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 def progress(description: str, total: int) -> Iterator["Bar"]:
     """Shows a progress bar with remaining time on stderr while the block runs."""
     columns = (
-        TextColumn("{task.description:<36}"),
+        TextColumn("{task.description:<36}", markup=False),
         BarColumn(),
         TextColumn("{task.completed:>5.0f}/{task.total:.0f}"),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=messages, transient=not messages.is_terminal) as bars:
-        yield Bar(bars, bars.add_task(description, total=total))
+        yield Bar(bars, bars.add_task(visible(description), total=total))
 
 
 class Bar:
@@ -76,8 +79,10 @@ class Bar:
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:
     """Prints a table; the first `left` columns are aligned left, the others right, as numbers."""
-    rows = [list(row) for row in rows]
-    shown = Table(title=Text(title), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1))
+    header, rows = _visible(header), [_visible(row) for row in rows]
+    shown = Table(
+        title=Text(visible(title)), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1)
+    )
     for i, name in enumerate(header):
         longest = max(len(line) for row in [header, *rows] for line in row[i].split("\n"))
         justify = "left" if i < left else "right"
@@ -106,14 +111,19 @@ def conclude(
     for title, rows in tables.items():
         table(title, *rows)
     for remark in remarks:
-        print(remark)
+        say(remark)
     if folder:
-        print(f"wrote {folder.path}/result.json")
+        say(f"wrote {folder.path}/result.json")
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Returns a table as Markdown text."""
+    header, rows = _visible(header), [_visible(row) for row in rows]
     lines = ["| " + " | ".join(name.replace("\n", " ") for name in header) + " |"]
     lines.append("|" + "---|" * len(header))
     lines += ["| " + " | ".join(cell.replace("\n", "<br>") for cell in row) + " |" for row in rows]
     return "\n".join(lines)
+
+
+def _visible(cells: Iterable[str]) -> list[str]:
+    return [visible(cell) for cell in cells]

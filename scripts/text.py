@@ -1,0 +1,28 @@
+"""Text for a terminal: names from files cannot move its cursor or change its colors."""
+
+import sys
+import unicodedata
+from typing import TextIO
+
+# Control and format characters, such as those that turn the direction of writing; halves of
+# characters, which bytes of a file name become; separators of lines and paragraphs.
+_HIDDEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+
+
+def visible(text: str) -> str:
+    """Returns `text` with its control characters, but for line breaks, as Python writes them."""
+    return "".join(
+        char if char == "\n" or unicodedata.category(char) not in _HIDDEN else _escape(char)
+        for char in text
+    )
+
+
+def say(text: str, file: TextIO | None = None) -> None:
+    """Prints a line of text whose control characters are made visible; to stdout by default."""
+    print(visible(text), file=file or sys.stdout)
+
+
+def _escape(char: str) -> str:
+    return (
+        char.encode("ascii", "backslashreplace").decode() if ord(char) > 127 else repr(char)[1:-1]
+    )
