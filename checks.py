@@ -1,18 +1,18 @@
 """Checks of values that users give; each raises an InputError for a value that cannot be used."""
 
 import math
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, shown
 
 
 def number(name: str, value: Any, unit: str = "") -> float:
     """Returns `value` as a float; raises an InputError if it is not a finite number."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-        raise InputError(f"{name} is {value!r}: give a number{_in(unit)}")
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise InputError(f"{name} is {shown(value)}: give a number{_in(unit)}")
     try:
         converted = float(value)
     except OverflowError:
@@ -29,7 +29,7 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
     except ValueError:
         array = np.empty(0, dtype=object)
     if array.ndim != 1 or array.dtype.kind not in "iuf" or array.size == 0:
-        raise InputError(f"{name} is {values!r}: give at least one number{_in(unit)}")
+        raise InputError(f"{name} is {shown(values)}: give at least one number{_in(unit)}")
     bad = np.flatnonzero(~np.isfinite(array))
     if bad.size:
         raise InputError(f"{name}[{bad[0]}] is {array[bad[0]]}: give finite numbers{_in(unit)}")
@@ -37,13 +37,25 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
 
 
 def at_least(name: str, value: int, least: int) -> None:
-    """Checks that a number is at least `least`.
+    """Checks that a value is a whole number of at least `least`.
 
     Raises:
-        InputError: The number is smaller.
+        InputError: It is no whole number, or smaller.
     """
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        raise InputError(f"{name} is {shown(value)}: use a whole number of at least {least}")
     if value < least:
-        raise InputError(f"{name} is {value}: use at least {least}")
+        raise InputError(f"{name} is {shown(value)}: use at least {least}")
+
+
+def workers(value: int) -> None:
+    """Checks a number of workers: at least 1, or -1 for all cores.
+
+    Raises:
+        InputError: It is another number.
+    """
+    if isinstance(value, bool) or not isinstance(value, Integral) or (value < 1 and value != -1):
+        raise InputError(f"workers is {shown(value)}: use 1 or more, or -1 for all cores")
 
 
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
@@ -52,8 +64,8 @@ def within(name: str, value: float, low: float, high: float, unit: str = "") -> 
     Raises:
         InputError: It is not a number, or outside that range.
     """
-    if not (isinstance(value, Real) and low <= value <= high):
-        raise InputError(f"{name} is {value!r}: use a number from {low:g} to {high:g}{unit}")
+    if isinstance(value, bool) or not (isinstance(value, Real) and low <= value <= high):
+        raise InputError(f"{name} is {shown(value)}: use a number from {low:g} to {high:g}{unit}")
 
 
 def flag(name: str, value: bool) -> None:
@@ -63,7 +75,7 @@ def flag(name: str, value: bool) -> None:
         InputError: It is neither.
     """
     if not isinstance(value, bool):
-        raise InputError(f"{name} is {value!r}: use True or False")
+        raise InputError(f"{name} is {shown(value)}: use True or False")
 
 
 def scales(**values: float) -> None:

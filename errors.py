@@ -1,20 +1,55 @@
-"""The exception that a user's mistake raises, and its sentence for an unknown name."""
+"""The exception that a user's mistake raises, and the sentences it is made of."""
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
+
+LONGEST = 300  # characters of a message
+LONGEST_VALUE = 80  # characters of a value in it
+GAP = " ... "
 
 
 class InputError(ValueError):
     """A value that the user gave cannot be used: a file, an argument, a parameter or an action.
 
     The message is one sentence that names the value, the allowed range and the fix. The command
-    line prints it without a traceback and exits with code 2.
+    line prints it without a traceback and exits with code 2. It is one line of at most 300
+    characters, without any that a terminal would obey: a longer one loses its middle, since it
+    begins with the name of what is wrong and ends with the fix.
     """
 
+    def __init__(self, message: object = "") -> None:
+        super().__init__(shortened(one_line(str(message)), LONGEST))
 
-def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> InputError:
+
+def unknown_name(kind: str, name: object, allowed: Iterable[str]) -> InputError:
     """Returns the error for a name that is not in `allowed`, with the closest name as a hint."""
     allowed = sorted(allowed)
-    close = difflib.get_close_matches(str(name), allowed, n=1)
+    close = difflib.get_close_matches(str(name)[:LONGEST], allowed, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    return InputError(f"unknown {kind} {name!r}: use one of {', '.join(allowed)}{hint}")
+    return InputError(f"unknown {kind} {shown(name)}: use one of {', '.join(allowed)}{hint}")
+
+
+def shown(value: Any) -> str:
+    """Returns a value as an error message shows it: its repr, without the middle if it is long."""
+    try:
+        text = repr(value)
+    except Exception:  # nested too deep, more digits than Python converts, or its own mistake
+        text = f"a {type(value).__name__}"
+    return shortened(one_line(text), LONGEST_VALUE)
+
+
+def shortened(text: str, longest: int) -> str:
+    """Returns a text of at most `longest` characters, with a gap in its middle if it was longer."""
+    if len(text) <= longest:
+        return text
+    end = (longest - len(GAP)) // 2
+    return text[: longest - len(GAP) - end] + GAP + text[-end:]
+
+
+def one_line(text: str) -> str:
+    """Returns a text on one line, with every character that does not print as its escape."""
+    line = " ".join(text.split("\n")) if "\n" in text else text
+    if line.isprintable():
+        return line
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)

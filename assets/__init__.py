@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ..errors import unknown_name
-from .suit_files import load_suit, save_suit, suit_names
+from .suit_files import AnySuit, load_suit, save_suit, suit_names
 from .suit_joints import GRADES, JOINTS, SuitJoint
 from .suits import Suit
 
@@ -31,6 +31,7 @@ __all__ = [
     "GRADES",
     "JOINTS",
     "SCENE",
+    "AnySuit",
     "Suit",
     "SuitJoint",
     "curves_path",

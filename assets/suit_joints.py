@@ -15,7 +15,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..errors import InputError
+from ..errors import LONGEST_VALUE, InputError, shortened, shown
 from ..hysteresis import HysteresisModel, model_from_dict
 from .fitted import FittedModel
 
@@ -99,7 +99,7 @@ class SuitJoint(Strict):
             InputError: `fit` is no fit, or a sample is less safe than the model.
         """
         if not isinstance(fit, FittedModel):
-            raise InputError(f"fit is {fit!r}: give what identify returned")
+            raise InputError(f"fit is {shown(fit)}: give what identify returned")
         curves, fitted = fit.curves, fit.curves.fitted()
         start = fit.initial_torque
         file = f" of {curves.source}" if curves.source else ""
@@ -159,18 +159,21 @@ class SuitJoint(Strict):
 def first_problem(error: ValidationError) -> str:
     """Returns the first error in the fields of a suit, and its fix, as a sentence."""
     problem: Any = error.errors()[0]
-    place = ".".join(str(part) for part in problem["loc"] if part != "[key]") or "the file"
+    place = ".".join(
+        shortened(str(part), LONGEST_VALUE) for part in problem["loc"] if part != "[key]"
+    )
+    place = place or "the file"
     if problem["type"] == "extra_forbidden":
         return f"{place} is not a known field: remove it"
     if problem["type"] == "literal_error":
-        return f"{place} is {problem['input']!r}: use {problem['ctx']['expected']}"
+        return f"{place} is {shown(problem['input'])}: use {problem['ctx']['expected']}"
     if problem["type"] == "missing":
         return f"{place} is missing: add it"
     if problem["type"] == "value_error":  # ours, which names the value
         return f"{place}: {problem['ctx']['error']}"
     value = problem["input"]
     return f"{place}: {problem['msg']}" + (
-        "" if isinstance(value, (dict, list)) else f" (it is {value!r})"
+        "" if isinstance(value, (dict, list)) else f" (it is {shown(value)})"
     )
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat, ValidationError, field_validator
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError, shown, unknown_name
 from ..files import write_text
 from ..hysteresis import HysteresisModel
 from .fitted import FittedModel
@@ -75,7 +75,9 @@ class Suit(Strict):
             InputError: There is no fit, a joint is unknown, or a sample has no fit or is less safe.
         """
         if not isinstance(fits, Mapping) or not fits:
-            raise InputError(f"fits is {fits!r}: give fits by joint, as {{'elbow_flexion': fit}}")
+            raise InputError(
+                f"fits is {shown(fits)}: give fits by joint, as {{'elbow_flexion': fit}}"
+            )
         samples = samples or {}
         for joint in (*fits, *samples):
             if joint not in JOINTS:
@@ -98,6 +100,10 @@ class Suit(Strict):
             )
         except ValidationError as error:
             raise InputError(first_problem(error)) from error
+
+    def __hash__(self) -> int:
+        """Returns a hash of the whole content, which equal suits share."""
+        return hash(self.model_dump_json())
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a suit file that `load_suit` reads back, in one piece.

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..assets import JOINTS, Suit
+from ..assets import JOINTS, AnySuit, Suit
 from ..checks import at_least
-from ..errors import InputError, unknown_name
+from ..errors import InputError, shown, unknown_name
 from .arm_env import ArmEnv
 from .model import ASSISTED
 from .model.cuffs import CUFFS
@@ -142,7 +142,7 @@ def evaluate(
     *,
     episodes: int = 5,
     seed: int = 0,
-    believed_suit: str | None = None,
+    believed_suit: AnySuit | None = None,
     on_episode: Callable[[str, int, Trace], None] | None = None,
     **env_options: Any,
 ) -> list[Score]:
@@ -210,7 +210,7 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
     return env, env.unwrapped
 
 
-def _check_policies(policies: Policies, believed_suit: str | None) -> None:
+def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
     if isinstance(policies, str):
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     if not policies:
@@ -225,8 +225,8 @@ def _check_policies(policies: Policies, believed_suit: str | None) -> None:
         return
     if believed_suit is not None:
         raise InputError(
-            f"believed_suit is {believed_suit!r} and policies are your own: believed_suit is for "
-            "named policies only, so give yours what it believes when you make it"
+            f"believed_suit is {shown(believed_suit)} and policies are your own: believed_suit "
+            "is for named policies only, so give yours what it believes when you make it"
         )
     for name, make in policies.items():
         if not callable(make):
@@ -236,7 +236,7 @@ def _check_policies(policies: Policies, believed_suit: str | None) -> None:
             )
 
 
-def _build(policies: Policies, arm: ArmEnv, believed_suit: str | None) -> dict[str, Policy]:
+def _build(policies: Policies, arm: ArmEnv, believed_suit: AnySuit | None) -> dict[str, Policy]:
     if isinstance(policies, Mapping):
         return {name: make(arm) for name, make in policies.items()}
     return {

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from typing import Any, Literal, TypeVar
 
+from ...assets import AnySuit, Suit, load_suit
 from ...assets.suits import HIGHEST_PRESSURE
 from ...checks import flag, within
 from ...errors import InputError, unknown_name
@@ -86,7 +87,8 @@ class ArmConfig:
     `ArmConfig(wearer={"stature": 1.6}, exo={"elbow": {"peak_torque": 30}})`.
 
     Attributes:
-        suit: Name of a shipped suit, path of a suit file, or "none" for no suit.
+        suit: Name of a shipped suit, path of a suit file, or "none" for no suit; or a `Suit`, or
+            `SuitJoint`s by the name of their joint.
         pressure: Operating pressure of the suit [kPa], to which its torque is proportional; by
             default that of the suit file.
         gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
@@ -108,7 +110,7 @@ class ArmConfig:
         InputError: a value is outside its range, unknown, or contradicts another value.
     """
 
-    suit: str = "mock-suit"
+    suit: AnySuit = "mock-suit"
     pressure: float | None = None
     gravity: str = "earth"
     wearer: Person = field(default_factory=Person)
@@ -124,9 +126,8 @@ class ArmConfig:
     def __post_init__(self) -> None:
         for name, default in _NESTED.items():
             object.__setattr__(self, name, nested(name, getattr(self, name), default))
-        if not isinstance(self.suit, str | os.PathLike):
-            raise InputError(f"suit is {self.suit!r}: give a name, a path, or {NO_SUIT!r}")
-        object.__setattr__(self, "suit", os.fspath(self.suit))
+        named = isinstance(self.suit, str | os.PathLike)
+        object.__setattr__(self, "suit", os.fspath(self.suit) if named else load_suit(self.suit))
         for name, size in (("tilt", 2), ("misalignment", 3)):
             object.__setattr__(self, name, _numbers(name, getattr(self, name), size))
         for name, known in (("gravity", tuple(GRAVITY)), ("coupling", COUPLINGS), ("side", SIDES)):
@@ -147,7 +148,10 @@ class ArmConfig:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns all fields for JSON, nested ones as dicts."""
-        return asdict(self)
+        plain = asdict(self)
+        if isinstance(self.suit, Suit):
+            plain["suit"] = self.suit.model_dump(mode="json")
+        return plain
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "ArmConfig":

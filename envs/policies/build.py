@@ -4,7 +4,7 @@ from pathlib import Path
 
 import gymnasium
 
-from ...assets import load_suit
+from ...assets import AnySuit, load_suit
 from ...errors import InputError, unknown_name
 from ..arm_env import ArmEnv
 from ..model import resisting_joints
@@ -18,15 +18,15 @@ from .trained import TrainedPolicy
 POLICIES = ("none", "gravity", "feedforward", "oracle")
 
 
-def make_policy(name: str, env: gymnasium.Env, *, believed_suit: str | None = None) -> Policy:
+def make_policy(name: str, env: gymnasium.Env, *, believed_suit: AnySuit | None = None) -> Policy:
     """Returns a policy for an ActiveSuit environment.
 
     Args:
         name: Name of the policy ("none", "gravity", "feedforward" or "oracle"), or the folder of a
             training run.
         env: Environment in which the policy will act, wrapped or not.
-        believed_suit: Name or file of the suit that "feedforward" believes in; by default the
-            simulated one, at its pressure.
+        believed_suit: Suit that "feedforward" believes in: its name or file, or what else
+            `load_suit` takes; by default the simulated one, at its pressure.
 
     Raises:
         InputError: There is no such policy or folder, or the environment has no motors.
@@ -48,4 +48,4 @@ def make_policy(name: str, env: gymnasium.Env, *, believed_suit: str | None = No
         return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
     if not Path(name).is_dir():
         raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
-    return TrainedPolicy(name, arm.observation_space.shape[0])  # type: ignore[index]
+    return TrainedPolicy(name, arm)

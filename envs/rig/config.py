@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...assets import load_suit
+from ...assets import AnySuit, SuitJoint, load_suit
 from ...checks import at_least, number, numbers
 from ...errors import InputError, unknown_name
 from ...hysteresis import HysteresisModel
@@ -58,11 +58,12 @@ class RigConfig:
     """Motions to measure, and the device; defaults are filled in when the object is made.
 
     Attributes:
-        suit: Name of a shipped suit or path of a suit file; or any hysteresis model.
-        joint: Joint of the suit; it is ignored if `suit` is a model, which belongs to no joint.
+        suit: Name of a shipped suit or path of a suit file; or a `Suit`, a `SuitJoint`, or any
+            hysteresis model.
+        joint: Joint of the suit; it is ignored if `suit` is a `SuitJoint` or a model.
         turns: Angles at which the first-order curves turn back [rad]. By default those of Li et al.
-            2022 for shoulder and elbow flexion, fifths of the suit's range for its other joints,
-            and none for a model.
+            2022 for shoulder and elbow flexion, fifths of the range for other joints and for a
+            `SuitJoint`, and none for a model.
         start_angle: Angle at which all curves begin [rad]; by default the one at which the suit's
             memory begins, and 0 for a model.
         repeats: Number of times that each curve goes to its turn and back. The suit's memory begins
@@ -80,7 +81,7 @@ class RigConfig:
         InputError: There is no such suit or joint, or a number is out of its range.
     """
 
-    suit: str | HysteresisModel = "mock-suit"
+    suit: AnySuit | SuitJoint | HysteresisModel = "mock-suit"
     joint: str = "elbow_flexion"
     turns: tuple[float, ...] = ()
     start_angle: float | None = None
@@ -100,7 +101,8 @@ class RigConfig:
         object.__setattr__(self, "start_angle", specimen.inside("start_angle", start))
         turns = numbers("turns", self.turns, "rad") if np.size(self.turns) else ()
         if not turns and not isinstance(self.suit, HysteresisModel):
-            turns = TURNS.get(self.joint) or _fifths(start, specimen.range[1])
+            usual = None if isinstance(self.suit, SuitJoint) else TURNS.get(self.joint)
+            turns = usual or _fifths(start, specimen.range[1])
         object.__setattr__(self, "turns", tuple(specimen.inside("turn", turn) for turn in turns))
         _check_turns(self.turns, start)
         at_least("repeats", self.repeats, 1)
@@ -120,11 +122,16 @@ class RigConfig:
         """Returns the joint to measure."""
         if isinstance(self.suit, HysteresisModel):
             return Specimen("the model", self.suit)
-        joints = load_suit(self.suit).joints
-        if self.joint not in joints:
-            raise unknown_name(f"joint of suit {self.suit!r}", self.joint, joints)
-        entry = joints[self.joint]
-        return Specimen(self.joint, entry.model, entry.start_angle, entry.start_torque, entry.range)
+        if isinstance(self.suit, SuitJoint):
+            return _specimen("the joint", self.suit)
+        suit = load_suit(self.suit)
+        if self.joint not in suit.joints:
+            raise unknown_name(f"joint of suit {suit.name!r}", self.joint, suit.joints)
+        return _specimen(self.joint, suit.joints[self.joint])
+
+
+def _specimen(name: str, entry: SuitJoint) -> Specimen:
+    return Specimen(name, entry.model, entry.start_angle, entry.start_torque, entry.range)
 
 
 def _fifths(start: float, end: float) -> tuple[float, ...]:

@@ -322,3 +322,51 @@ def test_bad_fits(fits, options, message):
     with pytest.raises(InputError, match=message) as error:
         Suit.from_fits(fits, **options)
     assert "\n" not in str(error.value)
+
+
+def test_suits_as_objects():
+    suit = load_suit("mock-suit")
+    assert load_suit(suit) is suit
+    assert load_suit(suit.model_dump()) == suit
+    elbow = suit.joints["elbow_flexion"]
+    assert load_suit({"elbow_flexion": elbow}).joints == {"elbow_flexion": elbow}
+    assert hash(load_suit(suit.model_dump())) == hash(suit)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (SAFE, "suit is JilesAtherton.*: give the name of a shipped suit, the path"),
+        (None, "suit is None: give the name"),
+        ({}, "suit: schema_version is None, and this release reads 2"),
+        ("", "unknown suit ''"),
+        ("a\0b", r"unknown suit 'a\\x00b'"),
+        ("x" * 5000, "unknown suit 'xxx.*: use one of"),
+    ],
+)
+def test_bad_objects(given, message):
+    with pytest.raises(InputError, match=message) as error:
+        load_suit(given)
+    assert len(str(error.value)) <= 300
+    with pytest.raises(InputError, match=r"give it by the name of its joint, as {'elbow_flexion':"):
+        load_suit(load_suit("mock-suit").joints["elbow_flexion"])
+    joint = load_suit("mock-suit").joints["elbow_flexion"]
+    with pytest.raises(InputError, match=r"suit: joints.knee is 'knee': use"):
+        load_suit({"knee": joint})
+
+
+@pytest.mark.parametrize("version", [2.0, True, "2", None, [2], 10**300])
+def test_versions_that_are_not_ours(tmp_path, content, version):
+    with pytest.raises(InputError, match=r"schema_version is .*, and this release reads 2: "):
+        load(tmp_path, {**content, "schema_version": version})
+
+
+def test_damaged_json(tmp_path, content):
+    text = json.dumps(content)
+    assert load(tmp_path, "\ufeff" + text) == load_suit("mock-suit")
+    with pytest.raises(InputError, match="has 'name' twice in one object"):
+        load(tmp_path, text.replace("{", '{"name": "other", ', 1))
+    with pytest.raises(InputError, match="lists or objects inside each other"):
+        load(tmp_path, text.replace('"mock-suit"', "[" * 10_000 + "]" * 10_000, 1))
+    with pytest.raises(InputError, match="has a number of 5,000 digits"):
+        load(tmp_path, text.replace('"schema_version": 2', f'"schema_version": {"2" * 5000}'))

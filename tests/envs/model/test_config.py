@@ -5,10 +5,14 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import gymnasium
+import numpy as np
 import pytest
-from activesuit.envs.model import ArmConfig, Exo, Payload
+from activesuit.assets import load_suit
+from activesuit.envs.model import ArmConfig, Exo, Payload, compose, resisting_joints
 from activesuit.envs.model.config import PROVENANCE
 from activesuit.envs.person import Person
+from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
 
 RICH = ArmConfig(
@@ -94,7 +98,7 @@ def test_the_step_follows_the_coupling(fields, timestep):
         ({"exo": {"elbow": {"viscous": 6}}}, "a motor's viscous friction is 6: .* less than 5"),
         ({"exo": {"encoder_bits": 64}}, "exo.encoder_bits is 64: use 4 to 32"),
         ({"exo": {"encoder_bits": 12.5}}, "exo.encoder_bits is 12.5: use 4 to 32"),
-        ({"suit": None}, "suit is None: give a name, a path, or 'none'"),
+        ({"suit": None}, "suit is None: give the name of a shipped suit, the path"),
         ({"gravity": ["moon"]}, "unknown gravity "),
         ({"exo": {"ring": "0.4"}}, "exo.ring is '0.4': use a number"),
         ({"wearer": {"stature": "1.7"}}, "stature is '1.7': use meters"),
@@ -118,3 +122,36 @@ def test_a_payload_without_moments_is_a_ball_of_aluminum():
     density = next(q.value for q in PROVENANCE if q.name == "payload.density")
     assert ball.mass == pytest.approx(density * 4 / 3 * 3.141592653589793 * ball.radius**3)
     assert ball.moments == pytest.approx((0.4 * 2.0 * ball.radius**2,) * 3)
+
+
+def test_a_suit_as_an_object():
+    suit = load_suit("mock-suit")
+    named, given = ArmConfig(), ArmConfig(suit=suit)
+    assert ArmConfig.from_dict(json.loads(json.dumps(given.to_dict()))) == given
+    angles = np.linspace(0, 1, 5)
+    for config in (given, ArmConfig(suit=dict(suit.joints))):
+        joints = resisting_joints(config)
+        assert joints == resisting_joints(named)
+        assert hash(config) == hash(ArmConfig(suit=config.suit))
+        torque = joints["elbow_flexion"].model.response(angles)
+        assert torque.any()
+    assert compose(given).nplugin == compose(named).nplugin
+    with pytest.raises(InputError, match="give it by the name of its joint") as error:
+        ArmConfig(suit=suit.joints["elbow_flexion"])
+    assert len(str(error.value)) <= 300
+
+
+def test_a_suit_as_an_object_in_an_environment():
+    suit = load_suit("mock-suit")
+    envs = [
+        gymnasium.make("ActiveSuit/ElbowFlexion-v0", suit=one).unwrapped
+        for one in ("mock-suit", suit)
+    ]
+    steps = []
+    for env in envs:
+        env.reset(seed=3)
+        steps.append(env.step(np.array([0.2, -0.1]))[0])
+    np.testing.assert_array_equal(*steps)
+    again = envs[1].set_state(envs[1].get_state())[0]
+    np.testing.assert_array_equal(again, steps[1])
+    make_policy("feedforward", envs[0], believed_suit=suit)

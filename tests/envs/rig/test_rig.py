@@ -205,3 +205,12 @@ def test_a_suit_that_stops_the_motor_is_refused():
 def test_a_suit_whose_torque_becomes_infinite_is_refused(shoulder):
     with pytest.raises(InputError, match=r"becomes infinite on curve '1.57'"):
         run_rig(RigConfig(suit=shoulder, turns=(1.57,)))
+
+
+def test_a_joint_as_an_object():
+    suit = load_suit("mock-suit")
+    joint = suit.joints["elbow_flexion"]
+    config = RigConfig(suit=joint, turns=(1.2,))
+    assert config.specimen().model == joint.model
+    assert len(RigConfig(suit=joint).turns) == 5
+    assert RigConfig(suit=suit).specimen() == RigConfig().specimen()

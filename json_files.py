@@ -1,0 +1,98 @@
+"""Reading JSON files of users: whatever is wrong with one, the error is one sentence."""
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from .errors import InputError, shown
+
+LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
+DEEPEST = 50  # lists and objects inside each other; a suit file has 7
+MOST_DIGITS = 400  # of a whole number; beyond 309 it is no float
+
+
+def read_json(path: str | os.PathLike[str], what: str) -> Any:
+    """Returns the content of a JSON file (UTF-8, with or without a byte order mark).
+
+    Args:
+        path: Path of the file.
+        what: What the file should be, as the error message calls it ("suit").
+
+    Raises:
+        InputError: The file cannot be read, is too large, is no JSON, has one name twice in an
+            object, or nests deeper than any file of ours.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except (OSError, ValueError) as error:  # a path may hold a zero byte
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"cannot read the {what} {shown(str(path))}: {reason}") from error
+    if len(content) > LARGEST:
+        raise InputError(
+            f"cannot read the {what} {shown(str(path))}: it is longer than {LARGEST >> 20} MiB"
+        )
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"cannot read the {what} {shown(str(path))}: not a UTF-8 text file"
+        ) from error
+    return parse_json(text, str(path))
+
+
+def parse_json(text: str, name: str) -> Any:
+    """Returns the content of JSON text; `name` begins the error messages.
+
+    Raises:
+        InputError: It is no JSON, has one name twice in an object, or nests too deep.
+    """
+    try:
+        content = json.loads(text, object_pairs_hook=_object, parse_int=_integer)
+        _check_depth(content)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"{name} is not complete JSON (line {error.lineno}: {error.msg}): restore or remake it"
+        ) from error
+    except RecursionError:
+        raise InputError(
+            f"{name} has more than {DEEPEST} lists or objects inside each other: restore or remake "
+            "it"
+        ) from None
+    except _WrongError as error:
+        raise InputError(f"{name} {error}") from None
+    return content
+
+
+class _WrongError(Exception):
+    """The end of a sentence about a file that is JSON, but not to be used."""
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found:
+            raise _WrongError(f"has {shown(name)} twice in one object: remove one of them")
+        found[name] = value
+    return found
+
+
+def _integer(digits: str) -> int:
+    if len(digits) > MOST_DIGITS:
+        raise _WrongError(f"has a number of {len(digits):,} digits: give at most {MOST_DIGITS}")
+    return int(digits)
+
+
+def _check_depth(content: Any) -> None:
+    level = [content]
+    for _ in range(DEEPEST + 1):
+        level = [
+            inner
+            for outer in level
+            if isinstance(outer, (dict, list))
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+        ]
+        if not level:
+            return
+    raise RecursionError

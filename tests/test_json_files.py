@@ -1,0 +1,52 @@
+"""JSON files of users: what cannot be used is told in one sentence."""
+
+import pytest
+from activesuit.errors import InputError
+from activesuit.json_files import read_json
+
+
+def read(folder, content):
+    path = folder / "file.json"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return read_json(path, "suit")
+
+
+def test_what_is_read(tmp_path):
+    assert read(tmp_path, '{"a": [1, 2.5, null, "x"], "b": {"a": 1}}') == {
+        "a": [1, 2.5, None, "x"],
+        "b": {"a": 1},
+    }
+    assert read(tmp_path, b'\xef\xbb\xbf{"a": 1}') == {"a": 1}
+    assert read(tmp_path, "[" * 50 + "]" * 50)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", r"file\.json is not complete JSON \(line 1: Expecting value\): restore"),
+        ('{"a": 1', r"is not complete JSON \(line 1"),
+        ("[" * 10_000 + "]" * 10_000, "has more than 50 lists or objects inside each other"),
+        ("[" * 100_000, "has more than 50 lists or objects inside each other"),
+        ("[" * 52 + "]" * 52, "has more than 50 lists or objects inside each other"),
+        ('{"a": ' * 10_000 + "1" + "}" * 10_000, "has more than 50 lists or objects"),
+        ("9" * 5000, "has a number of 5,000 digits: give at most 400"),
+        ('{"a": 1, "b": 2, "a": 1}', "has 'a' twice in one object: remove one of them"),
+        ('{"x": [{"k": 1, "k": 2}]}', "has 'k' twice in one object"),
+        (b"\xff\xfe{\x00", r"cannot read the suit '.*file\.json': not a UTF-8 text file"),
+    ],
+)
+def test_what_is_refused(tmp_path, content, message):
+    with pytest.raises(InputError, match=message) as error:
+        read(tmp_path, content)
+    assert len(str(error.value)) <= 300
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"cannot read the suit .*: No such file"):
+        read_json(tmp_path / "none.json", "suit")
+    with pytest.raises(InputError, match=r"cannot read the suit .*: Is a directory"):
+        read_json(tmp_path, "suit")
+    with pytest.raises(InputError, match=r"cannot read the suit .*: embedded null byte"):
+        read_json("a\0b", "suit")
+    with pytest.raises(InputError, match="is longer than 64 MiB"):
+        read_json("/dev/zero", "suit")
