@@ -3,8 +3,12 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Grade = Literal["published", "derived", "assumed"]
-"""`published`: read in the source; `derived`: computed from published values; `assumed`: ours."""
+Grade = Literal["published", "transcribed", "derived", "assumed"]
+"""Where a number comes from.
+
+`published`: read in the source; `transcribed`: printed in the source, but read in somebody's copy
+of it; `derived`: computed from such numbers; `assumed`: ours.
+"""
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,8 @@ class Payload:
     """A rigid load in the ring of the exoskeleton, or in the hand where there is none.
 
     Attributes:
-        mass: Mass of the load [kg], 0 to 60; 0 means no load.
+        mass: Mass of the load [kg], 0 to 60; 0 means no load. Stability of the default time step
+            was tested with at most 5 kg.
         inertia: Moments of inertia about its center, in the axes of the hanging hand (x forward,
             y left, z up) [kg·m²]; by default those of a solid sphere of aluminum.
 

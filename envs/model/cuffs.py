@@ -48,9 +48,9 @@ _MASSES = {
 
 _SAFETY = "ISO/TS 15066: quasi-static contact force"
 _FORCE_LIMITS = {
-    "upper_arm": Quantity("cuff.upper_arm.force_limit", 150.0, "N", _SAFETY, "published"),
-    "forearm": Quantity("cuff.forearm.force_limit", 160.0, "N", _SAFETY, "published"),
-    "hand": Quantity("cuff.hand.force_limit", 140.0, "N", _SAFETY, "published"),
+    "upper_arm": Quantity("cuff.upper_arm.force_limit", 150.0, "N", _SAFETY, "transcribed"),
+    "forearm": Quantity("cuff.forearm.force_limit", 160.0, "N", _SAFETY, "transcribed"),
+    "hand": Quantity("cuff.hand.force_limit", 140.0, "N", _SAFETY, "transcribed"),
 }
 FORCE_LIMITS = {segment: limit.value for segment, limit in _FORCE_LIMITS.items()}
 """Largest force that a person should bear from a machine, by segment [N]."""

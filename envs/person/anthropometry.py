@@ -20,18 +20,18 @@ _POPULATION = {
     "female": {"stature": (1.629, 0.0642), "mass": (67.8, 11.0)},
 }
 _POPULATION_SOURCE: dict[str, tuple[str, str, Grade]] = {
-    "stature": ("m", _ANSUR, "published"),
+    "stature": ("m", _ANSUR, "transcribed"),
     "mass": ("kg", _RECALLED, "assumed"),
 }
 
 _DE_LEVA = "de Leva 1996, J. Biomech. 29(9), 1223-1230"
 _COLUMNS: tuple[tuple[str, str, str, Grade], ...] = (
     ("length", "mm", f"{_DE_LEVA}, recalled; between joint centers", "assumed"),
-    ("mass", "1", f"{_DE_LEVA}; fraction of body mass", "published"),
-    ("center", "1", f"{_DE_LEVA}; fraction of length", "published"),
-    ("gyration_sagittal", "1", f"{_DE_LEVA}; fraction of length", "published"),
-    ("gyration_transverse", "1", f"{_DE_LEVA}; fraction of length", "published"),
-    ("gyration_longitudinal", "1", f"{_DE_LEVA}; fraction of length", "published"),
+    ("mass", "1", f"{_DE_LEVA}; fraction of body mass", "transcribed"),
+    ("center", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
+    ("gyration_sagittal", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
+    ("gyration_transverse", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
+    ("gyration_longitudinal", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
 )
 # The hand ends at the head of the third metacarpal.
 _SEGMENTS = {
@@ -52,11 +52,11 @@ _BOONE = "Boone and Azen 1979, men"
 _RANGES: dict[str, tuple[tuple[float, str, Grade], tuple[float, str, Grade]]] = {  # degrees
     "shoulder_abduction": (
         (-11.5, "the torso is in the way", "assumed"),
-        (184.0, _BOONE, "published"),
+        (184.0, _BOONE, "transcribed"),
     ),
-    "shoulder_flexion": ((-62.0, _BOONE, "published"), (167.0, _BOONE, "published")),
-    "elbow_flexion": ((0.0, "AAOS", "published"), (143.0, _BOONE, "published")),
-    "wrist_flexion": ((-75.0, _BOONE, "published"), (76.0, _BOONE, "published")),
+    "shoulder_flexion": ((-62.0, _BOONE, "transcribed"), (167.0, _BOONE, "transcribed")),
+    "elbow_flexion": ((0.0, "AAOS", "transcribed"), (143.0, _BOONE, "transcribed")),
+    "wrist_flexion": ((-75.0, _BOONE, "transcribed"), (76.0, _BOONE, "transcribed")),
 }
 
 PROVENANCE: tuple[Quantity, ...] = (

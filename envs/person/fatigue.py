@@ -47,7 +47,7 @@ _RESTING = Quantity(
 
 PROVENANCE: tuple[Quantity, ...] = (
     *(
-        Quantity(f"fatigue.{region}.{column}", value, unit, source, "published")
+        Quantity(f"fatigue.{region}.{column}", value, unit, source, "transcribed")
         for region, row in _REGIONS.items()
         for (column, unit, source), value in zip(_COLUMNS, row, strict=True)
     ),

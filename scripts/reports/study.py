@@ -85,8 +85,8 @@ def _definitions(config: StudyConfig) -> dict[str, str]:
         "converged at": (
             "the convergence iteration, the first whose best fitness is within 1 % of the trial's "
             f"final one; an iteration is {config.swarm_size} evaluations, the scattered swarm's "
-            "being the first; "
-            "the paper does not say what it means by convergence"
+            "being the first; the paper does not say what it means by convergence. It rewards "
+            "stagnation: a swarm that stops improving early converges early, however bad it is"
         ),
         "success": (
             "NRMSE within 5 % of the noise floor, which is estimated from the curves' second "
