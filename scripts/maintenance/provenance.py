@@ -24,8 +24,8 @@ Each number of the simulated person, suit, exoskeleton and rig, as the code uses
 and a grade:
 
 - **published**: read in the source;
-- **transcribed**: printed in the source, but read in somebody's copy of it (a data file, another's code or table): look it
-  up before you rely on it;
+- **transcribed**: printed in the source, but read in somebody's copy of it (a data file, another's
+  code or table): look it up before you rely on it;
 - **derived**: computed from published or transcribed values;
 - **identified**: fitted to curves (suits only);
 - **assumed**: ours, or known at second hand only. Replace it by what you know of your own hardware.
