@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..checks import within
-from ..errors import InputError
+from ..errors import InputError, shown
 from .meter import Meter
 from .model import ASSISTED, ArmConfig, bare_arm, compose, resisting_joints, start_encoders
 from .model.config import nested
@@ -20,7 +20,7 @@ from .motors import Motors, checked
 from .observation import PREVIEW, Observer
 from .person import VoluntaryControl
 from .reference import Reference, follow, random_motion, valid_motion
-from .rendering import Renderer
+from .rendering import Renderer, RenderQuality
 from .reward import LOST, reward_terms
 from .state import check_state, physics_of, restore_physics
 from .wearer import Wearer
@@ -76,6 +76,11 @@ class ArmEnv(gymnasium.Env):
         camera: Name of the camera to render from.
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
+        render_quality: Quality of pictures: "fast", which needs no graphics card, or "fine", with
+            shadows, smooth edges and reflections.
+        picture_dt: Simulated time between new pictures [s], in which `render` returns the last one
+            again; 0 draws each anew. A recorder asks after every step: with 0.04 it draws 25
+            pictures a second, and its film still plays in real time.
         **arm: Fields of `ArmConfig`: suit, pressure, gravity, wearer, exo, coupling, payload,
             side, tilt, misalignment, sim_dt, allow_uncertified. Give nested fields as dicts if you
             need `EnvSpec.to_json`.
@@ -103,6 +108,8 @@ class ArmEnv(gymnasium.Env):
         camera: str = "overview",
         width: int = 640,
         height: int = 480,
+        render_quality: RenderQuality = "fast",
+        picture_dt: float = 0.0,
         **arm: Any,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -116,10 +123,17 @@ class ArmEnv(gymnasium.Env):
             raise InputError(
                 f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
             )
+        # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.data = mujoco.MjData(self.model)
         self.render_mode = render_mode
-        self.renderer = Renderer(camera=camera, width=width, height=height)
+        self.renderer = Renderer(
+            camera=camera,
+            width=width,
+            height=height,
+            quality=render_quality,
+            picture_dt=picture_dt,
+        )
         self.wiring = Wiring.of(self.model)
         self._observer = Observer(self.wiring, self.config.exo.encoder_bits, control_dt, observe)
         usual = VoluntaryControl()
@@ -144,9 +158,9 @@ class ArmEnv(gymnasium.Env):
 
         There are no `options`: each one raises an error.
         """
+        if options is not None and options != {}:
+            raise InputError(f"reset got the options {shown(options)}: it knows none; leave it out")
         super().reset(seed=seed)
-        if options:
-            raise InputError(f"reset got the options {sorted(options)}: it knows none")
         mujoco.mj_resetData(self.model, self.data)
         self._pursue(self._new_reference(self.np_random))
         self._step = self._clipped = 0
@@ -312,6 +326,7 @@ class ArmEnv(gymnasium.Env):
     def _pursue(self, reference: Reference) -> None:
         self.reference = reference
         self._observer.begin(reference)
+        self.renderer.forget()
 
     def _has_diverged(self) -> bool:
         warned = any(self.data.warning.number[DIVERGENCE].tolist())

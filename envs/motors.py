@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..errors import InputError
+from ..errors import InputError, shown
 from .model import Exo, thermal_clip, thermal_step
 from .wiring import Wiring
 
@@ -16,9 +16,15 @@ def checked(action: ArrayLike, shape: tuple[int, ...]) -> tuple[Array, bool]:
     """Returns the action clipped to [-1, 1], and whether that changed it.
 
     Raises:
-        InputError: The action has another shape, or is not finite.
+        InputError: The action has another shape, or is not of finite numbers.
     """
-    command = np.array(action, dtype=np.float64)  # a copy: the caller may reuse the array
+    try:
+        given = np.asarray(action)
+    except ValueError:  # lists of several lengths
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise InputError(f"action is {shown(action)}: give {shape[0]} numbers from -1 to 1")
+    command = given.astype(np.float64)  # a copy: the caller may reuse the array
     if command.shape != shape:
         raise InputError(
             f"action has shape {command.shape}: give {shape}, one number for every motor"

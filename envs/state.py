@@ -1,7 +1,6 @@
 """Saved states of an environment: the physics as arrays, and the check before a restore."""
 
 import math
-import reprlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,12 +9,28 @@ import numpy as np
 
 from ..arrays import Array
 from ..assets import JOINTS
-from ..errors import InputError
+from ..errors import InputError, shown
 from .meter import ENERGIES
 from .reference import Reference
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
+MOST = 10**9  # control periods
+LARGEST = 1e9  # J, N·m, rad/s: more than any episode has, and sums of it stay finite
+ROUNDING = 1e-9
+# The lowest and the highest number that an array of a state may have.
+BOUNDS = {
+    "actuator_force": (-LARGEST, LARGEST),
+    "previous_action": (-1.0, 1.0),
+    "motor_heat": (0.0, LARGEST),
+    "past_torque": (-LARGEST, LARGEST),
+    "variation": (-LARGEST, LARGEST),
+    "fatigued": (-ROUNDING, 1.0 + ROUNDING),
+    "angle": (-2 * math.pi, 2 * math.pi),
+    "rate": (-LARGEST, LARGEST),
+    "feedforward": (-LARGEST, LARGEST),
+    "resistance": (-LARGEST, LARGEST),
+}
 KEYS = (
     "config",
     "physics",
@@ -65,7 +80,7 @@ def check_state(
 
     Raises:
         InputError: The state belongs to another environment or to an episode that has diverged, or
-            a part of it is missing, has another type or size, or is not a number.
+            a part of it is missing, has another type or size, or numbers out of their bounds.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
@@ -79,14 +94,14 @@ def check_state(
     for name, value, wanted, usable in _parts(state, model, samples, shapes, random):
         if not usable:
             raise InputError(
-                f"the state's {name} is {reprlib.repr(value)}: it must be {wanted}, as get_state "
+                f"the state's {name} is {shown(value)}: it must be {wanted}, as get_state "
                 "returned it"
             )
 
 
 def _check_config(saved: Any, own: dict[str, Any]) -> None:
     if not isinstance(saved, dict) or saved.keys() != own.keys():
-        raise InputError(f"the state's config is {reprlib.repr(saved)}: give that of get_state")
+        raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
     differing = [name for name in own if saved[name] != own[name]]
     if differing:
         there, here = (
@@ -106,14 +121,11 @@ def _parts(
     random: np.random.Generator,
 ) -> Iterator[tuple[str, Any, str, bool]]:
     """Yields name, value, the required form, and whether the value has it; callers rely on it."""
-    shapes = {
-        "physics": (mujoco.mj_stateSize(model, PHYSICS),),
-        "actuator_force": (model.nactuator,),
-        **shapes,
-    }
+    shapes = {"actuator_force": (model.nactuator,), **shapes}
     for name, shape in shapes.items():
-        yield name, state[name], f"float64 numbers of shape {shape}", _is_array(state[name], shape)
-    physics = state["physics"]
+        yield _part(name, state[name], shape, BOUNDS[name])
+    physics, shape = state["physics"], (mujoco.mj_stateSize(model, PHYSICS),)
+    yield "physics", physics, f"float64 numbers of shape {shape}", _is_array(physics, shape)
     motion = np.empty(mujoco.mj_stateSize(model, MOTION))
     mujoco.mj_extractState(model, physics, PHYSICS, motion, MOTION)
     bounded = bool(np.abs(motion).max() < mujoco.mjMAXVAL)
@@ -121,17 +133,25 @@ def _parts(
     reference, shape = state["reference"], (samples, len(JOINTS))
     yield "reference", reference, "a Reference", isinstance(reference, Reference)
     for name in ("angle", "rate", "feedforward", "resistance"):
-        value = getattr(reference, name)
-        yield f"reference.{name}", value, f"numbers of shape {shape}", _is_array(value, shape)
+        yield _part(f"reference.{name}", getattr(reference, name), shape, BOUNDS[name])
     for name in ("step", "clipped_actions"):
         count = state[name]
-        yield name, count, "a count from 0", isinstance(count, int) and count >= 0
+        yield name, count, f"a count from 0 to {MOST}", type(count) is int and 0 <= count <= MOST
     energy = state["energy"]
     named = isinstance(energy, dict) and set(energy) == set(ENERGIES)
     yield "energy", energy, f"a dict of {' and '.join(ENERGIES)}", named
     for name, value in {**energy, "dissipated_at_reset": state["dissipated_at_reset"]}.items():
-        yield name, value, "a finite number", isinstance(value, float) and math.isfinite(value)
+        bounded = isinstance(value, float) and abs(value) <= LARGEST  # nan is not
+        yield name, value, f"a number within {LARGEST:g}", bounded
     yield "random", state["random"], "a generator's state", _fits(random, state["random"])
+
+
+def _part(
+    name: str, value: Any, shape: tuple[int, ...], bounds: tuple[float, float]
+) -> tuple[str, Any, str, bool]:
+    low, high = bounds
+    usable = _is_array(value, shape) and bool(((low <= value) & (value <= high)).all())
+    return name, value, f"float64 numbers of shape {shape} from {low:g} to {high:g}", usable
 
 
 def _is_array(value: Any, shape: tuple[int, ...]) -> bool:
@@ -139,7 +159,7 @@ def _is_array(value: Any, shape: tuple[int, ...]) -> bool:
         isinstance(value, np.ndarray)
         and value.dtype == np.float64
         and value.shape == shape
-        and not np.isnan(value).any()
+        and bool(np.isfinite(value).all())
     )
 
 

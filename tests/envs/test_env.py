@@ -218,7 +218,7 @@ def test_bad_options(options, message):
 
 def test_bad_reset_and_render():
     env = ElbowFlexionEnv()
-    with pytest.raises(InputError, match=r"options \['speed'\]"):
+    with pytest.raises(InputError, match=r"options {'speed': 2}"):
         env.reset(seed=0, options={"speed": 2})
     env.reset(seed=0, options={})
     with pytest.raises(InputError, match="render_mode is None"):
