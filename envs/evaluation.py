@@ -1,11 +1,14 @@
 """Closed-loop evaluation: scores several policies on the same intended motions."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
+from importlib import import_module
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
 from ..arrays import Array
@@ -162,7 +165,8 @@ def evaluate(
 
     Raises:
         InputError: An environment or policy is unknown, `episodes` is below 1, a policy of your own
-            is not a function, or such policies are given together with `believed_suit`.
+            is not a function or makes something that cannot act, or such policies are given
+            together with `believed_suit`.
     """
     _check_policies(policies, believed_suit)
     at_least("episodes", episodes, 1)
@@ -186,28 +190,69 @@ def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
     """Returns the reduction by feed-forward, divided by the oracle's, at each joint of `suit`.
 
     Only assisted joints count. The oracle knows the torque of this instant, but its motors lag;
-    feed-forward looks ahead, so that a good model can reach a little more than 1.
+    feed-forward looks ahead, so that a good model can reach a little more than 1. Where the oracle
+    reduces nothing, the share is NaN.
     """
     reductions = {score.policy: score.reduction or {} for score in scores}
+    oracle, feedforward = reductions["oracle"], reductions["feedforward"]
     return {
-        joint: reductions["feedforward"][joint] / reductions["oracle"][joint]
+        joint: feedforward[joint] / oracle[joint] if oracle[joint] else np.nan
         for joint in ASSISTED
         if joint in suit.joints
     }
 
 
 def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
-    """Makes a registered ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
+    """Makes an ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
+
+    Args:
+        env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the
+            module is imported first.
+        **options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
-        InputError: The id is unknown, or does not belong to this package.
+        InputError: The id is unknown, its module cannot be imported, or what it makes is no
+            `ArmEnv`.
     """
-    known = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
-    if env_id.removeprefix("activesuit:") not in known:
-        raise unknown_name("environment", env_id, known)
-    env = gymnasium.make(env_id, **options)
-    assert isinstance(env.unwrapped, ArmEnv)
+    module, _, name = env_id.rpartition(":")
+    with _own_code(env_id):
+        if module:
+            import_module(module)
+        made_by = _maker(name)
+    if name not in gymnasium.registry:
+        ours = [known for known in gymnasium.registry if known.startswith("ActiveSuit/")]
+        raise unknown_name("environment", env_id, ours)
+    if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
+        raise _no_arm(env_id)
+    env = gymnasium.make(name, **options)
+    if not isinstance(env.unwrapped, ArmEnv):
+        env.close()
+        raise _no_arm(env_id)
     return env, env.unwrapped
+
+
+@contextmanager
+def _own_code(env_id: str) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # a module of the user's fails in any way that a module can
+        raise InputError(
+            f"the environment {env_id!r} cannot be imported ({type(error).__name__}: {error}): "
+            "name an installed module, or one in the working folder"
+        ) from error
+
+
+def _maker(name: str) -> Any:
+    """Returns the class or function that makes a registered environment; None if there is none."""
+    made_by = gymnasium.registry[name].entry_point if name in gymnasium.registry else None
+    return load_env_creator(made_by) if isinstance(made_by, str) else made_by
+
+
+def _no_arm(env_id: str) -> InputError:
+    return InputError(
+        f"the environment {env_id!r} is no arm of ActiveSuit: give one whose class is a subclass "
+        "of activesuit.envs.arm_env.ArmEnv"
+    )
 
 
 def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
@@ -238,11 +283,21 @@ def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
 
 def _build(policies: Policies, arm: ArmEnv, believed_suit: AnySuit | None) -> dict[str, Policy]:
     if isinstance(policies, Mapping):
-        return {name: make(arm) for name, make in policies.items()}
+        return {name: _checked(name, make(arm)) for name, make in policies.items()}
     return {
         name: make_policy(name, arm, believed_suit=believed_suit)
         for name in dict.fromkeys(policies)
     }
+
+
+def _checked(name: str, policy: Any) -> Policy:
+    for method in ("reset", "act"):
+        if not callable(getattr(policy, method, None)):
+            raise InputError(
+                f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
+                "that returns an object with reset() and act(observation, info)"
+            )
+    return policy
 
 
 def _with_reduction(scores: list[Score]) -> list[Score]:

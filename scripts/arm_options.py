@@ -1,23 +1,28 @@
 """The wearer, the coupling and the load, as command line options that several commands share."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from ..envs.model import ArmConfig
 from ..envs.model.config import COUPLINGS, SIDES
 from ..envs.person.anthropometry import SEXES
-from .options import choice
+from .options import GRAVITY, SUIT, choice, optional_number
 
 _USUAL = ArmConfig()
+_NESTED = {  # options whose place in `ArmConfig` is deeper
+    **{name: ("wearer", name) for name in ("stature", "mass", "sex", "strength")},
+    "payload": ("payload", "mass"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class ArmOptions:
     """Wearer, coupling and load.
 
+    A training run brings its own, and so does --resume: then leave these options out.
+
     Attributes:
-        pressure: Operating pressure of the suit [kPa], to which its torque is proportional; by
-            default that of its file.
+        pressure: Operating pressure of the suit [kPa], to which its torque is proportional.
         coupling: Connection of the exoskeleton to the arm: rigid, elastic cuffs, or none, which
             means that there is no exoskeleton.
         side: Arm that wears the exoskeleton.
@@ -30,35 +35,70 @@ class ArmOptions:
         allow_uncertified: Accept a suit whose torque could become infinite in some motion.
     """
 
-    pressure: float | None = _USUAL.pressure
-    coupling: Annotated[str, choice(lambda: COUPLINGS)] = _USUAL.coupling
-    side: Annotated[str, choice(lambda: SIDES)] = _USUAL.side
-    stature: float = _USUAL.wearer.stature
-    mass: float = _USUAL.wearer.mass
-    sex: Annotated[str, choice(lambda: SEXES)] = _USUAL.wearer.sex
-    strength: float = _USUAL.wearer.strength
-    payload: float = _USUAL.payload.mass
-    tilt: tuple[float, float] = _USUAL.tilt
-    allow_uncertified: bool = _USUAL.allow_uncertified
+    # None where the option is not given; `runs.scene` finds what it is then.
+    pressure: Annotated[float | None, optional_number("that of its file")] = None
+    coupling: Annotated[str | None, choice(lambda: COUPLINGS, usual=_USUAL.coupling)] = None
+    side: Annotated[str | None, choice(lambda: SIDES, usual=_USUAL.side)] = None
+    stature: Annotated[float | None, optional_number(f"{_USUAL.wearer.stature}")] = None
+    mass: Annotated[float | None, optional_number(f"{_USUAL.wearer.mass}")] = None
+    sex: Annotated[str | None, choice(lambda: SEXES, usual=_USUAL.wearer.sex)] = None
+    strength: Annotated[float | None, optional_number(f"{_USUAL.wearer.strength}")] = None
+    payload: Annotated[float | None, optional_number(f"{_USUAL.payload.mass}")] = None
+    tilt: Annotated[tuple[float, float] | None, optional_number("0.0 0.0", count=2)] = None
+    allow_uncertified: bool = False
 
-    def config(self, suit: str, gravity: str) -> dict[str, Any]:
-        """Returns the fields of `ArmConfig`, as plain values."""
+    def given(self) -> dict[str, Any]:
+        """Returns the options that are given, by their names."""
         return {
-            "suit": suit,
-            "pressure": self.pressure,
-            "gravity": gravity,
-            "wearer": {
-                "stature": self.stature,
-                "mass": self.mass,
-                "sex": self.sex,
-                "strength": self.strength,
-            },
-            "coupling": self.coupling,
-            "payload": {"mass": self.payload},
-            "side": self.side,
-            "tilt": list(self.tilt),
-            "allow_uncertified": self.allow_uncertified,
+            name: list(value) if name == "tilt" else value
+            for name, value in asdict(self).items()
+            if value is not None and value is not False
         }
+
+    def config(self, suit: str | None, gravity: str | None) -> dict[str, Any]:
+        """Returns the fields of `ArmConfig` where no training run is involved, as plain values."""
+        return nested_options(
+            {**USUAL_OPTIONS, **self.given(), **_present(suit=suit, gravity=gravity)}
+        )
+
+
+def flat_options(config: dict[str, Any]) -> dict[str, Any]:
+    """Returns the options of the command line that make the given fields of `ArmConfig`."""
+    flat = {name: value for name, value in config.items() if name not in ("wearer", "payload")}
+    for name, (group, inner) in _NESTED.items():
+        if inner in config.get(group, {}):
+            flat[name] = config[group][inner]
+    return flat
+
+
+def nested_options(flat: dict[str, Any]) -> dict[str, Any]:
+    """Returns the fields of `ArmConfig` that options of the command line make."""
+    config: dict[str, Any] = {}
+    for name, value in flat.items():
+        if name in _NESTED:
+            group, inner = _NESTED[name]
+            config.setdefault(group, {})[inner] = value
+        else:
+            config[name] = value
+    return config
+
+
+def _present(**options: Any) -> dict[str, Any]:
+    return {name: value for name, value in options.items() if value is not None}
 
 
 USUAL = ArmOptions()
+USUAL_OPTIONS: dict[str, Any] = {
+    "suit": SUIT,
+    "pressure": _USUAL.pressure,
+    "gravity": GRAVITY,
+    "stature": _USUAL.wearer.stature,
+    "mass": _USUAL.wearer.mass,
+    "sex": _USUAL.wearer.sex,
+    "strength": _USUAL.wearer.strength,
+    "coupling": _USUAL.coupling,
+    "payload": _USUAL.payload.mass,
+    "side": _USUAL.side,
+    "tilt": list(_USUAL.tilt),
+    "allow_uncertified": _USUAL.allow_uncertified,
+}

@@ -43,6 +43,40 @@ def _one_of(names: Iterable[str]) -> Any:
     return Annotated[str, spec]
 
 
+def optional_number(
+    usual: str, kind: type[int] | type[float] = float, count: int = 1, help: str | None = None
+) -> Any:
+    """Describes an option that takes numbers and is None if it is not given.
+
+    Args:
+        usual: What None stands for.
+        kind: Type of the numbers.
+        count: Number of the numbers; several make a tuple.
+        help: Help text; by default what the docstring of the command says.
+
+    Returns:
+        An annotation for the type of the option, as in `Annotated[float | None, ...]`.
+    """
+
+    def parsed(given: list[str]) -> Any:
+        found = tuple(map(kind, given))
+        return found if count > 1 else found[0]
+
+    spec = PrimitiveConstructorSpec(
+        nargs=count,
+        metavar=" ".join([kind.__name__.upper()] * count),
+        instance_from_str=parsed,
+        is_instance=lambda value: value is not None,
+        str_from_instance=lambda value: [str(value)],
+    )
+    constructor: Any = Annotated[float, spec]
+    return tyro.conf.arg(
+        constructor_factory=lambda: constructor,
+        help=help,
+        help_behavior_hint=f"(default: {usual})",
+    )
+
+
 def _default(label: str) -> str:
     # With a constructor of our own, tyro shows the default as a Python list.
     return f"(default: {' '.join(map(str, literal_eval(label)))})"
@@ -116,7 +150,10 @@ PolicyName = Annotated[
         "Name of a policy, or folder of a training run, whose task and options then hold.",
     ),
 ]
-Seed = Annotated[
-    int, tyro.conf.arg(help="Seed of all random numbers; the same one repeats the result.")
-]
+_SEED = "Seed of all random numbers; the same one repeats the result."
+Seed = Annotated[int, tyro.conf.arg(help=_SEED)]
+RunSeed = Annotated[int | None, optional_number("0", int, help=_SEED)]
 Json = Annotated[bool, tyro.conf.arg(help="Print the result as JSON instead of tables.")]
+Force = Annotated[
+    bool, tyro.conf.arg(help="Replace files that are there, and write into any folder.")
+]

@@ -1,6 +1,5 @@
 """A policy trained by `activesuit train` (needs the extra `train`)."""
 
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -8,79 +7,89 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import InputError, shown, unknown_name
+from ...json_files import read_json
+from ..arm_env import ArmEnv
+from ..model import ArmConfig
+from .network import ARCHITECTURES, load_actor
 
-
-def algorithm_class(name: str) -> Any:
-    """Returns Stable-Baselines3's class for "ppo" or "sac".
-
-    Raises:
-        InputError: Stable-Baselines3 is not installed.
-    """
-    try:
-        import stable_baselines3
-    except ImportError as error:
-        raise InputError(
-            "training and trained policies need Stable-Baselines3: in a clone of the repository, "
-            "pip install '.[train]' -c constraints.txt"
-        ) from error
-    return getattr(stable_baselines3, name.upper())
+CONFIG, CHECKPOINT = "config.json", "model.zip"
+OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
+_RUN = ("env", "algo", "seed", "steps")
+_ARM = (
+    *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
+    "allow_uncertified",
+)
 
 
 def training_config(folder: str | os.PathLike[str]) -> dict[str, Any]:
     """Returns the options that a policy was trained with: env, algo, suit, gravity, ...
 
     Raises:
-        InputError: The folder is not a training run.
+        InputError: The folder is not a training run, or an option is unknown or cannot be used.
     """
-    try:
-        config = json.loads((Path(folder) / "config.json").read_text(encoding="utf-8"))
-        return {**config, "env": config["env"], "algo": config["algo"]}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    folder = Path(folder)
+    path = folder / CONFIG
+    if not path.is_file():
         raise InputError(
             f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has no "
-            "readable config.json"
-        ) from error
+            f"readable {CONFIG}"
+        )
+    config = read_json(path, "training run")
+    if not isinstance(config, dict):
+        raise InputError(f"{str(path)!r} is {shown(config)}: it must be an object of options")
+    for name in config:
+        if name not in (*_RUN, *_ARM):
+            raise unknown_name(f"option in {str(path)!r}", name, (*_RUN, *_ARM))
+    for name, kind, example in (("env", str, "an id"), ("algo", str, "'ppo' or 'sac'")):
+        if not isinstance(config.get(name), kind):
+            raise InputError(
+                f"{str(path)!r} has the {name} {shown(config.get(name))}: it must be {example}"
+            )
+    if config["algo"] not in ARCHITECTURES:
+        raise unknown_name(f"algo in {str(path)!r}", config["algo"], ARCHITECTURES)
+    for name, least in (("seed", 0), ("steps", 1)):
+        value = config.get(name, least)
+        if type(value) is not int or value < least:
+            raise InputError(
+                f"{str(path)!r} has {name} {shown(value)}: it must be a whole number of at least "
+                f"{least}"
+            )
+    if config.get("suit") == OWN_SUIT:
+        config["suit"] = str(folder / OWN_SUIT)
+    _check_arm({name: config[name] for name in _ARM if name in config}, path)
+    return config
 
 
-def load_network(algorithm: str, path: Path, **options: Any) -> Any:
-    """Returns the Stable-Baselines3 model in `path`.
-
-    Raises:
-        InputError: The file is damaged, or Stable-Baselines3 is not installed.
-    """
-    learner = algorithm_class(algorithm)
+def _check_arm(options: dict[str, Any], path: Path) -> None:
     try:
-        return learner.load(path, device="cpu", **options)
-    except Exception as error:  # a damaged file fails wherever it is damaged
-        raise InputError(
-            f"{str(path)!r} is not a readable policy ({error}): restore it, or train again"
-        ) from error
+        ArmConfig.from_dict(options)
+    except InputError as error:
+        raise InputError(f"{str(path)!r}: {error}") from error
 
 
 class TrainedPolicy:
     """Takes the mean action of a trained network.
 
+    Only the numbers of the network are read from the folder, never the Python objects in it, so
+    that a folder of someone else runs no code.
+
     Args:
         folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
-        observation_size: Number of values that the environment observes; it must fit the network.
+        env: Environment in which the policy acts.
 
     Raises:
         InputError: The folder holds no finished checkpoint, or the network does not fit.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], observation_size: int) -> None:
+    def __init__(self, folder: str | os.PathLike[str], env: ArmEnv) -> None:
         folder, algorithm = Path(folder), training_config(folder)["algo"]
-        if not (folder / "model.zip").is_file():
-            raise InputError(f"{str(folder)!r} has no model.zip: train it first, or with --resume")
-        self._network = load_network(algorithm, folder / "model.zip")
-        size = self._network.observation_space.shape[0]
-        if size != observation_size:
+        path = folder / CHECKPOINT
+        if not path.is_file():
             raise InputError(
-                f"the policy in {str(folder)!r} observes {size} numbers and the environment shows "
-                f"{observation_size}: evaluate it with the options it was trained with, which are "
-                f"in {folder / 'config.json'}"
+                f"{str(folder)!r} has no {CHECKPOINT}: train it first, or with --resume"
             )
+        self._actor = load_actor(algorithm, path, env.observation_space, env.action_space)
 
     def reset(self) -> None:
         """Does nothing, because the network has no memory."""
@@ -88,5 +97,5 @@ class TrainedPolicy:
     def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
         """Returns the network's mean action."""
         del info
-        action, _ = self._network.predict(observation, deterministic=True)
+        action, _ = self._actor.predict(observation, deterministic=True)
         return np.asarray(action, dtype=np.float64)

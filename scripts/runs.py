@@ -1,0 +1,138 @@
+"""What a command simulates: options that are given, those of training runs, and the usual ones."""
+
+import operator
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..assets import load_suit
+from ..envs.policies import POLICIES
+from ..envs.policies.trained import CONFIG, training_config
+from ..errors import InputError, shown
+from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
+from .options import ENV
+from .own_files import is_own
+
+OUR_MODULE = "activesuit:"  # before an id, as Gymnasium takes it in worker processes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A task and the options of its environment.
+
+    Attributes:
+        env: Id of the environment, with the module that registers it if it is not ours.
+        options: Fields of `ArmConfig` as plain values.
+    """
+
+    env: str
+    options: dict[str, Any]
+
+    @property
+    def place(self) -> str:
+        """Title of a table: task, place and suit."""
+        return f"{self.env}, {self.options['gravity']}, {self.options['suit']}"
+
+
+def scene(
+    arm: ArmOptions,
+    *,
+    env: str | None = None,
+    suit: str | None = None,
+    gravity: str | None = None,
+    policies: Iterable[str] = (),
+    usual: Mapping[str, Any] | None = None,
+) -> Scene:
+    """Returns what to simulate.
+
+    An option is the one given, else that of the training runs, else the usual one.
+
+    Args:
+        arm: Options of wearer, coupling and load.
+        env: Id of the environment; None if it is not given.
+        suit: Name or file of the suit; None if it is not given.
+        gravity: Name of the place; None if it is not given.
+        policies: Names of policies; the folders of training runs among them bring their options.
+        usual: Usual env, suit or gravity of the command, where they differ from those of the
+            others.
+
+    Raises:
+        InputError: An option differs from that of a training run, or two runs differ; or a run
+            from another machine was trained in an environment of a module that is not ours.
+    """
+    env = env and env.removeprefix(OUR_MODULE)
+    given = {"env": env, "suit": suit, "gravity": gravity, **arm.given()}
+    given = {name: value for name, value in given.items() if value is not None}
+    found: dict[str, Any] = {}
+    of = ""
+    for folder in runs_among(policies):
+        options = run_options(folder)
+        _check_module(options["env"], env, folder)
+        _check_same(given, options, "this command", folder)
+        if found:
+            _check_same(found, options, f"the run in {of!r}", folder)
+        found, of = options, folder
+    flat = {"env": ENV, **USUAL_OPTIONS, **(usual or {}), **found, **given}
+    chosen = flat.pop("env")
+    if ":" in chosen:
+        import_from_here()
+    return Scene(env=chosen, options=nested_options(flat))
+
+
+def runs_among(policies: Iterable[str]) -> list[str]:
+    """Returns the names of policies that are folders."""
+    return [name for name in policies if name not in POLICIES and Path(name).is_dir()]
+
+
+def run_options(folder: str) -> dict[str, Any]:
+    """Returns the options of the command line with which a run was trained.
+
+    Raises:
+        InputError: The folder is not a training run, or an option is unknown or cannot be used.
+    """
+    config = training_config(folder)
+    arm = {name: value for name, value in config.items() if name not in ("algo", "seed", "steps")}
+    flat = flat_options(arm)
+    if nested_options(flat) != arm:
+        raise InputError(
+            f"{str(Path(folder) / CONFIG)!r} has options of wearer or payload that no training "
+            "has: restore it"
+        )
+    return {**USUAL_OPTIONS, **flat, "env": flat["env"].removeprefix(OUR_MODULE)}
+
+
+def import_from_here() -> None:
+    """Lets a module of the working folder be imported, after all that are installed."""
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
+
+
+def _check_module(trained_on: str, given: str | None, folder: str) -> None:
+    if ":" not in trained_on or given == trained_on:
+        return
+    if not is_own((Path(folder) / CONFIG).read_bytes()):
+        raise InputError(
+            f"the run in {folder!r} needs {shown(trained_on)}, and its {CONFIG} is not of this "
+            f"machine: add --env {trained_on} if that module may be imported"
+        )
+
+
+def _check_same(
+    options: Mapping[str, Any], trained: Mapping[str, Any], whose: str, folder: str
+) -> None:
+    for name, value in options.items():
+        same = _same_suit if name == "suit" else operator.eq
+        if not same(value, trained[name]):
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(
+                f"{whose} has {option} {shown(value)}, and the run in {folder!r} was trained with "
+                f"{shown(trained[name])}: leave {option} out, or use runs of the same options"
+            )
+
+
+def _same_suit(one: str, other: str) -> bool:
+    return one == other or ("none" not in (one, other) and load_suit(one) == load_suit(other))
