@@ -106,7 +106,8 @@ class CurveObjective:
             )
         curves = len(self.curves)
         initial = rows[:, 5:].repeat(curves, axis=1) if self._initial is None else self._initial
-        initial = np.ascontiguousarray(np.broadcast_to(initial, (len(rows), curves)))
+        # A copy: a read-only view would have the kernel compiled once more.
+        initial = np.array(np.broadcast_to(initial, (len(rows), curves)), order="C")
         self.evaluations += len(rows)
         torque = np.empty((len(rows), self._angle.size))
         models = np.ascontiguousarray(rows[:, :5])
