@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar, cast
 import joblib
 from joblib import Parallel, delayed
 
+from ..checks import workers as check_workers
 from ..errors import InputError
 
 Backend = Literal["threading", "loky", "ray", "dask"]
@@ -23,10 +24,10 @@ def check_backend(backend: Backend, workers: int) -> None:
     """Checks, before any work is done, that `run_all` can use a backend.
 
     Raises:
-        InputError: `workers` is 0, or a package of the backend is not installed.
+        InputError: `workers` is neither -1 nor at least 1, or a package of the backend is not
+            installed.
     """
-    if workers == 0:
-        raise InputError("workers is 0: use a number of workers, or -1 for all cores")
+    check_workers(workers)
     try:
         for module in LIBRARIES.get(backend, ()):
             importlib.import_module(module)

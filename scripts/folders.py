@@ -16,7 +16,7 @@ import sys
 import tempfile
 import weakref
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,6 +58,7 @@ class RunFolder:
         self._record = None
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: give the folder itself as --out")
+        self._made = [one for one in (path, *path.parents) if not one.exists()]
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -74,6 +75,14 @@ class RunFolder:
             ) from error
         self.own = self._record is not None and self._record.own
         remove_leftovers(path)
+        _OPEN.add(self)
+
+    def close(self) -> None:
+        """Lets other processes write into the folder; removes it if it is new and still empty."""
+        if self._record is not None and self._record.close():
+            with suppress(OSError):
+                for made in self._made:
+                    made.rmdir()
 
     def __truediv__(self, name: str) -> Path:
         return self.path / name
@@ -133,8 +142,9 @@ class RunFolder:
         scratch = Path(tempfile.mkdtemp(dir=self.path, prefix=scratch_prefix()))
         try:
             yield RunFolder(scratch)
-            for path in sorted(scratch.iterdir()):
-                move(path, self.claim(path.name))
+            finished = sorted(scratch.iterdir())
+            for path, target in [(path, self.claim(path.name)) for path in finished]:
+                move(path, target)
         except KeyboardInterrupt:
             if kept:
                 for path in sorted(scratch.iterdir()):
@@ -178,6 +188,15 @@ class RunFolder:
             self._record.add(name)
 
 
+_OPEN: weakref.WeakSet[RunFolder] = weakref.WeakSet()
+
+
+def close_folders() -> None:
+    """Closes every run folder of this process, at the end of a command."""
+    for folder in list(_OPEN):
+        folder.close()
+
+
 class _Record:
     """The file `.activesuit` of a run folder, locked by the process that writes into the folder.
 
@@ -185,12 +204,13 @@ class _Record:
     """
 
     def __init__(self, folder: Path, command: str, force: bool) -> None:
-        path = folder / RECORD
+        self._path = path = folder / RECORD
+        self._first_line = FIRST_LINE + command
         if not force and not path.exists():
             _check_empty(folder, command)
         flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
         self._file = os.open(path, flags, 0o666)
-        self._close = weakref.finalize(self, os.close, self._file)
+        self._end = weakref.finalize(self, os.close, self._file)
         if not stat.S_ISREG(os.fstat(self._file).st_mode):
             raise InputError(f"{str(path)!r} is not a regular file: choose another --out")
         if not _lock(self._file):
@@ -199,18 +219,27 @@ class _Record:
                 "another --out"
             )
         lines = self._read()
-        self.own = lines[:1] == [FIRST_LINE + command]
+        self.own = self._begun = lines[:1] == [self._first_line]
         self.names = set(lines[1:]) if self.own else set[str]()
-        if not self.own:
-            if lines and not force:
+        if not self.own and not force:
+            if lines:
                 raise _foreign(folder, command, lines[0])
-            if not force:
-                _check_empty(folder, command)
-            os.ftruncate(self._file, 0)
-            self._append(FIRST_LINE + command)
+            _check_empty(folder, command)
+
+    def close(self) -> bool:
+        """Ends the lock; removes a record without content, and returns whether it did."""
+        empty = self._end.alive and not os.fstat(self._file).st_size
+        if empty:
+            self._path.unlink(missing_ok=True)
+        self._end()
+        return empty
 
     def add(self, name: str) -> None:
         """Puts the name of a file on record."""
+        if not self._begun:
+            os.ftruncate(self._file, 0)
+            self._append(self._first_line)
+            self._begun = True
         if name not in self.names:
             self.names.add(name)
             self._append(name)

@@ -11,6 +11,7 @@ from importlib import import_module
 from .. import __version__
 from ..errors import InputError, unknown_name
 from .engine_log import engine_warnings
+from .folders import close_folders
 from .text import visible
 
 # Each is a function in a module of `commands` with the same name. Only the module that is asked for
@@ -50,6 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         _stop(f"error: {error}")
+    finally:
+        close_folders()
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import mujoco
 import tyro
 
 from ...checks import at_least
@@ -32,8 +33,6 @@ def bench(
     """
     at_least("repeats", repeats, 1)
     # Not needed by other commands, and slow to import.
-    import mujoco
-
     from ..benchmarks import effort, engine, env, exactness, hysteresis, identify, model, starts
     from .study import study
 

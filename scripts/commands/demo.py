@@ -1,6 +1,8 @@
 """`activesuit demo`: from measured loops to a compensated arm motion, in one command."""
 
+import itertools
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,8 +15,8 @@ from ...envs.policies import POLICIES
 from ...envs.rendering import RenderingUnavailableError
 from ...identification import Curves, Fit, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
-from ..options import Seed
-from ..output import Rows, RunFolder, markdown_table, progress, table, telling
+from ..options import Force, Seed
+from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
 from ..reports.fits import fit_summary, quality_table, write_trials
 from ..reports.motions import score_table, write_trace
 from ..reports.parameters import parameter_table
@@ -29,43 +31,64 @@ Fits = dict[str, dict[str, Fit]]
 
 
 def demo(
-    out: Path = Path("runs/demo"), trials: int = 30, episodes: int = 3, seed: Seed = 0
+    out: Path = Path("runs/demo"),
+    trials: int = 30,
+    episodes: int = 3,
+    seed: Seed = 0,
+    force: Force = False,
 ) -> None:
     """Do the whole job once: identify, simulate, compensate, report.
 
-    The curves are synthetic, made from the published parameters; see the README.
+    The curves are synthetic, made from the published parameters; see the README. The results of an
+    earlier demo are replaced when all of the new ones are there; Ctrl-C before that keeps both.
 
     Args:
-        out: Folder for the configuration, tables, suit file, figures and report.md.
+        out: Folder for the configuration, tables, suit file, figures and report.md: a new or an
+            empty one, or that of an earlier demo.
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
         episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
-    folder = RunFolder(out)
-    config = {"trials": trials, "episodes": episodes, "seed": seed, "env": ENV, "plant": PLANT}
-    folder.json("config.json", {**config, "methods": COMPARED, "gravities": GRAVITIES})
+    folder = RunFolder(out, "demo", force=force)
+    if not (folder / "fits.json").exists():
+        _run(folder, out, trials, episodes, seed)
+    else:
+        kept = _free_name(folder)
+        with folder.together(kept) as new:
+            _run(new, folder / kept, trials, episodes, seed)
+    say(f"report, figures, suit and data: {out}/report.md")
 
+
+def _free_name(folder: RunFolder) -> str:
+    """Returns the name of a new folder for what Ctrl-C leaves beside the results of a run."""
+    names = (f"interrupted-{i}" for i in itertools.count(1))
+    return next(name for name in names if not (folder / name).exists())
+
+
+def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) -> None:
+    """Does the whole job in a folder, which is at `place` if Ctrl-C ends it."""
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
-        with telling(lambda: _kept_fits(folder, fits)):
+        with telling(lambda: _kept_fits(place, fits)):
             _identify(curves, fits, trials, seed)
     finally:
-        _write_fits(folder, fits, seed)
-    suit = folder / "suit.json"
+        if any(fits.values()) or folder.path == place:
+            config = {"trials": trials, "episodes": episodes, "seed": seed}
+            _write_fits(folder, fits, config)
+    suit = folder.claim("suit.json")
     _identified_suit(fits).save(suit)
     kept = (
-        f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
-        f"activesuit validate {suit} --episodes {episodes} --seed {seed}"
+        f"fits.json, trials.csv and suit.json are kept in {place}; go on with: "
+        f"activesuit validate {place / suit.name} --episodes {episodes} --seed {seed}"
     )
     with telling(lambda: kept):
         fit_tables = _show_fits(folder, curves, fits)
         scores = _compare(folder, suit, episodes, seed)
         pictured = _picture(folder, seed)
         folder.text("report.md", _report(fit_tables, scores, pictured))
-    print(f"report, figures, suit and data: {folder.path}/report.md")
 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
@@ -91,18 +114,22 @@ def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> 
                     raise KeyboardInterrupt
 
 
-def _kept_fits(folder: RunFolder, fits: Fits) -> str:
+def _kept_fits(place: Path, fits: Fits) -> str:
     done, planned = sum(map(len, fits.values())), len(COMPARED) * len(fits)
+    if not done and not place.exists():
+        return f"no fit was finished; {place.parent} holds the results of the run before"
     return (
-        f"the finished fits ({done} of {planned}) are kept in {folder.path}/fits.json and "
+        f"the finished fits ({done} of {planned}) are kept in {place}/fits.json and "
         "trials.csv; run the demo again for the rest"
     )
 
 
-def _write_fits(folder: RunFolder, fits: Fits, seed: int) -> None:
+def _write_fits(folder: RunFolder, fits: Fits, config: dict[str, Any]) -> None:
+    simulated = {"env": ENV, "plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
+    folder.json("config.json", config | simulated)
     write_trials(folder, "trials.csv", fits)
     summaries = {
-        name: {method: fit_summary(fit, seed) for method, fit in methods.items()}
+        name: {method: fit_summary(fit, config["seed"]) for method, fit in methods.items()}
         for name, methods in fits.items()
     }
     folder.json("fits.json", summaries)
@@ -181,7 +208,7 @@ def _picture(folder: RunFolder, seed: int) -> bool:
             env.step(np.zeros(len(ASSISTED)))
         picture = arm.render()
     except RenderingUnavailableError as error:
-        print(f"no picture of the arm: {error}")
+        say(f"no picture of the arm: {error}")
         return False
     finally:
         env.close()

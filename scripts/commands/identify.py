@@ -16,8 +16,8 @@ from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
 from ...identification.uncertainty.uncertainty import Uncertainty, uncertainty
-from ..options import Json, Seed, choice, joints, suits
-from ..output import RunFolder, progress, table, to_json
+from ..options import Force, Json, Seed, choice, joints, suits
+from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     candidate_table,
     fit_summary,
@@ -44,6 +44,7 @@ def identify(
     joint: Annotated[str | None, choice(joints)] = None,
     base: Annotated[str | None, choice(suits)] = None,
     out: Path | None = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Identify a hysteresis model from measured angle-torque curves.
@@ -75,7 +76,8 @@ def identify(
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
-        out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG.
+        out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG: a new or an
+            empty one, or that of an earlier identify.
     """
     family = load_curves(curves)
     if base and not out:
@@ -83,7 +85,7 @@ def identify(
     _check_samples(samples, method, model)
     joint_name = _joint_of(curves, joint) if out or joint else None
     others = load_suit(base) if base else None
-    folder = RunFolder(out) if out else None
+    folder = RunFolder(out, "identify", force=force) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
     with progress(f"{method} on {curves.name}", total) as bar:
 
@@ -120,11 +122,12 @@ def identify(
             base=others,
             samples={joint_name: drawn},
         )
-        suit.save(folder / "suit.json")
-        folder.json("result.json", summary)
-        _write(folder, joint_name, family, fit)
+        with folder.together() as new:
+            suit.save(new / "suit.json")
+            new.json("result.json", summary)
+            _write(new, joint_name, family, fit)
         if not json:
-            print(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
+            say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
 
@@ -156,7 +159,7 @@ def _check_samples(samples: int, method: str, model: str | None) -> None:
 def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     if fit.candidates:
         table(f"models for {curves.name}", *candidate_table(fit), left=1)
-        print(f"{fit.why}\n")
+        say(f"{fit.why}\n")
     header, rows = parameter_table({"value": fit.model})
     start = fit.initial_torque
     begins = start if isinstance(start, str) else f"{start:.5g}"
@@ -165,7 +168,7 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
-        print(f"note: {remark}")
+        say(f"note: {remark}")
 
 
 def _description(fit: Fit, curves: Path, seed: int) -> str:

@@ -26,8 +26,8 @@ from ...identification.benchmarks.scott_russell_fit import (
 )
 from ...identification.optimizers.registry import KAO_FUNG_SWARMS
 from ...published import KAO_TABLE_1, KAO_TABLE_2
-from ..options import Json, Seed
-from ..output import RunFolder, progress, table, to_json
+from ..options import Force, Json, Seed
+from ..output import RunFolder, progress, say, table, to_json
 
 CASES = {"n = 1": False, "n free": True}
 NOISE = 50e-9  # m
@@ -37,6 +37,7 @@ Fits = dict[str, dict[str, MechanismFit]]
 
 def kao_fung(
     out: Path | None = None,
+    force: Force = False,
     seed: Seed = 0,
     population: int = 10_000,
     iterations: int = 100,
@@ -46,7 +47,8 @@ def kao_fung(
     """Repeat Kao and Fung (2009): the cost benchmark, and the piezo mechanism on regenerated data.
 
     Args:
-        out: Folder for result.json, the tables as CSV and the figures 6, 7 and 8 as PNG and SVG.
+        out: Folder for result.json, the tables as CSV and the figures 6, 7 and 8 as PNG and SVG: a
+            new or an empty one, or that of an earlier kao-fung.
         population: Number of particles of the identification; the paper has 10,000.
         iterations: Number of iterations of the identification.
         trials: Number of runs of each method on the cost benchmark; the paper has 100.
@@ -58,7 +60,7 @@ def kao_fung(
         ("trials", trials, 1),
     ):
         at_least(name, value, least)
-    folder = RunFolder(out) if out else None
+    folder = RunFolder(out, "kao-fung", force=force) if out else None
     costs = _run_costs(trials, seed)
     measurement = regenerate(noise=NOISE, rng=np.random.default_rng([seed, 0]))
     fits, seconds = _run_fits(measurement, seed, population, iterations)
@@ -74,13 +76,14 @@ def kao_fung(
         "remarks": _remarks(costs, fits, floor),
     }
     if folder:
-        _write(folder, result, costs, fits, measurement, floor)
+        with folder.together() as new:
+            _write(new, result, costs, fits, measurement, floor)
     if json:
         print(to_json(result))
         return
     _print(result)
     if folder:
-        print(f"wrote {folder.path}/result.json, 4 tables as CSV, figure-6, -7, -8 as PNG and SVG")
+        say(f"wrote {folder.path}/result.json, 4 tables as CSV, figure-6, -7, -8 as PNG and SVG")
 
 
 def _run_costs(trials: int, seed: int) -> Costs:

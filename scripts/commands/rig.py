@@ -12,8 +12,8 @@ from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
 from ...envs.rig.figure import records_figure
 from ...errors import InputError
 from ...identification import Curve, save_curves
-from ..options import Json, Seed, SuitName, choice, joints
-from ..output import RunFolder, table, to_json
+from ..options import Force, Json, Seed, SuitName, choice, joints
+from ..output import RunFolder, say, table, to_json
 
 
 def rig(
@@ -32,6 +32,7 @@ def rig(
     bearing_friction: float = 0.0,
     seed: Seed = 0,
     out: Path = Path("runs/rig"),
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Measure first-order curves of a suit joint on a simulated rig.
@@ -52,7 +53,8 @@ def rig(
         torque_resolution: Resolution of the torque sensor [N·m]; by default it has no steps.
         angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
         bearing_friction: Friction of the bearings [N·m].
-        out: Folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG.
+        out: Folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG: a new or
+            an empty one, or that of an earlier rig.
     """
     config = RigConfig(
         suit=suit,
@@ -70,23 +72,28 @@ def rig(
         seed=seed,
     )
     kept_out = _kept_out(config.turns, predict)
-    _report(config, kept_out, run_rig(config), out, json)
+    folder = RunFolder(out, "rig", force=force)
+    _report(config, kept_out, run_rig(config), folder, json)
 
 
 def _report(
-    config: RigConfig, kept_out: Sequence[float], records: Sequence[Record], out: Path, json: bool
+    config: RigConfig,
+    kept_out: Sequence[float],
+    records: Sequence[Record],
+    folder: RunFolder,
+    json: bool,
 ) -> None:
     names = {f"{turn:.2f}" for turn in kept_out}
     curves = [
         Curve(one.angle, one.torque, one.name, "predict" if one.name in names else "fit")
         for one in records
     ]
-    folder = RunFolder(out)
     path = folder / f"{config.joint}.csv"
     title = f"{config.suit}, {config.joint.replace('_', ' ')}"
-    folder.json("config.json", {**asdict(config), "predict": kept_out})
-    folder.figure("loops", records_figure(title, records))
-    save_curves(path, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    with folder.together() as new:
+        new.json("config.json", {**asdict(config), "predict": kept_out})
+        new.figure("loops", records_figure(title, records))
+        save_curves(new / path.name, curves, comments=(f"Measured on the simulated rig: {title}.",))
     measured = [_summary(curve) for curve in curves]
     if json:
         print(to_json({"curves": path, "measured": measured}))
@@ -94,7 +101,7 @@ def _report(
     header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
     rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     table(title, header, rows)
-    print(f"wrote {path}, config.json, loops.png; next: activesuit identify {path}")
+    say(f"wrote {path}, config.json, loops.png; next: activesuit identify {path}")
 
 
 def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[float]:

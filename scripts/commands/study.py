@@ -22,8 +22,8 @@ from ...identification.study.trial import (
     run_trial,
 )
 from ..backends import Backend, check_backend, run_all
-from ..options import Json, Seed, choice
-from ..output import RunFolder, progress, table, telling, to_json
+from ..options import Force, Json, Seed, choice
+from ..output import RunFolder, progress, say, table, telling, to_json
 from ..reports.study import report, to_dict
 from ..reports.study_tables import (
     best_table,
@@ -53,6 +53,7 @@ def study(
     iterations: int = 100,
     workers: int = -1,
     backend: Backend = "threading",
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Compare identification methods by many trials, and judge the paper's claims.
@@ -61,7 +62,8 @@ def study(
     do not depend on the workers or the backend.
 
     Args:
-        out: Folder for config.json, the trials, trials.csv, table.csv, report.md and the figures.
+        out: Folder for config.json, the trials, trials.csv, table.csv, report.md and the figures: a
+            new or an empty one, or that of the same study, which goes on.
         methods: Names of the methods to compare.
         joints: Names of shipped curves, or CSV files; curves with the role predict are kept out of
             the fits, and may turn more than once.
@@ -85,7 +87,7 @@ def study(
     )
     check(config, families)
     check_backend(backend, workers)
-    folder = _folder(out, config)
+    folder = _folder(out, config, force)
     with telling(lambda: _kept(folder, config)):
         finished = _run(folder, config, families, backend, workers)
     summaries = summarize(config, families, finished)
@@ -109,8 +111,8 @@ def study(
     if judgements:
         table("SA-PSO against MPSO, as the paper claims", *verdict_table(judgements), left=2)
     for reason in dict.fromkeys(judgement.reason for judgement in judgements if judgement.reason):
-        print(f"note: undecidable: {reason}")
-    print(f"report, figures and data: {folder.path}/report.md")
+        say(f"note: undecidable: {reason}")
+    say(f"report, figures and data: {folder.path}/report.md")
 
 
 def _families(joints: Sequence[str]) -> Families:
@@ -130,15 +132,23 @@ def _families(joints: Sequence[str]) -> Families:
     return families
 
 
-def _folder(out: Path, config: StudyConfig) -> RunFolder:
+def _folder(out: Path, config: StudyConfig, force: bool) -> RunFolder:
     """Opens the folder of a new study, or of one with the same configuration.
+
+    Trials that are there are never taken for those of a study with another configuration.
 
     Raises:
         InputError: The folder holds another study.
     """
-    folder = RunFolder(out)
+    folder = RunFolder(out, "study", force=force)
+    trials = folder.subfolder("trials")
     wanted = loads(to_json({"version": __version__, **config.to_dict()}))
-    present = _read_config(folder / "config.json")
+    begun = any(trials.glob("[!.]*"))
+    present = _read_config(folder / "config.json") if begun or folder.own else None
+    if present is None and begun:
+        raise InputError(
+            f"{str(trials)!r} holds trials without a config.json: choose another --out"
+        )
     if present is None:
         folder.json("config.json", wanted)
     elif present != wanted:
@@ -147,7 +157,6 @@ def _folder(out: Path, config: StudyConfig) -> RunFolder:
             f"{str(out)!r} holds a study whose {different} is {present.get(different)}, not "
             f"{wanted[different]}: choose another --out, or go on with its own options"
         )
-    (out / "trials").mkdir(exist_ok=True)
     return folder
 
 

@@ -9,11 +9,12 @@ import tyro
 
 from ...assets import Suit, SuitJoint, load_suit, save_suit, suit_names
 from ...errors import InputError
+from ...files import check_target, replacing
 from ...hysteresis import HysteresisModel, PoleError
 from ...hysteresis.certificate import ALL_ANGLES
-from ..options import Json, choice
+from ..options import Force, Json, choice
 from ..options import suits as known_suits
-from ..output import RunFolder, table, to_json
+from ..output import RunFolder, say, table, to_json
 from ..reports.parameters import parameter_table
 
 
@@ -23,6 +24,7 @@ def suits(
     pressure: float | None = None,
     export: Path | None = None,
     out: Path | None = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """List the shipped suits, or show and check one.
@@ -34,7 +36,8 @@ def suits(
             listed.
         pressure: Operating pressure at which the suit is shown [kPa]; by default its own.
         export: Path of a new suit file that holds the suit at that pressure.
-        out: Folder for the torque-angle loops of its joints, as PNG and SVG.
+        out: Folder for the torque-angle loops of its joints, as PNG and SVG: a new or an empty
+            one, or that of an earlier suits.
     """
     if suit is None:
         for flag, value in (("--pressure", pressure), ("--export", export), ("--out", out)):
@@ -51,13 +54,16 @@ def suits(
     if out and not shown.joints:
         raise InputError(f"--out is {out}, but {shown.name} resists no joint: leave --out away")
     problems = [f"{joint} {what}" for joint, e in shown.joints.items() if (what := _problem(e))]
+    if export:
+        check_target(export, force=force)
+    folder = RunFolder(out, "suits", force=force) if out else None
     if json:
         print(to_json(_content(shown, safe=not problems)))
     else:
         _show(shown)
-    written = _write(shown, export, out)
+    written = _write(shown, export, folder, force)
     if written and not json:
-        print(f"wrote {', '.join(map(str, written))}")
+        say(f"wrote {', '.join(map(str, written))}")
     if problems:
         raise InputError(
             f"{shown.name} is not safe to simulate: {'; '.join(problems)}; identify its curves "
@@ -88,7 +94,7 @@ def _list(json: bool) -> None:
     ]
     table("suits", ["name", "label", "joints", "pressure"], rows, left=3)
     for suit in shipped:
-        print(f"{suit.name}: {suit.description}\n")
+        say(f"{suit.name}: {suit.description}\n")
 
 
 def _content(suit: Suit, *, safe: bool) -> dict[str, Any]:
@@ -99,8 +105,8 @@ def _content(suit: Suit, *, safe: bool) -> dict[str, Any]:
 
 
 def _show(suit: Suit) -> None:
-    print(f"{suit.name}: {suit.description}\n")
-    print(f"label: {suit.label or '-'}; pressure: {_pressure(suit)}\n")
+    say(f"{suit.name}: {suit.description}\n")
+    say(f"label: {suit.label or '-'}; pressure: {_pressure(suit)}\n")
     if not suit.joints:
         print("It resists no joint.")
         return
@@ -110,7 +116,7 @@ def _show(suit: Suit) -> None:
     rows += [[quantity, *(column[quantity] for column in columns)] for quantity in columns[0]]
     table("models", header, rows, left=1)
     for joint, entry in suit.joints.items():
-        print(f"{joint}: {entry.source}")
+        say(f"{joint}: {entry.source}")
     print()
 
 
@@ -164,18 +170,18 @@ def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> 
     return certificate.certified and certificate.dissipative
 
 
-def _write(suit: Suit, export: Path | None, out: Path | None) -> list[Path]:
+def _write(suit: Suit, export: Path | None, folder: RunFolder | None, force: bool) -> list[Path]:
     """Writes the suit file and the figures that were asked for; returns their paths."""
     written = []
     if export:
-        save_suit(suit, export)
+        with replacing(export, force=force) as scratch:
+            save_suit(suit, scratch)
         written.append(export)
-    if out:
+    if folder:
         from ..reports.suit_figure import (
             suit_figure,  # draws, which takes most of a second to import
         )
 
-        folder = RunFolder(out)
         folder.figure("loops", suit_figure(suit))
         written += [folder / "loops.png", folder / "loops.svg"]
     return written

@@ -45,7 +45,14 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     out = run(capsys, "identify", ELBOW, "--out", tmp_path / "fit")
     assert "suit.json" in out
     names = {path.name for path in (tmp_path / "fit").iterdir()}
-    assert names == {"suit.json", "result.json", "trials.csv", "loops.png", "loops.svg"}
+    assert names == {
+        ".activesuit",
+        "suit.json",
+        "result.json",
+        "trials.csv",
+        "loops.png",
+        "loops.svg",
+    }
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
     assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
@@ -266,7 +273,14 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path):
     text = run(capsys, "identify", ELBOW, "--method", "auto", "--out", out)
     assert result["why"] in text
     names = {path.name for path in out.iterdir()}
-    assert names == {"suit.json", "result.json", "trials.csv", "loops.png", "loops.svg"}
+    assert names == {
+        ".activesuit",
+        "suit.json",
+        "result.json",
+        "trials.csv",
+        "loops.png",
+        "loops.svg",
+    }
     assert json.loads((out / "result.json").read_text()) == result
     model = load_suit(out / "suit.json").joints["elbow_flexion"].model
     assert model == model_from_dict(result["model"])

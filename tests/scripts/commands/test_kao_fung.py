@@ -19,7 +19,7 @@ def test_writes_tables_and_figures(capsys, tmp_path):
     assert max(map(len, out.split("note:")[0].splitlines())) <= 100
     figures = {f"figure-{i}.{suffix}" for i in (6, 7, 8) for suffix in ("png", "svg")}
     tables = {"cost.csv", "parameters.csv", "errors.csv", "convergence.csv", "result.json"}
-    assert {path.name for path in (tmp_path / "kf").iterdir()} == figures | tables
+    assert {path.name for path in (tmp_path / "kf").iterdir()} == figures | tables | {".activesuit"}
     with (tmp_path / "kf" / "cost.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * 2 * 3

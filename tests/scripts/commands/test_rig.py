@@ -18,7 +18,7 @@ def run(capsys, *arguments) -> str:
 def test_rig_identify_simulate(capsys, tmp_path):
     out = run(capsys, "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {"elbow_flexion.csv", "config.json", "loops.png", "loops.svg"}
+    assert names == {".activesuit", "elbow_flexion.csv", "config.json", "loops.png", "loops.svg"}
     curves = tmp_path / "elbow_flexion.csv"
     assert f"next: activesuit identify {curves}" in out
     run(capsys, "identify", curves, "--out", tmp_path / "fit")

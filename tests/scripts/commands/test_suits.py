@@ -2,6 +2,7 @@
 
 import json
 import re
+import stat
 
 import numpy as np
 import pytest
@@ -107,8 +108,13 @@ def test_export_at_another_pressure(capsys, tmp_path):
     assert load_suit(path) == load_suit("emu-like").at_pressure(40)
     again = json.loads(run(capsys, "emu-like", "--pressure", 40, "--json"))
     assert again["pressure_kpa"] == 40
-    run(capsys, "mock-suit", "--export", path)
+    path.chmod(0o600)
+    _, message = fails(capsys, "mock-suit", "--export", path)
+    assert "exists: give another name, or add --force to replace it" in message
+    assert load_suit(path) == load_suit("emu-like").at_pressure(40)
+    run(capsys, "mock-suit", "--export", path, "--force")
     assert load_suit(path) == load_suit("mock-suit")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
 def test_a_suit_without_pressure_resists_nothing(capsys, tmp_path):
