@@ -4,15 +4,43 @@ import os
 import sys
 import threading
 import time
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import within
 from ..errors import InputError, unknown_name
+from .memory import give_back
+
+RenderQuality = Literal["fast", "fine"]
 
 WINDOW_CLOSES = 5.0  # s that a window may take to close
+LONGEST_BETWEEN = 10.0  # s between pictures
+
+
+@dataclass(frozen=True)
+class _Quality:
+    """What OpenGL is asked for, which the processor pays for where there is no graphics card."""
+
+    shadowsize: int  # pixels; 0 draws no shadows
+    offsamples: int  # a pixel; more than 0 smooths edges
+    numslices: int  # around a round shape
+    numstacks: int  # along it
+    reflection: bool
+
+    def ask(self, model: mujoco.MjModel) -> None:
+        quality = model.vis.quality
+        quality.shadowsize, quality.offsamples = self.shadowsize, self.offsamples
+        quality.numslices, quality.numstacks = self.numslices, self.numstacks
+
+
+QUALITIES = {
+    "fast": _Quality(shadowsize=0, offsamples=0, numslices=36, numstacks=24, reflection=False),
+    "fine": _Quality(shadowsize=4096, offsamples=8, numslices=64, numstacks=48, reflection=True),
+}
 
 
 class RenderingUnavailableError(InputError):
@@ -22,22 +50,44 @@ class RenderingUnavailableError(InputError):
 class Renderer:
     """Renders one model from one camera; its OpenGL objects are made when needed, never pickled.
 
+    The quality is written into `vis.quality` of the model that is drawn.
+
     Args:
         camera: Name of a camera of the model.
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
+        quality: "fast", which is quick without a graphics card too, or "fine", with shadows,
+            smooth edges and reflections.
+        picture_dt: Simulated time between pictures [s]; before it has passed, `picture` returns the
+            last one again.
+
+    Raises:
+        InputError: The size or the quality is none.
     """
 
     # Why OpenGL does not work in this process: a second attempt could abort it.
     _unavailable: ClassVar[str | None] = None
 
-    def __init__(self, *, camera: str, width: int, height: int) -> None:
+    def __init__(
+        self,
+        *,
+        camera: str,
+        width: int,
+        height: int,
+        quality: RenderQuality = "fast",
+        picture_dt: float = 0.0,
+    ) -> None:
         if not all(isinstance(size, int) and size >= 1 for size in (width, height)):
             raise InputError(
                 f"the picture size is {width!r} x {height!r}: use whole numbers, at least 1 x 1 "
                 "pixel"
             )
+        if quality not in QUALITIES:
+            raise unknown_name("render_quality", quality, list(QUALITIES))
+        within("picture_dt", picture_dt, 0, LONGEST_BETWEEN, " s")
         self.camera, self.width, self.height = camera, width, height
+        self.quality, self.picture_dt = QUALITIES[quality], picture_dt
+        self._last: tuple[float, NDArray[np.uint8]] | None = None
         self._offscreen: Any = None
         self._window: Any = None
         self._window_threads: set[threading.Thread] = set()
@@ -51,9 +101,25 @@ class Renderer:
             RenderingUnavailableError: This machine has no OpenGL.
             InputError: The model has no such camera.
         """
+        if self._last is not None:
+            begin, picture = self._last
+            if 0 < data.time - begin < self.picture_dt - 1e-9:
+                return picture.copy()
         cameras = [model.camera(i).name for i in range(model.ncam)]
         if self.camera not in cameras:
             raise unknown_name("camera", self.camera, cameras)
+        offscreen = self._opengl(model)
+        offscreen.update_scene(data, camera=self.camera)
+        picture = offscreen.render().copy()
+        if self.picture_dt > 0:
+            self._last = data.time, picture.copy()
+        return picture
+
+    def forget(self) -> None:
+        """Makes the next picture a new one, whatever time has passed."""
+        self._last = None
+
+    def _opengl(self, model: mujoco.MjModel) -> mujoco.Renderer:
         if self._offscreen is not None and self._process != os.getpid():
             raise RenderingUnavailableError(
                 "this process was forked after OpenGL was in use, which OpenGL does not survive: "
@@ -61,6 +127,7 @@ class Renderer:
             )
         if self._offscreen is None:
             self._process = os.getpid()
+            self.quality.ask(model)
             try:
                 if Renderer._unavailable is None:
                     self._offscreen = mujoco.Renderer(model, self.height, self.width)
@@ -71,8 +138,9 @@ class Renderer:
                 f"no OpenGL context ({Renderer._unavailable}): on a machine without a display "
                 "install libegl1 and set MUJOCO_GL=egl before Python starts"
             )
-        self._offscreen.update_scene(data, camera=self.camera)
-        return self._offscreen.render().copy()
+        flags = self._offscreen.scene.flags
+        flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = self.quality.reflection
+        return self._offscreen
 
     def show(self, model: mujoco.MjModel, data: mujoco.MjData, period: float) -> None:
         """Opens a window at the first call, and updates it at most once per `period` [s].
@@ -88,6 +156,7 @@ class Renderer:
             import mujoco.viewer
 
             others = set(threading.enumerate())
+            self.quality.ask(model)
             try:
                 self._window = mujoco.viewer.launch_passive(model, data)
             except Exception as error:
@@ -112,6 +181,9 @@ class Renderer:
         for thread in self._window_threads:
             thread.join(WINDOW_CLOSES)  # a process that ends before its window does crashes
         self._offscreen, self._window, self._window_threads = None, None, set()
+        self._last = None
+        give_back()
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_offscreen": None, "_window": None, "_window_threads": set()}
+        fresh = {"_offscreen": None, "_window": None, "_window_threads": set(), "_last": None}
+        return {**self.__dict__, **fresh}

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from ...assets import SCENE, Suit, SuitJoint, load_suit
+from ..memory import give_back_after
 from ..person import segments
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
@@ -25,7 +26,9 @@ def compose(config: ArmConfig) -> mujoco.MjModel:
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     suit = _suit_of(config)
-    return copy.copy(_compiled(config, None if suit is None else suit.model_dump_json()))
+    model = copy.copy(_compiled(config, None if suit is None else suit.model_dump_json()))
+    give_back_after(model)
+    return model
 
 
 def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
@@ -46,7 +49,8 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
     remove_suit(spec)
     remove_exoskeleton(spec)
     # Inertias are explicit, so shapes can go too: inverse dynamics is then three times faster.
-    for part in [*spec.actuators, *spec.geoms, *spec.sites]:
+    shapes = [*spec.geoms, *spec.sites, *spec.meshes, *spec.materials, *spec.textures]
+    for part in [*spec.actuators, *shapes]:
         spec.delete(part)
     for joint in spec.joints:
         joint.armature = 0.0
@@ -64,7 +68,7 @@ def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
     return {} if suit is None else dict(suit.joints)
 
 
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=8)
 def _compiled(config: ArmConfig, suit: str | None) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
     return _built(config, None if suit is None else Suit.model_validate_json(suit)).compile()

@@ -1,4 +1,7 @@
+import itertools
+import math
 import pickle
+import time
 
 import gymnasium
 import numpy as np
@@ -7,6 +10,7 @@ from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 from activesuit.errors import InputError
 
 pytestmark = pytest.mark.render
+ID = "ActiveSuit/ElbowFlexion-v0"
 
 
 @pytest.fixture
@@ -70,3 +74,84 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(RenderingUnavailableError, match="rgb_array"):
         renderer.show(arm.model, arm.data, 0.01)
+
+
+def test_the_default_is_the_price_of_a_usual_environment(env):
+    """Was 1.5 s a picture without a graphics card; Gymnasium's Ant takes 0.07 s."""
+    fine = arm_env(render_quality="fine")
+    cost = {}
+    for name, arm, pictures in (("fast", env.unwrapped, 5), ("fine", fine, 1)):
+        arm.render()
+        begin = time.process_time()
+        for _ in range(pictures):
+            arm.render()
+        cost[name] = (time.process_time() - begin) / pictures
+    context = env.unwrapped.renderer._offscreen._mjr_context
+    assert (context.shadowSize, context.offSamples) == (0, 0)
+    context = fine.renderer._offscreen._mjr_context
+    assert context.shadowSize == 4096
+    assert cost["fast"] < max(0.5, cost["fine"] / 5)
+    assert np.abs(env.unwrapped.render().astype(int) - fine.render()).mean() > 0.1
+    fine.close()
+
+
+def arm_env(**options):
+    made = gymnasium.make(ID, render_mode="rgb_array", camera="side", **options)
+    made.reset(seed=0)
+    return made.unwrapped
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"render_quality": "best"}, "unknown render_quality 'best': use one of fast, fine"),
+        ({"render_quality": 5}, "unknown render_quality"),
+        ({"picture_dt": -1}, "picture_dt is -1: use a number from 0 to 10 s"),
+        ({"picture_dt": math.nan}, "picture_dt is nan"),
+    ],
+)
+def test_mistakes_in_options_of_pictures(options, sentence):
+    with pytest.raises(InputError, match=sentence):
+        gymnasium.make(ID, render_mode="rgb_array", **options)
+
+
+def test_options_of_pictures_are_json():
+    spec = gymnasium.spec(ID)
+    spec.kwargs.update(render_quality="fine", picture_dt=0.04)
+    assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
+
+
+def test_pictures_repeat_within_their_time_only(env):
+    arm = arm_env(picture_dt=0.04, width=80, height=60)
+    arm.reset(seed=0)
+    pictures = [arm.render()]
+    for _ in range(40):
+        arm.step(np.zeros(2, np.float32))
+        pictures.append(arm.render())
+    same = [np.array_equal(*pair) for pair in itertools.pairwise(pictures)]
+    assert same[10:] == [i % 4 != 3 for i in range(10, 40)]
+    state = arm.get_state()
+    arm.reset(seed=1)
+    assert not np.array_equal(arm.render(), pictures[-1])
+    arm.set_state(state)
+    np.testing.assert_array_equal(arm.render(), pictures[-1])
+    pictures[-1][:] = 0
+    assert arm.render().any()
+    arm.close()
+
+
+def test_a_recorded_video_plays_in_real_time(env, tmp_path):
+    pytest.importorskip("moviepy")
+    imageio = pytest.importorskip("imageio.v3")
+    small = {"width": 160, "height": 120, "picture_dt": 0.04}
+    made = gymnasium.make(ID, render_mode="rgb_array", **small)
+    recorder = gymnasium.wrappers.RecordVideo(made, str(tmp_path / "films"))
+    recorder.reset(seed=0)
+    for _ in range(100):
+        recorder.step(np.zeros(2, np.float32))
+    recorder.close()
+    (film,) = (tmp_path / "films").iterdir()
+    assert imageio.immeta(film, plugin="FFMPEG")["duration"] == pytest.approx(1.01, abs=0.02)
+    frames = imageio.imread(film, plugin="FFMPEG")
+    assert frames.shape == (101, 120, 160, 3)
+    assert np.abs(frames[-1].astype(int) - frames[0]).mean() > 0.5

@@ -1,0 +1,78 @@
+"""Environments give their memory back when they are closed and collected."""
+
+import gc
+import re
+import sys
+from pathlib import Path
+
+import gymnasium
+import mujoco
+import numpy as np
+import pytest
+from activesuit.envs.memory import give_back
+from activesuit.envs.model import ArmConfig, bare_arm
+from activesuit.envs.rendering import RenderingUnavailableError
+
+ENVIRONMENTS = 30
+linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
+
+
+def resident() -> float:
+    """Returns the memory of this process that is in use [MB]."""
+    gc.collect()
+    found = re.search(r"VmRSS:\s+(\d+)", Path("/proc/self/status").read_text())
+    assert found
+    return int(found[1]) / 1024
+
+
+def make(number: int, **options) -> gymnasium.Env:
+    payload = {"mass": 0.1 * number}  # each has another model
+    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", payload=payload, **options)
+    env.reset(seed=0)
+    env.step(np.zeros(2, np.float32))
+    if options:
+        env.render()
+    return env
+
+
+@linux
+def test_environments_give_their_memory_back():
+    for number in range(10):  # fills the store of compiled models
+        make(number)
+    before = resident()
+    held = [make(number) for number in range(ENVIRONMENTS)]
+    assert (resident() - before) / ENVIRONMENTS < 16  # MB; was 23
+    for env in held:
+        env.close()
+    del env, held
+    assert (resident() - before) / ENVIRONMENTS < 3  # was 23
+
+
+@linux
+@pytest.mark.slow
+@pytest.mark.render
+def test_pictures_give_their_memory_back():
+    small = {"render_mode": "rgb_array", "width": 320, "height": 240}
+    try:
+        for number in range(10):
+            make(number, **small).close()
+    except RenderingUnavailableError as error:
+        pytest.skip(str(error))
+    before = resident()
+    held = [make(number, **small) for number in range(8)]
+    for env in held:
+        env.close()
+    del env, held
+    assert (resident() - before) / 8 < 8  # MB; was 306
+
+
+def test_the_arm_for_inverse_dynamics_has_nothing_to_draw(tmp_path):
+    arm = bare_arm(ArmConfig())
+    assert (arm.nmesh, arm.ntex, arm.nmat) == (0, 0, 0)
+    mujoco.mj_saveModel(arm, str(tmp_path / "arm.mjb"))
+    assert (tmp_path / "arm.mjb").stat().st_size < 1e5  # bytes; was 1.1e7
+
+
+def test_no_c_library_that_gives_back_is_no_failure(monkeypatch):
+    monkeypatch.setattr("activesuit.envs.memory._trim", lambda: None)
+    give_back()
