@@ -1,4 +1,4 @@
-"""Draws the torque-angle loops of a periodic motion, as a moving panel beside the arm."""
+"""Draws the torque-angle loops of a motion, as a moving panel beside the arm."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,19 +12,18 @@ from ..arrays import Array
 from ..assets import JOINTS
 from .evaluation import ASSISTED_COLUMNS
 
-DPI = 100
-TAIL = 0.22  # of the cycle behind the present that shines
+INCHES = 5.4  # height of the figure, whose letters grow with the picture
+TAIL = 0.22  # of the motion behind the present that shines
 BACKGROUND, INK, GRID = "#1f252e", "#e3e8ee", "#39424e"
 SUIT, WEARER = "#62b4f5", "#ff8b3d"
 
 
 class LoopPanel:
-    """Torque over angle of shoulder and elbow flexion along one cycle of a periodic motion.
+    """Torque over angle of shoulder and elbow flexion along a motion.
 
     The whole loops are faint, and the part just before the present is bright.
 
-    All series are evenly sampled, have the shape (n, 4) with columns as `JOINTS`, and end where
-    they begin.
+    All series are evenly sampled and have the shape (n, 4) with columns as `JOINTS`.
 
     Args:
         angle: Joint angles [rad].
@@ -32,12 +31,21 @@ class LoopPanel:
         human_torque: The wearer's torque [N·m].
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
+        closed: Whether the series are one cycle of a periodic motion, whose end is its beginning.
     """
 
     def __init__(
-        self, angle: Array, resistance: Array, human_torque: Array, *, width: int, height: int
+        self,
+        angle: Array,
+        resistance: Array,
+        human_torque: Array,
+        *,
+        width: int,
+        height: int,
+        closed: bool = True,
     ) -> None:
-        figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor=BACKGROUND)
+        dpi = height / INCHES
+        figure = Figure(figsize=(width / dpi, INCHES), dpi=dpi, facecolor=BACKGROUND)
         figure.subplots_adjust(left=0.16, right=0.94, bottom=0.11, top=0.83, hspace=0.42)
         self._canvas = FigureCanvasAgg(figure)
         self._curves = []
@@ -47,11 +55,12 @@ class LoopPanel:
         for ax, column in zip(axes, ASSISTED_COLUMNS, strict=True):
             _dress(ax, JOINTS[column].replace("_", " "))
             for torque, color in ((resistance, SUIT), (human_torque, WEARER)):
-                self._curves.append(_Curve(ax, angle[:, column], torque[:, column], color))
+                points = np.column_stack([angle[:, column], torque[:, column]])
+                self._curves.append(_Curve(ax, points, color, closed))
         axes[-1].set_xlabel("angle [rad]", color=INK, size=11)
 
     def picture(self, sample: int) -> NDArray[np.uint8]:
-        """Returns the panel (height, width, 3) at number `sample` of the cycle."""
+        """Returns the panel (height, width, 3) at number `sample` of the series."""
         for curve in self._curves:
             curve.move_to(sample)
         self._canvas.draw()
@@ -59,21 +68,24 @@ class LoopPanel:
 
 
 class _Curve:
-    """One closed loop with a bright tail and a dot at the present."""
+    """One curve with a bright tail and a dot at the present."""
 
-    def __init__(self, ax: Axes, angle: Array, torque: Array, color: str) -> None:
-        self._points = np.column_stack([angle, torque])
-        self._tail = np.arange(-round(TAIL * len(angle)), 1)
+    def __init__(self, ax: Axes, points: Array, color: str, closed: bool) -> None:
+        self._points, self._closed = points, closed
+        self._tail = np.arange(-round(TAIL * len(points)), 1)
         colors = np.tile(to_rgba(color), (len(self._tail) - 1, 1))
         colors[:, 3] = np.linspace(0, 1, len(colors)) ** 1.5
         self._line = LineCollection([], colors=colors, linewidths=3.2)
         ax.add_collection(self._line)
         (self._dot,) = ax.plot([], [], "o", color=color, ms=8, mec=BACKGROUND, mew=1.2, zorder=3)
-        ax.plot(*np.vstack([self._points, self._points[:1]]).T, color=color, alpha=0.45, lw=1.3)
+        whole = np.vstack([points, points[:1]]) if closed else points
+        ax.plot(*whole.T, color=color, alpha=0.45, lw=1.3)
 
     def move_to(self, sample: int) -> None:
-        """Moves the end of the tail to `sample`; the tail goes on across the start of the loop."""
-        points = self._points[(sample + self._tail) % len(self._points)]
+        """Moves the end of the tail to `sample`; around a closed curve it goes on at the start."""
+        shown = sample + self._tail
+        shown = shown % len(self._points) if self._closed else shown.clip(0)
+        points = self._points[shown]
         self._line.set_segments([*np.stack([points[:-1], points[1:]], axis=1)])
         self._dot.set_data(*points[-1:].T)
 

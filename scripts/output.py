@@ -1,6 +1,8 @@
 """Output of the commands: tables or JSON, and a progress bar."""
 
 import shutil
+import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -34,6 +36,7 @@ __all__ = [
 console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
 Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
+QUIET = 3.0  # s, at least, between two lines about progress
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 
 
@@ -50,7 +53,10 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def progress(description: str, total: int) -> Iterator["Bar"]:
-    """Shows a progress bar with remaining time on stderr while the block runs."""
+    """Shows on stderr how far the block is: a bar with remaining time, or lines in a pipe."""
+    if not messages.is_terminal:
+        yield _Lines(visible(description), total)
+        return
     columns = (
         TextColumn("{task.description:<36}", markup=False),
         BarColumn(),
@@ -58,7 +64,7 @@ def progress(description: str, total: int) -> Iterator["Bar"]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=messages, transient=not messages.is_terminal) as bars:
+    with Progress(*columns, console=messages) as bars:
         yield Bar(bars, bars.add_task(visible(description), total=total))
 
 
@@ -75,6 +81,26 @@ class Bar:
     def move_to(self, steps: float) -> None:
         """Moves the bar to `steps` of its total."""
         self._bars.update(self._task, completed=steps)
+
+
+class _Lines(Bar):
+    """A line for every tenth of the way, for logs; none where the whole way is short."""
+
+    def __init__(self, description: str, total: int) -> None:
+        self._description, self._total, self._done = description, total, 0.0
+        self._begin = self._said = time.monotonic()
+        self._tenth = 0
+
+    def advance(self, steps: float = 1) -> None:
+        self.move_to(self._done + steps)
+
+    def move_to(self, steps: float) -> None:
+        self._done, now = steps, time.monotonic()
+        tenth = int(10 * steps / self._total) if self._total else 0
+        if tenth > self._tenth and now - self._said >= QUIET:
+            self._tenth, self._said = tenth, now
+            percent, taken = 100 * steps / self._total, now - self._begin
+            print(f"{self._description}: {percent:.0f} % after {taken:.0f} s", file=sys.stderr)
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:

@@ -1,35 +1,34 @@
-"""`activesuit animate`: a looping animation of an assisted motion with its torque-angle loops."""
+"""`activesuit animate`: an animation of an assisted motion with its torque-angle loops."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, ClassVar
 
+import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ...checks import at_least
 from ...envs.animation import LoopPanel
 from ...envs.arm_env import ArmEnv
-from ...envs.evaluation import run_episode
+from ...envs.evaluation import make_env, run_episode
 from ...envs.policies import Policy, make_policy
 from ...envs.reference import minimum_jerk
-from ...errors import InputError
-from ...files import replacing
+from ...errors import InputError, shown
+from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
-from ..options import Gravity, PolicyName, SuitName
-from ..output import Bar, progress
+from ..film import FILMS, FPS, Filming, Fps, Picture, Quality, film_writer, stride_of
+from ..options import Force, PolicyName, Seed, Suit, env_option, gravity_option
+from ..output import progress, say
+from ..runs import scene
 
-Picture = NDArray[np.uint8]
-
-FPS = 25
-STRIDE = 4  # control periods between pictures
 PERIOD = 6.0  # s
-SAMPLES = round(PERIOD * FPS * STRIDE)  # control periods in a cycle
 CYCLES = 2  # the last one is filmed, when the suit's memory has become periodic
-ARM_WIDTH, PANEL_WIDTH, HEIGHT = 560, 400, 540  # pixels
-SHADOWS = 4096  # pixels; what the model asks for takes a second a picture without a graphics card
+PANEL = 5 / 12  # of the width
+SMALLEST, LARGEST = 120, 1920  # pixels of a side
+REACH = "a looping reach"
 # When the joints turn, as a fraction of the cycle, and where [rad].
 TURNS = {
     "shoulder_flexion": ((0.0, 0.40), (0.27, 1.15), (0.45, 0.75), (0.63, 1.15), (1.0, 0.40)),
@@ -39,35 +38,53 @@ TURNS = {
 
 def animate(
     out: Path = Path("motion.gif"),
+    env: Annotated[str | None, env_option(REACH)] = None,
     policy: PolicyName = "feedforward",
-    suit: SuitName = "mock-suit",
-    gravity: Gravity = "microgravity",
+    suit: Suit = None,
+    gravity: Annotated[str | None, gravity_option("microgravity")] = None,
     arm: ArmOptions = USUAL,
+    seed: Seed = 0,
     camera: str = "overview",
+    fps: Fps = FPS,
+    width: int = 960,
+    height: int = 540,
+    quality: Quality = "fast",
+    force: Force = False,
 ) -> None:
-    """Draw an assisted motion and its torque-angle loops as a looping animation.
+    """Draw an assisted motion and its torque-angle loops as an animation.
+
+    Without an environment it is a reach that loops without a seam; with one, a whole episode.
 
     Args:
-        out: Name of the film, ending with .gif or .mp4.
+        out: Name of the film, ending with .gif or .mp4 (which needs the extra activesuit[video]).
         camera: Camera of the film: overview, front, side, elbow, cuffs or follow.
+        width: Width of the film [pixels].
+        height: Height of the film [pixels].
     """
-    write = _writer(out)
-    env = _Reaching(
-        **arm.config(suit, gravity),
-        control_dt=1 / (FPS * STRIDE),
-        render_mode="rgb_array",
-        camera=camera,
-        width=ARM_WIDTH,
-        height=HEIGHT,
-    )
-    env.model.vis.quality.shadowsize = SHADOWS
-    actor = make_policy(policy, env)
-    with replacing(out) as scratch:
-        with progress("film", SAMPLES // STRIDE) as bar:
-            pictures = _film(env, actor, bar)
-        write(scratch, pictures)
-    env.close()
-    print(f"wrote {out}")
+    write = _writer(out, force)
+    at_least("seed", seed, 0)
+    _check_size(width, height)
+    usual = {"env": REACH, "gravity": "microgravity"}
+    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), usual=usual)
+    panel_width = 2 * round(width * PANEL / 2)
+    options = {
+        **chosen.options,
+        "render_mode": "rgb_array",
+        "camera": camera,
+        "width": width - panel_width,
+        "height": height,
+        "render_quality": quality,
+    }
+    if chosen.env == REACH:
+        made = simulated = _Reaching(**options)
+    else:
+        made, simulated = make_env(chosen.env, **options)
+    stride = stride_of(fps, simulated.control_dt)
+    actor = make_policy(policy, simulated)
+    with replacing(out, force=force) as scratch:
+        write(scratch, _film(made, simulated, actor, seed, stride, panel_width), fps)
+    made.close()
+    say(f"wrote {out}")
 
 
 class _Reaching(ArmEnv):
@@ -84,47 +101,39 @@ class _Reaching(ArmEnv):
         return motion[0], motion[1], motion[2]
 
 
-class _Filming:
-    """A policy that acts as another one and takes pictures of the last cycle."""
-
-    def __init__(self, env: ArmEnv, policy: Policy, bar: Bar) -> None:
-        self._env, self._policy, self._bar = env, policy, bar
-
-    def reset(self) -> None:
-        self._policy.reset()
-        self._step = -(CYCLES - 1) * SAMPLES
-        self.pictures: list[Picture] = []
-
-    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> Array:
-        if self._step >= 0 and self._step % STRIDE == 0:
-            picture = self._env.render()
-            assert picture is not None
-            self.pictures.append(picture)
-            self._bar.advance()
-        self._step += 1
-        return self._policy.act(observation, info)
-
-
-def _film(env: ArmEnv, policy: Policy, bar: Bar) -> list[Picture]:
-    filming = _Filming(env, policy, bar)
-    trace = run_episode(env, filming, seed=0)
+def _film(
+    made: gymnasium.Env, arm: ArmEnv, policy: Policy, seed: int, stride: int, panel_width: int
+) -> list[Picture]:
+    """Films a whole episode, or the last cycle of a periodic motion."""
+    samples = round(arm.duration / arm.control_dt)
+    cycle = samples // CYCLES if isinstance(arm, _Reaching) else samples
+    with progress("pictures", len(range(0, cycle, stride))) as bar:
+        filming = Filming(arm, policy, stride, begin=samples - cycle, on_picture=bar.advance)
+        trace = run_episode(made, filming, seed)
     if trace.terminated:
-        raise InputError(
-            f"the arm was lost after {trace.time[-1]:.2f} s: choose another policy or suit"
-        )
+        lost = f"the arm was lost after {trace.time[-1]:.2f} s"
+        if isinstance(arm, _Reaching):
+            raise InputError(f"{lost}: choose another policy or suit")
+        say(f"{lost}; the film ends there")
     # A trace begins after the first control period, the pictures before it.
-    cycle = slice(-SAMPLES - 1, -1)
+    if isinstance(arm, _Reaching):
+        part, shift = slice(-cycle - 1, -1), samples - cycle
+    else:
+        part, shift = slice(None), 1
     panel = LoopPanel(
-        trace.angle[cycle],
-        -trace.suit_torque[cycle],
-        trace.human_torque[cycle],
-        width=PANEL_WIDTH,
-        height=HEIGHT,
+        trace.angle[part],
+        -trace.suit_torque[part],
+        trace.human_torque[part],
+        width=panel_width,
+        height=arm.renderer.height,
+        closed=isinstance(arm, _Reaching),
     )
-    return [
-        np.hstack([picture, panel.picture(i * STRIDE)])
-        for i, picture in enumerate(filming.pictures)
-    ]
+    frames = filming.pictures
+    with progress("torque-angle loops", len(frames)) as bar:
+        for i, step in enumerate(filming.steps):
+            frames[i] = np.hstack([frames[i], panel.picture(max(step - shift, 0))])
+            bar.advance()
+    return frames
 
 
 def _periodic(time: Array, turns: Sequence[tuple[float, float]]) -> Array:
@@ -141,37 +150,17 @@ def _periodic(time: Array, turns: Sequence[tuple[float, float]]) -> Array:
     return motion
 
 
-def _writer(out: Path) -> Callable[[Path, Sequence[Picture]], None]:
-    writers = {".gif": _write_gif, ".mp4": _write_mp4}
-    if out.suffix not in writers:
-        raise InputError(f"out is {str(out)!r}: use a name that ends with .gif or .mp4")
-    if out.suffix == ".mp4":
-        try:
-            import imageio_ffmpeg  # noqa: F401
-        except ImportError:
+def _writer(out: Path, force: bool) -> Callable[[Path, Sequence[Picture], int], None]:
+    kind = out.suffix.removeprefix(".")
+    if kind not in FILMS:
+        raise InputError(f"out is {shown(str(out))}: use a name that ends with .gif or .mp4")
+    check_target(out, force=force)
+    return film_writer(kind, "out", str(out))
+
+
+def _check_size(width: int, height: int) -> None:
+    for name, size in (("width", width), ("height", height)):
+        if not SMALLEST <= size <= LARGEST or size % 2:
             raise InputError(
-                f"out is {str(out)!r}: .mp4 needs the extra activesuit[video]; .gif does not"
-            ) from None
-    return writers[out.suffix]
-
-
-def _write_gif(path: Path, frames: Sequence[Picture]) -> None:
-    from PIL import Image  # matplotlib's own dependency
-
-    some = Image.fromarray(np.vstack(frames[:: max(1, len(frames) // 6)]))
-    # Some colors for smooth large areas, the others for small ones that stand out.
-    large = some.quantize(64, Image.Quantize.MEDIANCUT, kmeans=1)
-    small = some.quantize(192, Image.Quantize.MAXCOVERAGE, kmeans=1)
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((large.getpalette() or [])[: 3 * 64] + (small.getpalette() or [])[: 3 * 192])
-    first, *others = (
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
-        for frame in frames
-    )
-    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0)
-
-
-def _write_mp4(path: Path, frames: Sequence[Picture]) -> None:
-    import imageio.v3 as imageio
-
-    imageio.imwrite(path, frames, plugin="FFMPEG", fps=FPS, macro_block_size=2)
+                f"{name} is {size}: use an even number of pixels from {SMALLEST} to {LARGEST}"
+            )
