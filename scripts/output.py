@@ -55,7 +55,7 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 def progress(description: str, total: int) -> Iterator["Bar"]:
     """Shows on stderr how far the block is: a bar with remaining time, or lines in a pipe."""
     if not messages.is_terminal:
-        yield _Lines(visible(description), total)
+        yield Bar(_Lines(visible(description), total))
         return
     columns = (
         TextColumn("{task.description:<36}", markup=False),
@@ -65,41 +65,42 @@ def progress(description: str, total: int) -> Iterator["Bar"]:
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=messages) as bars:
-        yield Bar(bars, bars.add_task(visible(description), total=total))
+        task = bars.add_task(visible(description), total=total)
+        yield Bar(lambda done: bars.update(task, completed=done))
 
 
 class Bar:
-    """A progress bar on one line."""
+    """What a block tells about how far it is.
 
-    def __init__(self, bars: Progress, task: Any) -> None:
-        self._bars, self._task = bars, task
+    Args:
+        show: Function that shows the number of steps that are done.
+    """
+
+    def __init__(self, show: Callable[[float], None]) -> None:
+        self._show, self._done = show, 0.0
 
     def advance(self, steps: float = 1) -> None:
         """Moves the bar forward by `steps`."""
-        self._bars.advance(self._task, steps)
-
-    def move_to(self, steps: float) -> None:
-        """Moves the bar to `steps` of its total."""
-        self._bars.update(self._task, completed=steps)
-
-
-class _Lines(Bar):
-    """A line for every tenth of the way, for logs; none where the whole way is short."""
-
-    def __init__(self, description: str, total: int) -> None:
-        self._description, self._total, self._done = description, total, 0.0
-        self._begin = self._said = time.monotonic()
-        self._tenth = 0
-
-    def advance(self, steps: float = 1) -> None:
         self.move_to(self._done + steps)
 
     def move_to(self, steps: float) -> None:
-        self._done, now = steps, time.monotonic()
-        tenth = int(10 * steps / self._total) if self._total else 0
+        """Moves the bar to `steps` of its total."""
+        self._done = steps
+        self._show(steps)
+
+
+class _Lines:
+    """Prints a line for a tenth of the way, for logs; none where the whole way is short."""
+
+    def __init__(self, description: str, total: int) -> None:
+        self._description, self._total, self._tenth = description, total, 0
+        self._begin = self._said = time.monotonic()
+
+    def __call__(self, done: float) -> None:
+        now, tenth = time.monotonic(), int(10 * done / max(self._total, 1))
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
-            percent, taken = 100 * steps / self._total, now - self._begin
+            percent, taken = 100 * done / self._total, now - self._begin
             print(f"{self._description}: {percent:.0f} % after {taken:.0f} s", file=sys.stderr)
 
 
