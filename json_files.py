@@ -10,14 +10,16 @@ from .errors import InputError, shown
 LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
 DEEPEST = 50  # lists and objects inside each other; a suit file has 7
 MOST_DIGITS = 400  # of a whole number; beyond 309 it is no float
+REMAKE = "restore or remake it"
 
 
-def read_json(path: str | os.PathLike[str], what: str) -> Any:
+def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any:
     """Returns the content of a JSON file (UTF-8, with or without a byte order mark).
 
     Args:
         path: Path of the file.
         what: What the file should be, as the error message calls it ("suit").
+        fix: What to do with a file that is no JSON, as the error message says it.
 
     Raises:
         InputError: The file cannot be read, is too large, is no JSON, has one name twice in an
@@ -39,11 +41,11 @@ def read_json(path: str | os.PathLike[str], what: str) -> Any:
         raise InputError(
             f"cannot read the {what} {shown(str(path))}: not a UTF-8 text file"
         ) from error
-    return parse_json(text, str(path))
+    return parse_json(text, str(path), fix)
 
 
-def parse_json(text: str, name: str) -> Any:
-    """Returns the content of JSON text; `name` begins the error messages.
+def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:
+    """Returns the content of JSON text; `name` begins the error messages, and `fix` ends them.
 
     Raises:
         InputError: It is no JSON, has one name twice in an object, or nests too deep.
@@ -53,12 +55,11 @@ def parse_json(text: str, name: str) -> Any:
         _check_depth(content)
     except json.JSONDecodeError as error:
         raise InputError(
-            f"{name} is not complete JSON (line {error.lineno}: {error.msg}): restore or remake it"
+            f"{name} is not complete JSON (line {error.lineno}: {error.msg}): {fix}"
         ) from error
     except RecursionError:
         raise InputError(
-            f"{name} has more than {DEEPEST} lists or objects inside each other: restore or remake "
-            "it"
+            f"{name} has more than {DEEPEST} lists or objects inside each other: {fix}"
         ) from None
     except _WrongError as error:
         raise InputError(f"{name} {error}") from None

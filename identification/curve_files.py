@@ -5,15 +5,18 @@ import hashlib
 import io
 import math
 import os
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..files import write_text
 from .curves import RADIANS_AT_MOST, Curve, Curves
+
+LARGEST = 256 * 2**20  # bytes; a million samples take 30 million
 
 
 def load_curves(path: str | os.PathLike[str]) -> Curves:
@@ -32,10 +35,11 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
     """
     path = Path(path)
     content = _bytes(path)
-    (_, header), *rows = _rows(path, content)
+    rows = _rows(path, content)
+    _, header = next(rows)
     header = [name.strip() for name in header]
     angle_column = _angle_column(path, header)
-    samples: dict[str, list[tuple[float, float]]] = {}
+    samples: dict[str, tuple[array, array]] = {}
     labels: dict[str, dict[str, Any]] = {}
     for line, row in rows:
         if len(row) != len(header):
@@ -55,14 +59,15 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
                     f"{path}, line {line}: curve {name!r} changes its {key} to {value!r}: give all "
                     "its samples the same"
                 )
-        angle = _angle(cells, angle_column, path, line)
-        samples.setdefault(name, []).append((angle, _number(cells, "torque_nm", path, line)))
+        angle, torque = samples.setdefault(name, (array("d"), array("d")))
+        angle.append(_angle(cells, angle_column, path, line))
+        torque.append(_number(cells, "torque_nm", path, line))
     if not samples:
         raise InputError(f"{path} has a header but no samples")
     try:
         curves = [
-            Curve(*np.array(pairs).T.copy(), name=name, **labels[name])
-            for name, pairs in samples.items()
+            Curve(np.array(angle), np.array(torque), name=name, **labels[name])
+            for name, (angle, torque) in samples.items()
         ]
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
@@ -96,27 +101,41 @@ def save_curves(
 
 def _bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"cannot read the curves {str(path)!r}: {error.strerror}") from error
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except (OSError, ValueError) as error:  # a path may hold a zero byte
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"cannot read the curves {shown(str(path))}: {reason}") from error
+    if len(content) > LARGEST:
+        raise InputError(
+            f"cannot read the curves {shown(str(path))}: it is longer than {LARGEST >> 20} MiB; "
+            "thin them"
+        )
+    return content
 
 
-def _rows(path: Path, content: bytes) -> list[tuple[int, list[str]]]:
-    """Returns line number and cells of every line that is neither empty nor a comment."""
+def _rows(path: Path, content: bytes) -> Iterator[tuple[int, list[str]]]:
+    """Yields line number and cells of every line that is neither empty nor a comment, at least one.
+
+    They are made one by one, since those of a million lines together take a gigabyte.
+    """
     try:
         lines = content.decode("utf-8-sig").splitlines()
-        rows = [
-            (number, next(csv.reader([line], strict=True)))
-            for number, line in enumerate(lines, start=1)
-            if line.strip() and not line.lstrip().startswith("#")
-        ]
     except UnicodeDecodeError as error:
-        raise InputError(f"cannot read the curves {str(path)!r}: not a UTF-8 text file") from error
-    except csv.Error as error:
-        raise InputError(f"{path}: not a CSV file ({error})") from error
-    if not rows:
+        raise InputError(
+            f"cannot read the curves {shown(str(path))}: not a UTF-8 text file"
+        ) from error
+    empty = True
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        try:
+            yield number, next(csv.reader([line], strict=True))
+        except csv.Error as error:
+            raise InputError(f"{path}, line {number}: not a CSV file ({error})") from error
+        empty = False
+    if empty:
         raise InputError(f"{path} is empty: give a header 'curve,angle_rad,torque_nm' and samples")
-    return rows
 
 
 def _angle_column(path: Path, header: list[str]) -> str:
@@ -143,7 +162,7 @@ def _number(cells: dict[str, str], column: str, path: Path, line: int) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise InputError(
-            f"{path}, line {line}: {column} is {cells[column]!r}: give a finite number"
+            f"{path}, line {line}: {column} is {shown(cells[column])}: give a finite number"
         )
     return value
 

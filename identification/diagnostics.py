@@ -15,6 +15,7 @@ from .fits.search import MARGIN
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
 POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2
 LITTLE_MOTION = 0.05  # rad
+USUAL_PEAK = (0.01, 1000.0)  # N·m, of a joint in a suit, with a factor of ten or more on each side
 RETURNED = 0.05  # of the span
 
 
@@ -33,7 +34,8 @@ def diagnostics(
         bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
     found = []
-    noise = noise_floor(curves) / Curves(curves).peak
+    peak = Curves(curves).peak
+    noise = noise_floor(curves) / peak
     if nrmse > POOR and nrmse > TIMES_NOISE * noise:
         found.append(
             f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
@@ -48,6 +50,12 @@ def diagnostics(
     span = max(float(np.ptp(curve.angle)) for curve in curves)
     if span < LITTLE_MOTION:
         found.append(f"the angles span only {span:.3g} rad: check their unit")
+    low, high = USUAL_PEAK
+    if not low <= peak <= high:
+        found.append(
+            f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
+            f"{high:,g} N·m: check its unit"
+        )
     if not any(_turns_back(curve) for curve in curves):
         found.append("no curve turns back, so the loss of the model is a guess: measure the return")
     inner = model.model if isinstance(model, Asymmetric) else model

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from .curves import Curve, Curves
 from .identify import Fit
+from .thinning import drawn_note, drawn_samples
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 STYLES = ("-", "--", ":", "-.")
@@ -31,17 +32,19 @@ def loops_figure(
         for ax, (title, drawn) in zip(axes, parts.items(), strict=True):
             _draw_loops(ax, drawn, fits[joint])
             ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
-            ax.set_xlabel("angle [rad]")
+            note = drawn_note(drawn)
+            ax.set_xlabel(f"angle [rad] ({note})" if note else "angle [rad]")
         axes[0].set_ylabel("resistance [N·m]")
     grid[0][0].legend(loc="upper left", frameon=False)
     return figure
 
 
 def _draw_loops(ax, curves: Sequence[Curve], fits: Mapping[str, Fit]) -> None:
-    for i, curve in enumerate(curves):
+    for i, (curve, drawn) in enumerate(zip(curves, drawn_samples(curves), strict=True)):
+        angle = curve.angle[drawn]
         ax.plot(
-            curve.angle,
-            curve.torque,
+            angle,
+            curve.torque[drawn],
             ".",
             color="0.75",
             markersize=3,
@@ -50,8 +53,8 @@ def _draw_loops(ax, curves: Sequence[Curve], fits: Mapping[str, Fit]) -> None:
         )
         for (label, fit), color, style in zip(fits.items(), COLORS, STYLES, strict=False):
             ax.plot(
-                curve.angle,
-                fit.predict(curve),
+                angle,
+                fit.predict(curve)[drawn],  # along all samples, as the memory needs them
                 style,
                 color=color,
                 lw=1.4,

@@ -9,20 +9,23 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import at_least
+from ..checks import workers as check_workers
 from ..errors import InputError
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from ._threads import run_threads
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
-from .fits.residuals import predicted, torque_errors
+from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
 from .options import DEFAULT_MODEL, check_method, check_options
 from .selection import Candidate, Choice, choose
+from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 
 FEWEST_SAMPLES = 10  # for five parameters
+LEAST_PEAK = 1e-9  # N·m: squares of smaller torques lose their digits
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
@@ -92,7 +95,8 @@ def identify(
     Trials are independent, run in parallel on all cores, and depend only on `seed` and their
     index: the result is the same for any number of workers. Ctrl-C keeps the finished trials, or
     with method "auto" the finished models.
-    An option that the method would ignore is refused.
+    An option that the method would ignore is refused. Of more than 50,000 samples to fit, `thinned`
+    picks those that the fit uses; the diagnostics then say so, and errors are those of all samples.
 
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
@@ -128,10 +132,9 @@ def identify(
     check_method(model, method)
     check_options(model, method, objective, normalize, initial_torque, trials, options)
     at_least("seed", seed, 0)
-    if workers == 0:
-        raise InputError("workers is 0: use a number of threads, or -1 for all cores")
+    check_workers(workers)
     family = Curves(curves)
-    measured = _measured(family)
+    measured = thinned(_measured(family))
     name = model or DEFAULT_MODEL
     start: dict[str, Any] = {}
     if initial_torque is not None and name == DEFAULT_MODEL:
@@ -163,6 +166,11 @@ def _measured(curves: Curves) -> Curves:
     if samples < FEWEST_SAMPLES:
         raise InputError(
             f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
+        )
+    if measured.peak < LEAST_PEAK:
+        raise InputError(
+            f"the torque of the fitted curves peaks at {measured.peak:.3g} N·m: give at least "
+            f"{LEAST_PEAK:g} N·m; check its unit"
         )
     return measured
 
@@ -203,17 +211,21 @@ def _fit(
         for curve in curves.held_out()
     }
     bounds = LI_BOUNDS if method in OPTIMIZERS else None
+    score, note = best.nrmse, thinning_note(measured)
+    if note:
+        score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)
+    said = diagnostics(best.model, score, measured, bounds)
     return Fit(
         model=best.model,
         model_name=name,
         method=method,
         initial_torque=best.initial_torque,
-        fitness=best.nrmse / float(np.sqrt(sum(curve.angle.size for curve in measured))),
-        nrmse=best.nrmse,
+        fitness=score / float(np.sqrt(sum(curve.angle.size for curve in measured))),
+        nrmse=score,
         prediction_errors=errors,
         trials=tuple(sorted(trials, key=lambda trial: trial.index)),
         curves=curves,
-        diagnostics=diagnostics(best.model, best.nrmse, measured, bounds),
+        diagnostics=(f"{note}, in the fit; errors are those of all", *said) if note else said,
         why=choice.why if choice else "",
         candidates=choice.candidates if choice else (),
         interrupted=interrupted,

@@ -21,6 +21,7 @@ SAME_START = 0.05  # of the span: how far apart first-order curves may begin
 LEAST_NOISE = 1e-9  # of the peak torque, so that data without noise leave no choice open either
 SLOPE_STEP = 1.0  # expected between neighbors, in peak torque over the range of the levels
 DENSITY_STEP = 10.0  # likewise, in peak torque per cell
+MOST_NUMBERS = 25_000_000  # of a matrix, of which there are five at a time: 1 GB
 MOST_PIVOTS = 100  # per unknown; usual is fewer than 3
 
 
@@ -160,6 +161,13 @@ def _noise(curves: Sequence[Curve]) -> float:
 
 def _responses(curves: Sequence[Curve], models: Sequence[HysteresisModel]) -> Array:
     """Returns the change of torque along all curves, a column for each model."""
+    samples = sum(curve.angle.size for curve in curves)
+    if samples * len(models) > MOST_NUMBERS:
+        raise InputError(
+            f"{samples:,} samples and {len(models):,} weights are more than memory should hold: "
+            "give fewer levels or thresholds, or thin the curves "
+            "(activesuit.identification.thinning.thinned)"
+        )
     columns = [[model.response(curve.angle) for curve in curves] for model in models]
     return np.stack([np.concatenate(column) for column in columns], axis=1)
 

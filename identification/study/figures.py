@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..curves import Curve, Curves, Role
 from ..figures import COLORS, STYLES
 from ..objective import CurveObjective
+from ..thinning import drawn_note, drawn_samples
 from .summary import Summary
 from .trial import StudyConfig, is_multi_order
 
@@ -82,14 +83,16 @@ def multi_order_prediction(families: Families, summaries: Sequence[Summary]) -> 
     figure = Figure(figsize=(max(5.0 * len(families), 6.0), 6.4), layout="constrained")
     rows = figure.subplots(2, len(families), squeeze=False, height_ratios=[3, 2])
     for (joint, (motion, *_)), loops, errors in zip(families.items(), *rows, strict=True):
-        loops.plot(motion.angle, motion.torque, ".", ms=3, color="0.7", label="curve", zorder=0)
-        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(motion.angle)))])
+        (drawn,) = drawn_samples([motion])
+        angle, measured = motion.angle[drawn], motion.torque[drawn]
+        loops.plot(angle, measured, ".", ms=3, color="0.7", label="curve", zorder=0)
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(motion.angle)))])[drawn]
         for i, summary in enumerate(s for s in summaries if s.joint == joint):
-            torque = _torque(summary, motion)
-            loops.plot(motion.angle, torque, lw=1.2, label=summary.method, **_look(i))
-            errors.plot(way, torque - motion.torque, lw=0.6, **_look(i))
+            torque = _torque(summary, motion)[drawn]
+            loops.plot(angle, torque, lw=1.2, label=summary.method, **_look(i))
+            errors.plot(way, torque - measured, lw=0.6, **_look(i))
         loops.set_title(f"{_title(joint)}, {motion.name}", loc="left")
-        loops.set_xlabel("angle [rad]")
+        loops.set_xlabel(_angle_label([motion]))
         errors.set_xlabel("angle traveled [rad]")
     for row, ylabel in zip(rows, ("resistance [N·m]", "model - curve [N·m]"), strict=True):
         _finish(dict(enumerate(row)), ylabel)
@@ -104,21 +107,27 @@ def _over_angle(
     for joint, ax in axes.items():
         curves = [curve for curve in families[joint] if role in (None, curve.role)]
         ours = [summary for summary in summaries if summary.joint == joint]
-        for i, curve in enumerate(curves):
+        for i, (curve, drawn) in enumerate(zip(curves, drawn_samples(curves), strict=True)):
+            angle, measured = curve.angle[drawn], curve.torque[drawn]
             if quantity == "torque":
                 color = "0.7" if ours else COLORS[i % len(COLORS)]
                 mark = "." if ours else MARKS[i // len(COLORS) % len(MARKS)]
                 label = f"{curve.name} ({curve.role})" if not ours else "curves"
-                ax.plot(curve.angle, curve.torque, mark, ms=3, color=color, label=label, zorder=0)
+                ax.plot(angle, measured, mark, ms=3, color=color, label=label, zorder=0)
             for j, summary in enumerate(ours):
-                torque = _torque(summary, curve)
-                shown = torque if quantity == "torque" else torque - curve.torque
+                torque = _torque(summary, curve)[drawn]
+                shown = torque if quantity == "torque" else torque - measured
                 width = 1.2 if quantity == "torque" else 0.7  # of errors most is noise
-                ax.plot(curve.angle, shown, lw=width, label=summary.method, **_look(j))
+                ax.plot(angle, shown, lw=width, label=summary.method, **_look(j))
         ax.axhline(0, color="0.6", lw=0.6)
-        ax.set_xlabel("angle [rad]")
+        ax.set_xlabel(_angle_label(curves))
     _finish(axes, "resistance [N·m]" if quantity == "torque" else "model - curve [N·m]")
     return figure
+
+
+def _angle_label(curves: Sequence[Curve]) -> str:
+    note = drawn_note(curves)
+    return f"angle [rad] ({note})" if note else "angle [rad]"
 
 
 def _torque(summary: Summary, curve: Curve) -> NDArray[np.float64]:

@@ -9,20 +9,24 @@ import json
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ...checks import at_least
-from ...errors import InputError, unknown_name
+from ...errors import InputError, shortened, unknown_name
 from ...hysteresis.loops import reversals
+from ...json_files import parse_json
 from ..curves import Curve, Curves
 from ..fits.certified import certified_fit
 from ..objective import CurveObjective
 from ..optimizers.registry import LIBRARIES, SWARMS
 from ..trials import run_optimizer
 
+Count = Annotated[int, Field(ge=0, le=10**15)]
+Error = Annotated[FiniteFloat, Field(ge=0)]
 STUDY_METHODS = (*SWARMS, "certified", *LIBRARIES)
 CONVERGED = 1.01  # of the final fitness
 
@@ -173,19 +177,47 @@ class StudyTrial:
         Raises:
             InputError: The text is not what `to_json` wrote.
         """
+        return cls.from_dict(parse_json(text, "not a finished trial: it", fix="delete it"))
+
+    @classmethod
+    def from_dict(cls, content: Any) -> Self:
+        """Returns the trial whose JSON has that content.
+
+        Raises:
+            InputError: The content is not that of a finished trial.
+        """
         try:
-            content = json.loads(text)
-            content["key"] = TrialKey(*content["key"])
-            content["parameters"] = tuple(content["parameters"])
-            content["held"] = tuple(content["held"]) if content["held"] else None
-            content["improvements"] = tuple(map(tuple, content["improvements"]))
-            content["predictions"] = {
-                name: Prediction(*(np.inf if e is None else e for e in errors))
-                for name, errors in content["predictions"].items()
+            found = _Saved.model_validate_json(json.dumps(content), strict=True)
+        except ValidationError as error:
+            problem: Any = error.errors()[0]
+            place = ".".join(map(str, problem["loc"])) or "the whole"
+            reason = shortened(f"{place}: {problem['msg']}", 120)
+            raise InputError(f"not a finished trial ({reason}): delete it") from None
+        return cls(
+            **{
+                **dict(found),
+                "key": TrialKey(*found.key),
+                "predictions": {
+                    name: Prediction(*(np.inf if e is None else e for e in errors))
+                    for name, errors in found.predictions.items()
+                },
             }
-            return cls(**content)
-        except (ValueError, TypeError, KeyError, AttributeError) as error:
-            raise InputError(f"not a finished trial ({error}): delete it") from error
+        )
+
+
+class _Saved(BaseModel):
+    """The file of a finished trial."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    key: tuple[str, str, Count]
+    parameters: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+    held: tuple[FiniteFloat, FiniteFloat] | None
+    fitness: Error
+    nrmse: Error
+    evaluations: Count
+    improvements: Annotated[tuple[tuple[Count, Error], ...], Field(min_length=1)]
+    predictions: dict[str, tuple[Error | None, Error | None]]
 
 
 def fingerprint(curves: Sequence[Curve]) -> str:

@@ -16,6 +16,7 @@ from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
 from ..objective import CurveObjective, InitialTorque
+from ..thinning import thinned
 from .likelihood import Likelihood
 from .sloppy_directions import beside_best, sloppy_directions
 
@@ -79,7 +80,8 @@ def uncertainty(
 
     Args:
         model: Identified Jiles-Atherton model with c > 1, bare or held.
-        curves: Curves that it was fitted to; those with role "fit" are used.
+        curves: Curves that it was fitted to; those with role "fit" are used. Of more than 50,000
+            samples only those count that `thinned` leaves, which widens the intervals.
         initial_torque: Torque with which every curve begins, as `certified_fit` takes it.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with
             random noise are fitted as by `certified_fit`, starting from the model.
@@ -91,7 +93,7 @@ def uncertainty(
     at_least("samples", samples, 0)
     at_least("seed", seed, 0)
     bare = _jiles_atherton(model)
-    measured = Curves(curves).fitted()
+    measured = thinned(Curves(curves).fitted())
     if isinstance(model, Held):
         measured = Curves(
             replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in measured

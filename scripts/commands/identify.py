@@ -80,11 +80,11 @@ def identify(
             empty one, or that of an earlier identify.
     """
     family = load_curves(curves)
-    if base and not out:
-        raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    if base is not None and not out:
+        raise InputError(f"--base {base!r} needs --out: its joints go into suit.json there")
     _check_samples(samples, method, model)
-    joint_name = _joint_of(curves, joint) if out or joint else None
-    others = load_suit(base) if base else None
+    joint_name = _joint_of(curves, joint) if out or joint is not None else None
+    others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
     with progress(f"{method} on {curves.name}", total) as bar:
@@ -134,7 +134,7 @@ def identify(
 
 def _joint_of(path: Path, joint: str | None) -> str:
     """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
-    if joint:
+    if joint is not None:
         if joint not in JOINTS:
             raise unknown_name("joint", joint, JOINTS)
         return joint

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from ... import __version__
 from ...assets import CURVES, curves_path
-from ...errors import InputError
+from ...errors import InputError, shown
 from ...files import write_text
 from ...identification import Curves, load_curves
 from ...identification.study.figures import figures
@@ -21,9 +21,11 @@ from ...identification.study.trial import (
     fingerprint,
     run_trial,
 )
+from ...identification.thinning import thinned, thinning_note
+from ...json_files import read_json
 from ..backends import Backend, check_backend, run_all
 from ..options import Force, Json, Seed, choice
-from ..output import RunFolder, progress, say, table, telling, to_json
+from ..output import RunFolder, messages, progress, say, table, telling, to_json
 from ..reports.study import report, to_dict
 from ..reports.study_tables import (
     best_table,
@@ -125,7 +127,10 @@ def _families(joints: Sequence[str]) -> Families:
             )
         if path.stem in families:
             raise InputError(f"two joints are named {path.stem!r}: rename one of the files")
-        families[path.stem] = load_curves(path)
+        measured = load_curves(path)
+        if note := thinning_note(measured):
+            messages.print(f"note: {path.name}: {note}", markup=False)
+        families[path.stem] = thinned(measured)
         if given in CURVES:
             multi_order = load_curves(path.with_stem(f"{given}_multi_order"))
             families[path.stem] = Curves([*families[path.stem], *multi_order])
@@ -152,21 +157,19 @@ def _folder(out: Path, config: StudyConfig, force: bool) -> RunFolder:
     if present is None:
         folder.json("config.json", wanted)
     elif present != wanted:
-        different = next(name for name in wanted if present.get(name) != wanted[name])
+        names = {**wanted, **present}
+        different = next(name for name in names if present.get(name) != wanted.get(name))
         raise InputError(
-            f"{str(out)!r} holds a study whose {different} is {present.get(different)}, not "
-            f"{wanted[different]}: choose another --out, or go on with its own options"
+            f"{str(out)!r} holds a study whose {different} is {shown(present.get(different))}, not "
+            f"{shown(wanted.get(different))}: choose another --out, or go on with its own options"
         )
     return folder
 
 
 def _read_config(path: Path) -> dict[str, Any] | None:
-    try:
-        found = loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         return None
-    except ValueError:
-        found = None
+    found = read_json(path, "configuration of the study")
     if not isinstance(found, dict):
         raise InputError(f"{str(path)!r} is not the configuration of a study: choose another --out")
     return found
@@ -176,7 +179,9 @@ def _run(
     folder: RunFolder, config: StudyConfig, families: Families, backend: Backend, workers: int
 ) -> list[StudyTrial]:
     """Returns all trials: reads those on disk, and runs and writes the others one by one."""
-    finished = [trial for key in config.keys if (trial := _load(folder, key)) is not None]
+    held_out = {joint: curves.held_out().names for joint, curves in families.items()}
+    found = (_load(folder, key, held_out[key.joint]) for key in config.keys)
+    finished = [trial for trial in found if trial is not None]
     done = {trial.key for trial in finished}
     calls = [(config, key, families[key.joint]) for key in config.keys if key not in done]
     with progress("study", len(config.keys)) as bar:
@@ -192,16 +197,22 @@ def _path(folder: RunFolder, key: TrialKey) -> Path:
     return folder / "trials" / key.file_name
 
 
-def _load(folder: RunFolder, key: TrialKey) -> StudyTrial | None:
+def _load(folder: RunFolder, key: TrialKey, held_out: Sequence[str]) -> StudyTrial | None:
     path = _path(folder, key)
-    try:
-        trial = StudyTrial.from_json(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         return None
+    content = read_json(path, "trial", fix="delete it")
+    try:
+        trial = StudyTrial.from_dict(content)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     if trial.key != key:
         raise InputError(f"{path} is the trial {trial.key.file_name}: delete it")
+    if set(trial.predictions) != set(held_out):
+        raise InputError(
+            f"{path} predicts {shown(list(trial.predictions))}, and the held-out curves are "
+            f"{shown(list(held_out))}: delete it"
+        )
     return trial
 
 

@@ -162,3 +162,10 @@ def test_without_curves_there_is_nothing_to_ask():
     for question in ("angle_range", "start_angle", "start_torque"):
         with pytest.raises(InputError, match="there is no curve"):
             getattr(Curves(), question)
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match=r"cannot read the curves .*: embedded null byte"):
+        load_curves("a\0b.csv")
+    with pytest.raises(InputError, match=r"cannot read the curves .* is longer than 256 MiB"):
+        load_curves("/dev/zero")

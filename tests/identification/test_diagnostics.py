@@ -63,3 +63,14 @@ def test_shuffled_samples(elbow):
 def test_too_few_samples():
     with pytest.raises(ValueError, match="have 3 samples in all: give at least 10"):
         identify([Curve([0, 1, 0], [0, 1, -1], "A")])
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e5, 1e-3])
+def test_torques_in_another_unit(elbow, factor):
+    angle = sweep(0.52, 1.5, 0.52)
+    curve = Curve(angle, factor * elbow.response(angle), "A")
+    found = diagnostics(elbow.scaled(torque=factor), 0.01, [curve], None)
+    assert found[0].startswith("the torque peaks at ")
+    assert found[0].endswith(" N·m, and that of a joint between 0.01 and 1,000 N·m: check its unit")
+    usual = Curve(angle, elbow.response(angle), "A")
+    assert diagnostics(elbow, 0.01, [usual], None) == ()

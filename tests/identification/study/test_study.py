@@ -136,6 +136,38 @@ def test_a_broken_trial_is_refused(text):
         StudyTrial.from_json(text)
 
 
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("key", ["elbow", "mpso", -1]),
+        ("parameters", [1, 2, 3]),
+        ("parameters", ["1", "2", "3", "4", "5"]),
+        ("fitness", "0.1"),
+        ("fitness", -1.0),
+        ("nrmse", 10**399),
+        ("evaluations", 10.5),
+        ("evaluations", True),
+        ("improvements", []),
+        ("improvements", [[1, None]]),
+        ("predictions", {"A": [1.0]}),
+        ("held", [0.1]),
+        ("extra", 1),
+    ],
+)
+def test_a_spoiled_trial_is_refused(field, value):
+    content = json.loads(made_up(TrialKey("elbow", "mpso", 0), fitness=1.0).to_json())
+    with pytest.raises(InputError, match=rf"not a finished trial \({field}.*\): delete it"):
+        StudyTrial.from_dict({**content, field: value})
+
+
+def test_numbers_come_back_to_the_last_bit():
+    trial = made_up(TrialKey("elbow", "mpso", 0), fitness=1.0)
+    numbers = np.exp(np.random.default_rng(0).normal(0, 30, 10_000)).tolist()
+    for i in range(0, 10_000, 5):
+        some = dataclasses.replace(trial, parameters=tuple(numbers[i : i + 5]))
+        assert StudyTrial.from_json(some.to_json()).parameters == some.parameters
+
+
 def test_a_trial_with_one_error_per_curve_is_refused():
     content = json.loads(made_up(TrialKey("elbow", "mpso", 0), fitness=1.0).to_json())
     content["predictions"] = {"1.05": 0.3}

@@ -167,8 +167,20 @@ def test_another_study_in_the_folder(capsys, tmp_path):
     assert "holds a study whose trials is 3, not 5" in message
     message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--joints", "elbow")
     assert "holds a study whose joints is" in message
-    (tmp_path / "config.json").write_text("{")
-    assert "is not the configuration" in fails(capsys, "study", "--out", tmp_path, *SMALL)
+    known = (tmp_path / "config.json").read_text()
+    for content, message in (
+        ("{", "config.json is not complete JSON (line 1: "),
+        ("[]", "is not the configuration of a study"),
+        ("[" * 10_000, "lists or objects inside each other"),
+        ("9" * 5000, "has a number of 5,000 digits"),
+        ('{"trials": 3, "trials": 3}', "has 'trials' twice in one object"),
+        (b"\xff\xfe", "config.json': not a UTF-8 text file"),
+        (known.replace("{", '{"extra": 1,', 1), "holds a study whose extra is 1, not None"),
+    ):
+        (tmp_path / "config.json").write_bytes(
+            content if isinstance(content, bytes) else content.encode()
+        )
+        assert message in fails(capsys, "study", "--out", tmp_path, *SMALL)
 
 
 def test_broken_or_misplaced_trials(capsys, tmp_path):
@@ -180,6 +192,15 @@ def test_broken_or_misplaced_trials(capsys, tmp_path):
     message = fails(capsys, "study", "--out", tmp_path, *SMALL)
     assert first.name in message
     assert "delete it" in message
+    for content, message in (
+        (b"\xff\xfe", "not a UTF-8 text file"),
+        (b"[" * 10_000, "lists or objects inside each other: delete it"),
+        (whole.replace("[", "[9" + "9" * 5000 + ", ", 1).encode(), "a number of 5,001 digits"),
+        (b'{"key": 1, ' + whole[1:].encode(), "has 'key' twice in one object"),
+        (whole.replace('"1.05"', '"1.06"').encode(), "predicts ['1.06', '1.40'], and the held-out"),
+    ):
+        first.write_bytes(content)
+        assert message in fails(capsys, "study", "--out", tmp_path, *SMALL)
     first.write_text(second.read_text())
     assert f"is the trial {second.name}" in fails(capsys, "study", "--out", tmp_path, *SMALL)
 

@@ -1,0 +1,89 @@
+"""Long records: what is kept of them, and that fits and figures stay small."""
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import Curve, Curves, fit_preisach, identify
+from activesuit.identification.figures import loops_figure
+from activesuit.identification.thinning import (
+    drawn_note,
+    drawn_samples,
+    kept_samples,
+    thinned,
+    thinning_note,
+)
+from helpers import sweep
+
+
+def long_family(model, samples, noise=0.05):
+    rng = np.random.default_rng(0)
+    curves = []
+    for turn, role in ((0.87, "fit"), (1.22, "fit"), (1.40, "predict"), (1.57, "fit")):
+        angle = sweep(0.52, turn, 0.52, samples=samples // 2)
+        torque = model.response(angle) + noise * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn:.2f}", role))
+    return Curves(curves, source="elbow.csv", sha256="5e5f")
+
+
+def test_ordinary_curves_stay_as_they_are(small_family):
+    short = thinned(small_family)
+    assert all(one is other for one, other in zip(short, small_family, strict=True))
+    assert thinning_note(small_family) == drawn_note(small_family) == ""
+    drawn = drawn_samples(small_family)
+    for curve, indices in zip(small_family, drawn, strict=True):
+        np.testing.assert_array_equal(indices, np.arange(curve.angle.size))
+
+
+def test_ends_and_turning_points_stay(elbow):
+    family = long_family(elbow, 10_000)
+    short = thinned(family, 2000)
+    assert (short.source, short.sha256, short.names) == ("elbow.csv", "5e5f", family.names)
+    assert 2000 <= sum(curve.angle.size for curve in short) <= 2020
+    for curve, whole in zip(short, family, strict=True):
+        assert (curve.angle[0], curve.angle[-1]) == (whole.angle[0], whole.angle[-1])
+        assert curve.angle.max() == whole.angle.max()
+        assert set(zip(curve.angle, curve.torque, strict=True)) <= set(
+            zip(whole.angle, whole.torque, strict=True)
+        )
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.01, 0.3])
+def test_there_are_never_too_many_turning_points(jitter):
+    rng = np.random.default_rng(0)
+    angle = np.sin(np.arange(20_000) * 2.5) + jitter * rng.standard_normal(20_000)
+    kept = kept_samples(angle, 20)
+    assert kept.size <= 2002
+    assert {0, 19_999} <= set(kept.tolist())
+
+
+def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
+    family = long_family(elbow, 40_000)
+    fit = identify(family)
+    assert fit.diagnostics == (
+        "40,005 of 119,997 samples are used: one in 3 of each curve, its ends and its turning "
+        "points, in the fit; errors are those of all",
+    )
+    assert fit.curves is not family
+    assert fit.curves.fitted()[0].angle.size == 39_999
+    errors = np.concatenate([fit.predict(c) - c.torque for c in family.fitted()])
+    assert fit.nrmse == pytest.approx(np.sqrt(np.mean(errors**2)) / family.fitted().peak)
+    assert fit.nrmse == pytest.approx(0.05 / family.peak, rel=0.05)
+    figure = loops_figure({"elbow": family}, {"elbow": {"certified": fit}})
+    for ax in figure.axes:
+        assert sum(len(line.get_xdata()) for line in ax.lines) < 2 * 4100
+        assert "samples drawn" in ax.get_xlabel()
+
+
+def test_a_direct_fit_refuses_what_memory_does_not_hold(elbow):
+    family = long_family(elbow, 40_000)
+    with pytest.raises(InputError, match=r"119,997 samples and 210 weights are .* thin the curves"):
+        fit_preisach(family)
+    assert fit_preisach(thinned(family, 1000)).certificate().certified
+
+
+@pytest.mark.parametrize("model", [None, "preisach", "prandtl-ishlinskii", "bouc-wen"])
+def test_torques_too_small_for_their_squares(elbow, model):
+    angle = sweep(0.52, 1.5, 0.52)
+    tiny = [Curve(angle, 1e-300 * elbow.response(angle), "A")]
+    with pytest.raises(InputError, match=r"peaks at .*e-300 N·m: give at least 1e-09 N·m; check"):
+        identify(tiny, model=model)
