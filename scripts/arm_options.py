@@ -19,7 +19,7 @@ _NESTED = {  # options whose place in `ArmConfig` is deeper
 class ArmOptions:
     """Wearer, coupling and load.
 
-    A training run brings its own, and so does --resume: then leave these options out.
+    A training run brings its own: then leave these options out.
 
     Attributes:
         pressure: Operating pressure of the suit [kPa], to which its torque is proportional.

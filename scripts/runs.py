@@ -44,6 +44,8 @@ def scene(
     suit: str | None = None,
     gravity: str | None = None,
     policies: Iterable[str] = (),
+    run: Path | None = None,
+    trusted: bool = False,
     usual: Mapping[str, Any] | None = None,
 ) -> Scene:
     """Returns what to simulate.
@@ -56,6 +58,8 @@ def scene(
         suit: Name or file of the suit; None if it is not given.
         gravity: Name of the place; None if it is not given.
         policies: Names of policies; the folders of training runs among them bring their options.
+        run: Folder of a training run that goes on.
+        trusted: Whether a run from another machine may import the module of its environment.
         usual: Usual env, suit or gravity of the command, where they differ from those of the
             others.
 
@@ -68,9 +72,10 @@ def scene(
     given = {name: value for name, value in given.items() if value is not None}
     found: dict[str, Any] = {}
     of = ""
-    for folder in runs_among(policies):
+    for folder in [*_runs_among(policies), *([str(run)] if run else [])]:
         options = run_options(folder)
-        _check_module(options["env"], env, folder)
+        if not trusted:
+            _check_module(options["env"], env, folder)
         _check_same(given, options, "this command", folder)
         if found:
             _check_same(found, options, f"the run in {of!r}", folder)
@@ -78,13 +83,8 @@ def scene(
     flat = {"env": ENV, **USUAL_OPTIONS, **(usual or {}), **found, **given}
     chosen = flat.pop("env")
     if ":" in chosen:
-        import_from_here()
+        _import_from_here()
     return Scene(env=chosen, options=nested_options(flat))
-
-
-def runs_among(policies: Iterable[str]) -> list[str]:
-    """Returns the names of policies that are folders."""
-    return [name for name in policies if name not in POLICIES and Path(name).is_dir()]
 
 
 def run_options(folder: str) -> dict[str, Any]:
@@ -104,7 +104,11 @@ def run_options(folder: str) -> dict[str, Any]:
     return {**USUAL_OPTIONS, **flat, "env": flat["env"].removeprefix(OUR_MODULE)}
 
 
-def import_from_here() -> None:
+def _runs_among(policies: Iterable[str]) -> list[str]:
+    return [name for name in policies if name not in POLICIES and Path(name).is_dir()]
+
+
+def _import_from_here() -> None:
     """Lets a module of the working folder be imported, after all that are installed."""
     here = os.getcwd()
     if here not in sys.path:

@@ -12,36 +12,38 @@ from ...envs.figures import (
 )
 from ...envs.policies import make_policy
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, Gravity, Json, PolicyName, Seed, SuitName
-from ..output import RunFolder, table, to_json
+from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
+from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
+from ..runs import scene
 
 
 def simulate(
-    env: Env = "ActiveSuit/ArmTracking-v0",
+    env: Env = None,
     policy: PolicyName = "feedforward",
-    suit: SuitName = "mock-suit",
-    gravity: Gravity = "earth",
+    suit: Suit = None,
+    gravity: Gravity = None,
     seed: Seed = 0,
     out: Path = Path("runs/simulate"),
+    force: Force = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
     """Simulate one assisted arm motion, headless.
 
     Args:
-        out: Folder for trace.csv, result.json and the figures.
+        out: Folder for trace.csv, result.json and the figures: a new or an empty one, or that of an
+            earlier simulate.
     """
     at_least("seed", seed, 0)
-    options = arm.config(suit, gravity)
-    made, simulated = make_env(env, **options)
+    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
+    made, simulated = make_env(chosen.env, **chosen.options)
     actor = make_policy(policy, simulated)
-    folder = RunFolder(out)
+    folder = RunFolder(out, "simulate", force=force)
     trace = run_episode(made, actor, seed)
     made.close()
     result = score(policy, [trace])
-    write_trace(folder, "trace.csv", trace)
-    folder.json("result.json", {"env": env, "seed": seed, **options, **result.to_dict()})
+    settings = {"env": chosen.env, "seed": seed, **chosen.options}
     figures = {
         "trajectory": trajectory_figure,
         "torques": torques_figure,
@@ -49,13 +51,16 @@ def simulate(
     }
     if trace.cuff_force is not None:
         figures["cuff-forces"] = cuff_forces_figure
-    for name, draw in figures.items():
-        folder.figure(name, draw({policy: trace}))
+    with folder.together() as new:
+        write_trace(new, "trace.csv", trace)
+        new.json("result.json", {**settings, **result.to_dict()})
+        for name, draw in figures.items():
+            new.figure(name, draw({policy: trace}))
     if json:
         print(to_json(result.to_dict()))
         return
-    table(f"Human torque: {env}, {gravity}, {suit}, seed {seed}", *score_table([result]))
+    table(f"Human torque: {chosen.place}, seed {seed}", *score_table([result]))
     table("Effort", *effort_table([result]))
     for remark in cuff_remarks([result]):
-        print(remark)
-    print(f"wrote {folder.path}/trace.csv, result.json and {len(figures)} figures")
+        say(remark)
+    say(f"wrote {folder.path}/trace.csv, result.json and {len(figures)} figures")

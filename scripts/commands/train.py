@@ -1,180 +1,198 @@
 """`activesuit train`: trains a policy by reinforcement learning (needs the extra `train`)."""
 
-import json as jsonlib
 from contextlib import closing
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any
 
+from ...assets import load_suit, suit_names
 from ...checks import at_least
 from ...envs.evaluation import make_env
-from ...envs.policies.trained import algorithm_class, load_network
-from ...errors import InputError
-from ...files import replacing
+from ...envs.policies.network import ARCHITECTURES, algorithm_class
+from ...envs.policies.trained import CHECKPOINT, CONFIG, OWN_SUIT, training_config
+from ...errors import InputError, unknown_name
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, Gravity, Seed, SuitName
-from ..output import Bar, RunFolder, progress, telling
+from ..learning import (
+    REPLAY,
+    Checkpoint,
+    checkpoints,
+    new_learner,
+    resumed_learner,
+    save,
+    threads,
+    training_environments,
+)
+from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
+from ..output import RunFolder, messages, progress, say, telling, to_json
+from ..own_files import note, notes_folder
+from ..runs import Scene, scene
 
-# Short horizon: effort answers an action at once. The start is gentle (log_std) and the
-# networks small, as the task is nearly a function of angle, rate and target.
-PPO_OPTIONS: dict[str, Any] = {
-    "n_steps": 256,
-    "batch_size": 256,
-    "gamma": 0.9,
-    "gae_lambda": 0.9,
-    "learning_rate": 1e-3,
-    "policy_kwargs": {"log_std_init": -1.0},
-}
-SAC_OPTIONS: dict[str, Any] = {"gamma": 0.9, "buffer_size": 100_000, "learning_starts": 1000}
-PARALLEL = {"ppo": 8, "sac": 1}
-CHECKPOINTS = 10  # per run
+TASK = "ActiveSuit/ElbowFlexion-v0"
+STEPS = 100_000
 
 
 def train(
-    env: Env = "ActiveSuit/ElbowFlexion-v0",
-    algo: Literal["ppo", "sac"] = "ppo",
-    steps: int = 100_000,
-    seed: Seed = 0,
-    suit: SuitName = "mock-suit",
-    gravity: Gravity = "earth",
+    env: Annotated[str | None, env_option(TASK)] = None,
+    algo: Annotated[str | None, choice(lambda: ARCHITECTURES, usual="ppo")] = None,
+    steps: Annotated[int | None, optional_number(f"{STEPS}", int)] = None,
+    seed: RunSeed = None,
+    suit: Suit = None,
+    gravity: Gravity = None,
     arm: ArmOptions = USUAL,
+    torch_threads: int = 1,
     out: Path = Path("runs/train"),
     resume: bool = False,
+    trust: bool = False,
+    force: Force = False,
 ) -> None:
     """Train an assist policy with Stable-Baselines3.
 
     The folder gets config.json, model.zip (written at every checkpoint) and TensorBoard logs.
-    Ctrl-C keeps what was learned; --resume goes on from there.
+    Ctrl-C keeps what was learned; --resume goes on from there, with the options of the run. The
+    commands that take a policy take the folder, and simulate with these options too.
 
     Args:
         algo: Learning algorithm, PPO or SAC of Stable-Baselines3.
         steps: Number of environment steps in total, including those before a resume; PPO rounds it
             up to whole updates of 2048.
-        out: Folder of the run.
+        torch_threads: Number of threads that torch computes with; with networks of this size more
+            than one costs time.
+        out: Folder of the run: a new or an empty one, or with --resume that of an earlier train.
         resume: Go on with the run in that folder.
+        trust: Resume a run that you did not train on this machine, although that runs whatever code
+            its files hold; no other command runs any.
     """
-    at_least("steps", steps, 1)
-    at_least("seed", seed, 0)
-    algorithm_class(algo)  # reports a missing extra before the folder is made
-    if arm.coupling == "none":
+    at_least("torch-threads", torch_threads, 1)
+    for name, value, least in (("steps", steps, 1), ("seed", seed, 0)):
+        if value is not None:
+            at_least(name, value, least)
+    checkpoint = _check_folder(out, resume, trust, force)
+    config = _config(training_config(out) if resume else {}, out, algo, steps, seed)
+    chosen = scene(
+        arm,
+        env=env,
+        suit=suit,
+        gravity=gravity,
+        run=out if resume else None,
+        trusted=trust,
+        usual={"env": TASK},
+    )
+    if chosen.options["coupling"] == "none":
         raise InputError("coupling is 'none': there is no motor to train for; use rigid or cuffs")
-    options = arm.config(suit, gravity)
-    make_env(env, **options)[0].close()
-    config = {"env": env, "algo": algo, "seed": seed, **options}
-    _check_folder(out, config, resume)
-    folder = RunFolder(out)
-    folder.json("config.json", config)
-    with (
-        telling(lambda: _kept(folder)),
-        closing(_environments(env, algo, seed, options)) as environments,
-    ):
-        if resume:
-            learner = _resumed(algo, environments, folder)
-        else:
-            learner = _new(algo, environments, folder, seed)
-        _learn(learner, steps, folder, config, resume)
-    print(
-        f"trained {learner.num_timesteps} steps; compare with, and the options of this run: "
-        f"activesuit evaluate --env {env} --policies none {folder.path}"
+    algorithm_class(config["algo"])  # reports a missing extra before the folder is made
+    make_env(chosen.env, **chosen.options)[0].close()
+    folder = RunFolder(out, "train", force=force or resume)
+    with telling(lambda: _kept(folder)):
+        learner = _train(folder, chosen, config, checkpoint, torch_threads)
+    say(
+        f"trained {learner.num_timesteps} steps; compare, in this task and with these options: "
+        f"activesuit evaluate --policies none {folder.path}"
     )
 
 
-def _check_folder(out: Path, config: dict[str, Any], resume: bool) -> None:
-    present = (out / "model.zip").exists()
-    if present and not resume:
-        raise InputError(f"{str(out)!r} holds a trained run: add --resume, or choose another --out")
-    if resume and not present:
-        raise InputError(f"{str(out)!r} holds no model.zip to resume: train without --resume first")
+def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoint | None:
+    """Returns the checkpoint to go on from; None for a new run."""
     if resume:
-        try:
-            before = jsonlib.loads((out / "config.json").read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise InputError(f"{str(out / 'config.json')!r} cannot be read: restore it") from error
-        for key, value in config.items():
-            if before.get(key) != value:
-                raise InputError(
-                    f"the run in {str(out)!r} has {key} {before.get(key)!r}, not {value!r}: resume "
-                    "it with the options it was started with"
-                )
+        return Checkpoint.read(out, trust=trust)
+    if trust:
+        raise InputError(
+            "--trust is given without --resume: it is about the files of a run to resume"
+        )
+    if (out / CHECKPOINT).exists() and not force:
+        raise InputError(
+            f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
+            "choose another --out"
+        )
+    return None
+
+
+def _config(
+    before: dict[str, Any], out: Path, algo: str | None, steps: int | None, seed: int | None
+) -> dict[str, Any]:
+    """Returns algo, seed and steps: those given, those of the run before, or the usual ones."""
+    if algo is not None and algo not in ARCHITECTURES:
+        raise unknown_name("algo", algo, ARCHITECTURES)
+    for name, given in (("algo", algo), ("seed", seed)):
+        if given is not None and before.get(name, given) != given:
+            raise InputError(
+                f"this command has --{name} {given!r}, and the run in {str(out)!r} was trained "
+                f"with {before[name]!r}: leave --{name} out, or train another run"
+            )
+    given = {"algo": algo, "seed": seed, "steps": steps}
+    found = {name: before[name] for name in given if name in before}
+    return {
+        **{"algo": "ppo", "seed": 0, "steps": STEPS},
+        **found,
+        **{name: value for name, value in given.items() if value is not None},
+    }
+
+
+def _begin(folder: RunFolder, config: dict[str, Any], *, resume: bool) -> None:
+    """Writes config.json, and beside it a copy of the suit file if there is one."""
+    if not resume:
+        for name in (CHECKPOINT, REPLAY):
+            folder.claim(name).unlink(missing_ok=True)
+    suit = config["suit"]
+    if suit != "none" and suit not in suit_names():
+        if Path(suit) != folder / OWN_SUIT:
+            with folder.replacing(OWN_SUIT) as scratch:
+                load_suit(suit).save(scratch)
+        config = {**config, "suit": OWN_SUIT}
+    with folder.replacing(CONFIG) as scratch:
+        scratch.write_text(to_json(config) + "\n", encoding="utf-8")
+        note(scratch, folder / CONFIG)
 
 
 def _kept(folder: RunFolder) -> str:
-    if (folder / "model.zip").exists():
+    if (folder / CHECKPOINT).exists():
         return f"the last checkpoint is kept in {folder.path}; go on with --resume"
     return "nothing was learned yet; start the training again"
 
 
-def _environments(env: str, algo: str, seed: int, options: dict[str, Any]) -> Any:
-    from stable_baselines3.common.env_util import make_vec_env
-
-    return make_vec_env(
-        f"activesuit:{env.removeprefix('activesuit:')}",
-        n_envs=PARALLEL[algo],
-        seed=seed,
-        env_kwargs=options,
-    )
-
-
-def _new(algo: str, environments: Any, folder: RunFolder, seed: int) -> Any:
-    settings = PPO_OPTIONS if algo == "ppo" else SAC_OPTIONS
-    logs = str(folder / "tensorboard")
-    return algorithm_class(algo)(
-        "MlpPolicy", environments, seed=seed, device="cpu", tensorboard_log=logs, **settings
-    )
-
-
-def _resumed(algo: str, environments: Any, folder: RunFolder) -> Any:
-    learner = load_network(algo, folder / "model.zip", env=environments)
-    if (folder / "replay.pkl").exists():
-        learner.load_replay_buffer(folder / "replay.pkl")
+def _train(
+    folder: RunFolder,
+    chosen: Scene,
+    config: dict[str, Any],
+    checkpoint: Checkpoint | None,
+    torch_threads: int,
+) -> Any:
+    algo, seed = config["algo"], config["seed"]
+    with (
+        threads(torch_threads),
+        closing(training_environments(chosen.env, algo, seed, chosen.options)) as environments,
+    ):
+        if checkpoint:
+            learner = resumed_learner(algo, environments, checkpoint)
+        else:
+            learner = new_learner(algo, environments, folder, seed)
+        done, steps = learner.num_timesteps, config["steps"]
+        if done >= steps:
+            raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+        _begin(folder, {"env": chosen.env, **config, **chosen.options}, resume=bool(checkpoint))
+        _learn(learner, folder, config, f"{algo} on {chosen.env}", new=not checkpoint)
     return learner
 
 
 def _learn(
-    learner: Any, steps: int, folder: RunFolder, config: dict[str, Any], resume: bool
+    learner: Any, folder: RunFolder, config: dict[str, Any], title: str, *, new: bool
 ) -> None:
-    """Trains until `steps` are done in total, and saves; Ctrl-C ends the training earlier."""
-    done, algo = learner.num_timesteps, config["algo"]
-    if done >= steps:
-        raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+    """Trains until all steps are done, and saves; Ctrl-C ends the training earlier."""
+    steps = config["steps"]
     interrupted = False
-    with progress(f"{algo} on {config['env']}", steps) as bar:
+    with progress(title, steps) as bar:
         try:
             learner.learn(
-                steps - done,
-                callback=_callback(learner, folder, bar, steps),
-                reset_num_timesteps=not resume,
-                tb_log_name=algo,
+                steps - learner.num_timesteps,
+                callback=checkpoints(learner, folder, bar, steps),
+                reset_num_timesteps=new,
+                tb_log_name=config["algo"],
             )
         except KeyboardInterrupt:
             interrupted = True
-    _save(learner, folder)
+    if not save(learner, folder):
+        messages.print(
+            f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
+        )
     if interrupted:
         raise KeyboardInterrupt(
             f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
         )
-
-
-def _save(learner: Any, folder: RunFolder) -> None:
-    with replacing(folder / "model.zip") as scratch:
-        learner.save(scratch)
-    if hasattr(learner, "save_replay_buffer"):
-        with replacing(folder / "replay.pkl") as scratch:
-            learner.save_replay_buffer(scratch)
-
-
-def _callback(learner: Any, folder: RunFolder, bar: Bar, steps: int) -> Any:
-    from stable_baselines3.common.callbacks import BaseCallback
-
-    class Checkpoints(BaseCallback):
-        """Callback that saves ten times a run and moves the progress bar."""
-
-        next_save = learner.num_timesteps + steps // CHECKPOINTS
-
-        def _on_step(self) -> bool:
-            bar.move_to(self.num_timesteps)
-            if self.num_timesteps >= self.next_save:
-                self.next_save = self.num_timesteps + steps // CHECKPOINTS
-                _save(learner, folder)
-            return True
-
-    return Checkpoints()

@@ -1,28 +1,36 @@
 """`activesuit validate`: scores a controller whose model of the suit is not the simulated one."""
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
 import tyro
 
 from ...assets import load_suit
+from ...checks import at_least
 from ...envs.evaluation import make_env, share_of_oracle
+from ...envs.model import ASSISTED
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, Gravity, Json, Seed, choice, suits
+from ..options import SUIT, Env, Force, Json, Seed, choice, gravity_option, suits
 from ..output import RunFolder, conclude
 from ..reports.motions import cuff_remarks, score_table
+from ..runs import scene
 from .evaluate import run
+
+GRAVITY = "microgravity"
 
 
 def validate(
     suit: Annotated[str, choice(suits), tyro.conf.Positional],
     /,
-    plant: Annotated[str, choice(suits)] = "mock-suit",
-    env: Env = "ActiveSuit/ArmTracking-v0",
-    gravity: Gravity = "microgravity",
+    plant: Annotated[str, choice(suits)] = SUIT,
+    env: Env = None,
+    gravity: Annotated[str | None, gravity_option(GRAVITY)] = None,
     episodes: int = 5,
     seed: Seed = 0,
     out: Path | None = None,
+    force: Force = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
@@ -39,31 +47,53 @@ def validate(
         episodes: Number of motions of each policy; all policies get the same motions.
         out: Folder for result.json.
     """
-    load_suit(suit)
-    worn = load_suit(plant)
-    options = arm.config(plant, gravity)
-    make_env(env, **options)[0].close()
-    folder = RunFolder(out) if out else None
+    believed, worn = load_suit(suit), load_suit(plant)
+    at_least("episodes", episodes, 1)
+    at_least("seed", seed, 0)
+    chosen = scene(arm, env=env, suit=plant, gravity=gravity, usual={"gravity": GRAVITY})
+    make_env(chosen.env, **chosen.options)[0].close()
+    folder = RunFolder(out, "validate", force=force) if out else None
     scores = run(
-        env,
+        chosen.env,
         ("none", "feedforward", "oracle"),
         episodes,
         seed,
         believed_suit=suit,
-        **options,
+        **chosen.options,
     )
     share = share_of_oracle(scores, worn)
+    lacking = {
+        "feedforward": [joint for joint in ASSISTED if joint not in believed.joints],
+        "oracle": [joint for joint in ASSISTED if joint not in worn.joints],
+    }
     result = {
         "believed_suit": suit,
         "plant": plant,
-        "env": env,
+        "env": chosen.env,
         "episodes": episodes,
         "seed": seed,
-        **options,
+        **chosen.options,
         "share_of_oracle": share,
+        "believed_suit_lacks": lacking["feedforward"],
+        "plant_lacks": lacking["oracle"],
         "policies": [score.to_dict() for score in scores],
     }
-    title = f"Human torque: {env}, {gravity}; believes {suit}, wears {plant}"
-    reached = [f"{joint}: {value:.1%} of the oracle's reduction" for joint, value in share.items()]
-    remarks = [*reached, *cuff_remarks(scores)]
-    conclude(result, {title: score_table(scores)}, remarks, folder=folder, json=json)
+    place = f"{chosen.env}, {chosen.options['gravity']}"
+    title = f"Human torque: {place}; believes {suit}, wears {plant}"
+    remarks = [*_remarks(share, lacking, suit, plant), *cuff_remarks(scores)]
+    tables = {title: score_table(scores, lacking)}
+    conclude(result, tables, remarks, folder=folder, json=json)
+
+
+def _remarks(
+    share: dict[str, float], lacking: dict[str, list[str]], suit: str, plant: str
+) -> Iterator[str]:
+    for joint, value in share.items():
+        if joint in lacking["feedforward"]:
+            yield f"{joint}: not assisted, because {suit} has no such joint"
+        elif math.isnan(value):
+            yield f"{joint}: the oracle reduces nothing that the reduction could be compared with"
+        else:
+            yield f"{joint}: {value:.1%} of the oracle's reduction"
+    for joint in lacking["oracle"]:
+        yield f"{joint}: nothing to assist, because {plant} has no such joint"

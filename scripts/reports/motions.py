@@ -1,6 +1,6 @@
 """Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from ...assets import JOINTS
 from ...envs.evaluation import Score, Trace
@@ -9,8 +9,17 @@ from ...envs.model.cuffs import FORCE_LIMITS
 from ..output import Rows, RunFolder
 
 
-def score_table(scores: Sequence[Score]) -> Rows:
-    """Returns one row per policy and assisted joint: the wearer's torque, tracking and cost."""
+def score_table(
+    scores: Sequence[Score], lacking: Mapping[str, Collection[str]] | None = None
+) -> Rows:
+    """Returns one row per policy and assisted joint: the wearer's torque, tracking and cost.
+
+    Args:
+        scores: Scores of the policies.
+        lacking: Joints that the suit which a policy goes by does not have, by policy; their rows
+            say so.
+    """
+    lacking = lacking or {}
     header = ["policy", "joint", "RMS\n[N·m]", "peak\n[N·m]", "RMS\nsaved"]
     header += ["error\n[rad]", "assist\n[J]", "return"]
 
@@ -27,7 +36,11 @@ def score_table(scores: Sequence[Score]) -> Rows:
     def name(score: Score) -> str:
         return score.policy + (f" ({score.failures} failed)" if score.failures else "")
 
-    return header, _rows(scores, name, cells)
+    rows = _rows(scores, name, cells)
+    joints = [(score.policy, joint) for score in scores for joint in ASSISTED]
+    for row, (policy, joint) in zip(rows, joints, strict=True):
+        row[1] += " (not in suit)" if joint in lacking.get(policy, ()) else ""
+    return header, rows
 
 
 def effort_table(scores: Sequence[Score]) -> Rows:
