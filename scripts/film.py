@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Array
 from ..envs.arm_env import ArmEnv
 from ..envs.policies import Policy
-from ..envs.rendering import QUALITIES
+from ..envs.rendering import QUALITIES, RenderQuality
 from ..errors import InputError, shown, unknown_name
 from .options import choice
 
@@ -19,9 +19,8 @@ Picture = NDArray[np.uint8]
 
 FPS = 25
 FASTEST = 50  # pictures per second; browsers slow down a .gif that is faster
-CAMERAS = "overview, front, side, elbow, cuffs or follow"
 Quality = Annotated[
-    str,
+    RenderQuality,
     choice(
         lambda: QUALITIES,
         "Quality of the pictures: fine has shadows, smooth edges and reflections, and takes a "

@@ -201,7 +201,9 @@ def _simulate(
 
 
 def _picture(folder: RunFolder, seed: int) -> bool:
-    env, arm = make_env(ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960)
+    env, arm = make_env(
+        ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960, render_quality="fine"
+    )
     try:
         env.reset(seed=seed)
         for _ in range(PICTURE_STEP):

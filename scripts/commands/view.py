@@ -16,35 +16,47 @@ from ...envs.model import ArmConfig, arm_spec, compose
 from ...envs.policies import Policy, make_policy
 from ...envs.rendering import Renderer, RenderingUnavailableError
 from ...errors import InputError, unknown_name
-from ...files import replacing
+from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, Gravity, PolicyName, Seed, SuitName
+from ..browser import PORT, check_address, served
+from ..film import Quality
+from ..options import Env, Force, Gravity, PolicyName, Seed, Suit
+from ..output import say
+from ..runs import scene
 
 LARGEST = 4096  # pixels of a side of a snapshot
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
 def view(
-    env: Env = "ActiveSuit/ArmTracking-v0",
+    env: Env = None,
     policy: PolicyName = "feedforward",
-    suit: SuitName = "mock-suit",
-    gravity: Gravity = "earth",
+    suit: Suit = None,
+    gravity: Gravity = None,
     arm: ArmOptions = USUAL,
     seed: Seed = 0,
     web: bool = False,
+    host: str = "localhost",
+    port: int = PORT,
     snapshot: Path | None = None,
     camera: str = "overview",
     pose: str = "home",
     width: int = 1280,
     height: int = 960,
+    quality: Quality = "fine",
+    force: Force = False,
 ) -> None:
     """Watch the assisted arm move, in a window or a browser; or take a picture of it.
 
     Each next motion has the next seed.
 
     Args:
-        web: Serve to a browser instead of opening a window; everyone who reaches this machine can
-            watch.
+        web: Serve to a browser instead of opening a window, without password or encryption.
+        host: Address that the web page listens on: localhost, which only programs on this machine
+            reach, another address of this machine, or 0.0.0.0, which everyone on its networks
+            reaches.
+        port: Port of the web page and of all that it streams; 0 is the first free one from 8080. A
+            second port, for this process itself, listens on localhost only.
         snapshot: File name, ending with .png, of a picture to draw instead, without a display.
         camera: Camera of the snapshot: overview, front, side, elbow, cuffs or follow.
         pose: Pose of the arm in the snapshot: home or reach.
@@ -52,18 +64,23 @@ def view(
         height: Height of the snapshot [pixels].
     """
     at_least("seed", seed, 0)
-    options = arm.config(suit, gravity)
+    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
     if snapshot is not None:
         if web:
             raise InputError("both web and snapshot are given: use one of them")
-        renderer = Renderer(camera=camera, width=width, height=height)
-        _take_picture(ArmConfig.from_dict(options), snapshot, renderer, pose)
+        renderer = Renderer(camera=camera, width=width, height=height, quality=quality)
+        _take_picture(ArmConfig.from_dict(chosen.options), snapshot, renderer, pose, force)
         return
-    made, simulated = make_env(env, **options, render_mode=None if web else "human")
+    if web:
+        check_address(host, port)
+    mode = None if web else "human"
+    made, simulated = make_env(
+        chosen.env, **chosen.options, render_mode=mode, render_quality=quality
+    )
     motion = _move(made, make_policy(policy, simulated), seed)
     with suppress(KeyboardInterrupt):
         if web:
-            _serve(motion, simulated)
+            _serve(motion, simulated, host, port)
         else:
             _open_window(motion)
     made.close()
@@ -94,14 +111,10 @@ def _open_window(motion: Iterator[None]) -> None:
             pass
 
 
-def _serve(motion: Iterator[None], simulated: ArmEnv) -> None:
-    from mujoco.studio import app, launch_web
-
+def _serve(motion: Iterator[None], simulated: ArmEnv, host: str, port: int) -> None:
     shown = _drawing(simulated.config)
     drawn = mujoco.MjData(shown)
-    # The panels are about a simulation that the viewer itself would step.
-    bare = app.Config(show_options=False, show_inspector=False, show_status_bar=False)
-    with launch_web.launch(plugins=[app.App(bare)]) as viewer:
+    with served(host, port) as viewer:
         begin = time.monotonic()
         for step, _ in enumerate(motion):
             if not viewer.is_running():
@@ -124,12 +137,15 @@ def _drawing(config: ArmConfig) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _take_picture(config: ArmConfig, path: Path, renderer: Renderer, pose: str) -> None:
+def _take_picture(
+    config: ArmConfig, path: Path, renderer: Renderer, pose: str, force: bool
+) -> None:
     if path.suffix != ".png":
         raise InputError(f"snapshot is {str(path)!r}: use a name that ends with .png")
     for name, size in (("width", renderer.width), ("height", renderer.height)):
         if size > LARGEST:
             raise InputError(f"{name} is {size}: use 1 to {LARGEST} pixels")
+    check_target(path, force=force)
     model = compose(config)
     poses = [model.key(i).name for i in range(model.nkey)]
     if pose not in poses:
@@ -138,9 +154,9 @@ def _take_picture(config: ArmConfig, path: Path, renderer: Renderer, pose: str) 
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
     mujoco.mj_forward(model, data)
-    with replacing(path) as scratch:
+    with replacing(path, force=force) as scratch:
         from matplotlib.image import imsave
 
         imsave(scratch, renderer.picture(model, data), format="png")
     renderer.close()
-    print(f"wrote {path}")
+    say(f"wrote {path}")
