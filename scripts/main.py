@@ -26,7 +26,7 @@ COMMANDS = {
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
     "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
-    "animate": "Draw an assisted motion and its torque-angle loops as a looping animation.",
+    "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
     "train": "Train an assist policy with Stable-Baselines3.",
     "suits": "List the shipped suits, or show and check one.",
     "kao-fung": "Repeat Kao and Fung (2009).",

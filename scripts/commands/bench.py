@@ -5,10 +5,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import mujoco
 import tyro
 
 from ...checks import at_least
+from ..engine_log import engine_warnings
 from ..options import Json
 from ..output import table, to_json
 
@@ -32,7 +32,16 @@ def bench(
         repeats: Number of pairs of measurements of each row.
     """
     at_least("repeats", repeats, 1)
+    import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
+
+    with engine_warnings():
+        _measure(topic, repeats, json)
+
+
+def _measure(topic: Topic, repeats: int, json: bool) -> None:
     # Not needed by other commands, and slow to import.
+    import mujoco
+
     from ..benchmarks import effort, engine, env, exactness, hysteresis, identify, model, starts
     from .study import study
 

@@ -1,0 +1,121 @@
+"""What all commands have in common: signals, MuJoCo's warnings, control characters, workers."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import Suit, load_suit, save_suit
+from activesuit.scripts.engine_log import engine_warnings
+from activesuit.scripts.main import main
+from activesuit.scripts.output import markdown_table, progress, table
+from activesuit.scripts.text import visible
+
+SLOW = (
+    "import sys, time\n"
+    "from activesuit.scripts import output\n"
+    "output.Bar.advance = lambda self, steps=1: (print('step', flush=True), time.sleep(0.2))\n"
+    "from activesuit.scripts.main import main\n"
+    "main(sys.argv[1:])\n"
+)
+STUDY = ["--trials", "9", "--swarm-size", "10", "--iterations", "5", "--workers", "1"]
+
+
+@pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_with_a_sentence(tmp_path, sign):
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, "study", "--out", str(tmp_path / "out"), *STUDY],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "step\n"
+    process.send_signal(sign)
+    _, message = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert "Traceback" not in message
+    assert "interrupted: the finished trials (" in message.splitlines()[-1]
+
+
+def test_afterwards_sigterm_means_what_it_did_before():
+    before = signal.getsignal(signal.SIGTERM)
+    main(["--version"])
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def unstable():
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body><joint type='slide'/><geom size='1'/></body></worldbody></mujoco>"
+    )
+    for _ in range(3):
+        data = mujoco.MjData(model)
+        data.qpos[0] = np.nan
+        mujoco.mj_step(model, data)
+
+
+def test_warnings_of_mujoco_are_told_once(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with engine_warnings():
+        unstable()
+    assert list(tmp_path.iterdir()) == []
+    (message,) = capsys.readouterr().err.splitlines()
+    assert message.startswith("activesuit: warning of MuJoCo (3 times): Nan, Inf or huge value in")
+    assert mujoco.get_mju_user_warning() is None
+
+
+def test_ctrl_c_while_mujoco_warns_does_not_end_the_process():
+    # A handler written in Python would raise KeyboardInterrupt inside MuJoCo, which aborts.
+    with engine_warnings():
+        assert type(mujoco.get_mju_user_warning()).__name__ == "builtin_function_or_method"
+
+
+ESCAPE = "\x1b[31mred\x9b2J\u202e\r\udc80"
+SHOWN = r"\x1b[31mred\x9b2J\u202e\r\udc80"
+
+
+def test_control_characters_are_visible():
+    assert visible(ESCAPE) == SHOWN
+    assert visible(visible(ESCAPE)) == SHOWN
+    assert visible("Ellbogen, 5 N·m\n日本") == "Ellbogen, 5 N·m\n日本"
+
+
+def test_tables_and_bars_escape_names(capsys):
+    table(ESCAPE, ["a", ESCAPE], [[ESCAPE, "1"]])
+    with progress(f"{ESCAPE} [/x]", 1) as bar:
+        bar.advance()
+    captured = capsys.readouterr()
+    assert "\x1b" not in captured.out + captured.err
+    assert captured.out.count("\\x1b[31mred") >= 2
+    assert "\x1b" not in markdown_table(["a"], [[ESCAPE]])
+
+
+def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
+    joints = {"elbow_flexion": load_suit("mock-suit").joints["elbow_flexion"]}
+    names = {"name": "a\x1b[31m", "description": "b\x1b]0;title\x07"}
+    save_suit(Suit(**names, joints=joints), tmp_path / "s.json")
+    main(["suits", str(tmp_path / "s.json")])
+    shown = capsys.readouterr().out
+    assert "\x1b" not in shown
+    assert "\\x1b[31m" in shown
+    with pytest.raises(SystemExit):
+        main(["suits", "x\x1b[2J\ny"])
+    (message,) = capsys.readouterr().err.splitlines()
+    assert "\x1b" not in message
+    assert os.linesep not in message
+
+
+@pytest.mark.parametrize("workers", ["-7", "0"])
+@pytest.mark.parametrize("command", ["study", "identify"])
+def test_workers(capsys, tmp_path, command, workers):
+    from activesuit.assets import curves_path
+
+    more = [str(curves_path("elbow"))] if command == "identify" else []
+    with pytest.raises(SystemExit):
+        main([command, *more, "--workers", workers, "--out", str(tmp_path / "out")])
+    message = capsys.readouterr().err
+    assert f"workers is {workers}: use 1 or more, or -1 for all cores" in message
+    assert not list(tmp_path.iterdir())
