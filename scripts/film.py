@@ -1,6 +1,7 @@
 """Films of the arm: pictures at a steady rate, written as .gif or .mp4."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +15,7 @@ from ..envs.policies import Policy
 from ..envs.rendering import QUALITIES, RenderQuality
 from ..errors import InputError, shown, unknown_name
 from .options import choice
+from .output import progress
 
 Picture = NDArray[np.uint8]
 
@@ -79,6 +81,14 @@ class Filming:
             self._on_picture()
         self._step += 1
         return self._policy.act(observation, info)
+
+
+@contextmanager
+def filmed(env: ArmEnv, policy: Policy, stride: int, begin: int = 0) -> Iterator[Filming]:
+    """Yields a policy that films the episode it runs, and shows how far it is."""
+    periods = round(env.duration / env.control_dt)
+    with progress("pictures", len(range(begin, periods, stride))) as bar:
+        yield Filming(env, policy, stride, begin=begin, on_picture=bar.advance)
 
 
 def stride_of(fps: int, control_dt: float) -> int:

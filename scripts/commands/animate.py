@@ -19,7 +19,7 @@ from ...envs.reference import minimum_jerk
 from ...errors import InputError, shown
 from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
-from ..film import FILMS, FPS, Filming, Fps, Picture, Quality, film_writer, stride_of
+from ..film import FILMS, FPS, Fps, Picture, Quality, film_writer, filmed, stride_of
 from ..options import Force, PolicyName, Seed, Suit, env_option, gravity_option
 from ..output import progress, say
 from ..runs import scene
@@ -107,8 +107,7 @@ def _film(
     """Films a whole episode, or the last cycle of a periodic motion."""
     samples = round(arm.duration / arm.control_dt)
     cycle = samples // CYCLES if isinstance(arm, _Reaching) else samples
-    with progress("pictures", len(range(0, cycle, stride))) as bar:
-        filming = Filming(arm, policy, stride, begin=samples - cycle, on_picture=bar.advance)
+    with filmed(arm, policy, stride, begin=samples - cycle) as filming:
         trace = run_episode(made, filming, seed)
     if trace.terminated:
         lost = f"the arm was lost after {trace.time[-1]:.2f} s"

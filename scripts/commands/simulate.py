@@ -1,9 +1,12 @@
 """`activesuit simulate`: simulates one motion under one policy, and writes its time series."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from ...checks import at_least
-from ...envs.evaluation import make_env, run_episode, score
+from ...envs.evaluation import Trace, make_env, run_episode, score
 from ...envs.figures import (
     cuff_forces_figure,
     motion_loops_figure,
@@ -12,6 +15,7 @@ from ...envs.figures import (
 )
 from ...envs.policies import make_policy
 from ..arm_options import USUAL, ArmOptions
+from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
@@ -25,6 +29,7 @@ def simulate(
     gravity: Gravity = None,
     seed: Seed = 0,
     out: Path = Path("runs/simulate"),
+    video: Video = None,
     force: Force = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
@@ -37,25 +42,29 @@ def simulate(
     """
     at_least("seed", seed, 0)
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
-    made, simulated = make_env(chosen.env, **chosen.options)
+    write = film_writer(video) if video else None
+    mode = "rgb_array" if video else None
+    made, simulated = make_env(chosen.env, **chosen.options, render_mode=mode)
     actor = make_policy(policy, simulated)
     folder = RunFolder(out, "simulate", force=force)
-    trace = run_episode(made, actor, seed)
+    frames: list[Picture] = []
+    if video:
+        with filmed(simulated, actor, stride_of(FPS, simulated.control_dt)) as filming:
+            trace = run_episode(made, filming, seed)
+        frames = filming.pictures
+    else:
+        trace = run_episode(made, actor, seed)
     made.close()
     result = score(policy, [trace])
     settings = {"env": chosen.env, "seed": seed, **chosen.options}
-    figures = {
-        "trajectory": trajectory_figure,
-        "torques": torques_figure,
-        "motion-loops": motion_loops_figure,
-    }
-    if trace.cuff_force is not None:
-        figures["cuff-forces"] = cuff_forces_figure
+    figures = _figures(trace)
     with folder.together() as new:
         write_trace(new, "trace.csv", trace)
         new.json("result.json", {**settings, **result.to_dict()})
         for name, draw in figures.items():
             new.figure(name, draw({policy: trace}))
+        if write:
+            write(new / f"motion.{video}", frames, FPS)
     if json:
         print(to_json(result.to_dict()))
         return
@@ -63,4 +72,17 @@ def simulate(
     table("Effort", *effort_table([result]))
     for remark in cuff_remarks([result]):
         say(remark)
-    say(f"wrote {folder.path}/trace.csv, result.json and {len(figures)} figures")
+    film = f", motion.{video}" if video else ""
+    say(f"wrote {folder.path}/trace.csv, result.json{film} and {len(figures)} figures")
+
+
+def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]:
+    """Returns the functions that draw an episode, by the names of their files."""
+    figures = {
+        "trajectory": trajectory_figure,
+        "torques": torques_figure,
+        "motion-loops": motion_loops_figure,
+    }
+    if trace.cuff_force is not None:
+        figures["cuff-forces"] = cuff_forces_figure
+    return figures
