@@ -1,7 +1,7 @@
 """Closed-loop evaluation: scores several policies on the same intended motions."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, fields, replace
 from importlib import import_module
 from typing import Any
@@ -22,6 +22,7 @@ from .person import EffortMetrics, effort_metrics
 from .policies import Policy, make_policy
 
 Policies = Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]]  # names, or your own
+OURS = "ActiveSuit/"  # how the ids of our environments begin
 TAKEOVER = 0.5  # s
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 
@@ -220,11 +221,12 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
             import_module(module)
         made_by = _maker(name)
     if name not in gymnasium.registry:
-        ours = [known for known in gymnasium.registry if known.startswith("ActiveSuit/")]
+        ours = [known for known in gymnasium.registry if known.startswith(OURS)]
         raise unknown_name("environment", env_id, ours)
     if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
         raise _no_arm(env_id)
-    env = gymnasium.make(name, **options)
+    with nullcontext() if name.startswith(OURS) else _own_code(env_id):
+        env = gymnasium.make(name, **options)
     if not isinstance(env.unwrapped, ArmEnv):
         env.close()
         raise _no_arm(env_id)
@@ -235,10 +237,12 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
 def _own_code(env_id: str) -> Iterator[None]:
     try:
         yield
-    except Exception as error:  # a module of the user's fails in any way that a module can
+    except InputError:
+        raise
+    except Exception as error:  # the user's code fails in any way that code can
         raise InputError(
-            f"the environment {env_id!r} cannot be imported ({type(error).__name__}: {error}): "
-            "name an installed module, or one in the working folder"
+            f"the environment {env_id!r} cannot be made ({type(error).__name__}: {error}): repair "
+            "it, or name a module that is installed or in the working folder"
         ) from error
 
 

@@ -16,6 +16,7 @@ from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
 from .options import ENV
 from .own_files import is_own
 
+COMMAND = "this command"
 OUR_MODULE = "activesuit:"  # before an id, as Gymnasium takes it in worker processes
 
 
@@ -76,7 +77,7 @@ def scene(
         options = run_options(folder)
         if not trusted:
             _check_module(options["env"], env, folder)
-        _check_same(given, options, "this command", folder)
+        _check_same(given, options, COMMAND, folder)
         if found:
             _check_same(found, options, f"the run in {of!r}", folder)
         found, of = options, folder
@@ -134,7 +135,8 @@ def _check_same(
             option = f"--{name.replace('_', '-')}"
             raise InputError(
                 f"{whose} has {option} {shown(value)}, and the run in {folder!r} was trained with "
-                f"{shown(trained[name])}: leave {option} out, or use runs of the same options"
+                f"{shown(trained[name])}: "
+                + (f"leave {option} out" if whose == COMMAND else "give runs of the same options")
             )
 
 

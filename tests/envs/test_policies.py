@@ -115,7 +115,7 @@ def test_scores_are_what_they_say():
     ("arguments", "options", "message"),
     [
         (("ActiveSuit/Knee-v0", ["none"]), {}, "unknown environment 'ActiveSuit/Knee-v0'"),
-        (("CartPole-v1", ["none"]), {}, "unknown environment 'CartPole-v1'"),
+        (("CartPole-v1", ["none"]), {}, "'CartPole-v1' is no arm of ActiveSuit"),
         (("ActiveSuit/ElbowFlexion-v0", ["nune"]), {}, "unknown policy 'nune'.*'none'"),
         (("ActiveSuit/ElbowFlexion-v0", ["none"]), {"episodes": 0}, "episodes is 0"),
         (("ActiveSuit/ElbowFlexion-v0", []), {}, "no policy given"),

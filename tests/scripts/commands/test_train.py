@@ -1,8 +1,11 @@
 """Training: learns, resumes, and keeps what was learned."""
 
 import json
+import shutil
+from pathlib import Path
 
 import pytest
+from activesuit.scripts import learning, own_files
 from activesuit.scripts.commands import train as train_module
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
@@ -16,48 +19,173 @@ def train(out, *more, algo="ppo", steps=2048):
     main(arguments)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def this_machine(tmp_path_factory):
+    """Keeps the notes of what this machine wrote out of the user's own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     out = tmp_path_factory.mktemp("train") / "ppo"
-    train(out)
+    train(out, "--gravity", "moon", "--payload", "2")
     return out
 
 
 def steps_done(out, algo="ppo"):
-    from activesuit.envs.policies.trained import algorithm_class
+    from activesuit.envs.policies.network import algorithm_class
 
     return algorithm_class(algo).load(out / "model.zip", device="cpu").num_timesteps
 
 
+def fails(capsys, *arguments) -> str:
+    """Runs a command that must fail; returns its message."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    assert stop.value.code == 2
+    return capsys.readouterr().err.strip().splitlines()[-1]
+
+
 def test_writes_config_checkpoint_and_logs(run):
-    assert json.loads((run / "config.json").read_text())["algo"] == "ppo"
+    config = json.loads((run / "config.json").read_text())
+    assert (config["algo"], config["seed"], config["steps"]) == ("ppo", 0, 2048)
     assert steps_done(run) == 2048
     assert list((run / "tensorboard").rglob("events*"))
 
 
-def test_trained_policy_is_evaluated_beside_the_others(run, capsys):
+def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
     main(["evaluate", "--episodes", "1", "--json", "--policies", "none", str(run)])
     result = json.loads(capsys.readouterr().out)
-    assert result["env"] == "ActiveSuit/ElbowFlexion-v0"  # what it was trained on
+    assert result["env"] == "ActiveSuit/ElbowFlexion-v0"
+    assert (result["gravity"], result["payload"]) == ("moon", {"mass": 2.0})
     policies = result["policies"]
     assert [entry["policy"] for entry in policies] == ["none", str(run)]
     assert policies[1]["assist_energy"] > 0
 
 
-def test_a_policy_of_another_coupling_says_where_its_options_are(run, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["evaluate", "--policies", str(run), "--coupling", "cuffs"])
-    assert end.value.code == 2
-    assert str(run / "config.json") in capsys.readouterr().err
+def test_actions_are_those_of_the_whole_checkpoint(run):
+    from activesuit.envs.evaluation import make_env
+    from activesuit.envs.policies import make_policy
+    from activesuit.envs.policies.network import algorithm_class
+
+    env, arm = make_env("ActiveSuit/ElbowFlexion-v0", gravity="moon")
+    whole = algorithm_class("ppo").load(run / "model.zip", device="cpu")
+    policy = make_policy(str(run), arm)
+    observation, info = env.reset(seed=3)
+    for _ in range(20):
+        action = policy.act(observation, info)
+        assert (action == whole.predict(observation, deterministic=True)[0]).all()
+        observation, *_, info = env.step(action)
 
 
-def test_resume_goes_on(run):
+def test_simulate_and_train_take_the_options_of_the_run(run, capsys, tmp_path):
+    main(["simulate", "--policy", str(run), "--out", str(tmp_path / "one"), "--json"])
+    capsys.readouterr()
+    result = json.loads((tmp_path / "one" / "result.json").read_text())
+    assert result["env"] == "ActiveSuit/ElbowFlexion-v0"
+    assert (result["gravity"], result["payload"]) == ("moon", {"mass": 2.0})
+    differs = "was trained with 'moon': leave --gravity out"
+    for command in (
+        ["evaluate", "--policies", run],
+        ["simulate", "--out", tmp_path / "two", "--policy", run],
+        ["train", "--resume", "--steps", "9999", "--out", run],
+    ):
+        assert differs in fails(capsys, *command, "--gravity", "earth")
+    assert not (tmp_path / "two").exists()
+
+
+def test_a_policy_of_another_coupling(run, capsys):
+    message = fails(capsys, "evaluate", "--policies", run, "--coupling", "cuffs")
+    assert "trained with 'rigid'" in message
+    from activesuit.envs.evaluation import evaluate
+    from activesuit.errors import InputError
+
+    with pytest.raises(InputError, match=r"observes 19 numbers .*config\.json"):
+        evaluate("ActiveSuit/ElbowFlexion-v0", [str(run)], coupling="cuffs")
+
+
+def test_resume_needs_the_folder_only(run):
     train(run, "--resume", steps=4096)
     assert steps_done(run) == 4096
+    config = json.loads((run / "config.json").read_text())
+    assert (config["gravity"], config["steps"]) == ("moon", 4096)
+
+
+def test_a_run_that_another_machine_trained(run, tmp_path, monkeypatch, capsys):
+    here = tmp_path / "here"
+    shutil.copytree(run, here)  # a copy is what this machine wrote too
+    steps = steps_done(here) + 2048
+    train(here, "--resume", steps=steps)
+    assert steps_done(here) == steps
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
+    resume = ["train", "--resume", "--out", here, "--steps", steps + 2048]
+    assert "add --trust if you trust whoever made it" in fails(capsys, *resume)
+    main([*map(str, resume), "--trust"])
+    train(here, "--resume", steps=steps + 4096)  # what was trusted is now ours
+
+
+def test_old_checkpoints_leave_no_notes(run):
+    assert own_files.is_own((run / "model.zip").read_bytes())
+    notes = [note.read_text() for note in own_files.notes_folder().iterdir()]
+    assert notes.count(f"{(run / 'model.zip').resolve()}\n") == 1
+
+
+def test_without_a_place_for_notes_a_run_needs_trust(run, tmp_path, monkeypatch, capsys):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    train(tmp_path / "run")
+    assert "--resume will need --trust" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_suit_file_comes_with_the_run(tmp_path, capsys, monkeypatch):
+    from activesuit.assets import load_suit, save_suit
+
+    save_suit(load_suit("emu-like"), tmp_path / "mine.json")
+    monkeypatch.chdir(tmp_path)
+    train("run", "--suit", "mine.json")
+    simulated = ["evaluate", "--episodes", "1", "--json", "--policies", "run"]
+    main([*simulated, "--suit", "mine.json"])
+    capsys.readouterr()
+    Path("mine.json").unlink()
+    main(simulated)
+    assert json.loads(capsys.readouterr().out)["suit"] == "run/suit.json"
+    assert "was trained with 'run/suit.json'" in fails(capsys, *simulated, "--suit", "mock-suit")
+
+
+def test_one_thread_of_torch(tmp_path, monkeypatch):
+    import torch
+
+    seen = []
+    monkeypatch.setattr(train_module, "save", lambda *given: seen.append(torch.get_num_threads()))
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    try:
+        train(tmp_path / "one")
+        train(tmp_path / "more", "--torch-threads", "3")
+        assert torch.get_num_threads() == 2
+    finally:
+        torch.set_num_threads(before)
+    assert seen == [1, 3]
+
+
+def test_force_begins_anew(tmp_path):
+    train(tmp_path, algo="sac", steps=20)
+    train(tmp_path, "--force")
+    assert steps_done(tmp_path) == 2048
+    assert not (tmp_path / "replay.pkl").exists()
 
 
 def interrupt(*arguments, **options):
     raise KeyboardInterrupt
+
+
+def interrupt_in(monkeypatch, part):
+    """Makes a part of the training raise what Ctrl-C raises."""
+    for module in (train_module, learning):
+        if hasattr(module, part):
+            monkeypatch.setattr(module, part, interrupt)
 
 
 def interrupted(capsys, out, *more, **options) -> str:
@@ -86,21 +214,21 @@ def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
     ("part", "message"),
     [
         ("make_env", "activesuit: interrupted"),
-        ("_environments", "nothing was learned yet; start the training again"),
-        ("_callback", "0 steps are kept in {out}; go on with --resume"),
-        ("_save", "nothing was learned yet; start the training again"),
+        ("training_environments", "nothing was learned yet; start the training again"),
+        ("checkpoints", "0 steps are kept in {out}; go on with --resume"),
+        ("save", "nothing was learned yet; start the training again"),
     ],
 )
 def test_interrupt_before_or_after_learning(tmp_path, monkeypatch, capsys, part, message):
-    monkeypatch.setattr(train_module, part, interrupt)
+    interrupt_in(monkeypatch, part)
     assert message.format(out=tmp_path) in interrupted(capsys, tmp_path)
 
 
-@pytest.mark.parametrize("part", ["load_network", "_save"])
+@pytest.mark.parametrize("part", ["resumed_learner", "save"])
 def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsys, part):
     before = steps_done(run)
-    monkeypatch.setattr(train_module, part, interrupt)
-    monkeypatch.setattr(train_module, "CHECKPOINTS", 1)
+    interrupt_in(monkeypatch, part)
+    monkeypatch.setattr(learning, "CHECKPOINTS", 1)
     said = interrupted(capsys, run, "--resume", steps=before + 100)
     assert f"the last checkpoint is kept in {run}; go on with --resume" in said
     assert steps_done(run) == before
@@ -109,7 +237,7 @@ def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsy
 def test_sac_trains_and_resumes_with_its_experience(tmp_path):
     train(tmp_path, algo="sac", steps=1200)
     assert (tmp_path / "replay.pkl").exists()
-    train(tmp_path, "--resume", algo="sac", steps=1300)
+    main(["train", "--resume", "--steps", "1300", "--out", str(tmp_path)])
     assert steps_done(tmp_path, "sac") == 1300
 
 
@@ -117,11 +245,14 @@ def test_sac_trains_and_resumes_with_its_experience(tmp_path):
     ("more", "message"),
     [
         ([], "holds a trained run: add --resume"),
-        (["--resume", "--seed", "5"], "has seed 0, not 5"),
+        (["--resume", "--seed", "5"], "has --seed 5, and the run"),
+        (["--resume", "--algo", "sac"], "has --algo 'sac', and the run"),
+        (["--algo", "dqn"], "unknown algo 'dqn'"),
+        (["--torch-threads", "0"], "torch-threads is 0"),
         (["--resume", "--steps", "10"], "give --steps above that"),
         (["--steps", "0"], "steps is 0"),
         (["--seed", "-1"], "seed is -1"),
-        (["--env", "ActiveSuit/Knee-v0"], "unknown environment"),
+        (["--force", "--env", "ActiveSuit/Knee-v0"], "unknown environment"),
     ],
 )
 def test_mistakes(run, capsys, more, message):
@@ -136,7 +267,7 @@ def test_damaged_checkpoint(run, tmp_path, capsys):
     (tmp_path / "model.zip").write_bytes(b"not a zip file")
     for command in (
         ["evaluate", "--policies", str(tmp_path)],
-        ["train", "--resume", "--steps", "9999", "--out", str(tmp_path)],
+        ["train", "--resume", "--trust", "--steps", "9999", "--out", str(tmp_path)],
     ):
         with pytest.raises(SystemExit) as stop:
             main(command)

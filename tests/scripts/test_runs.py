@@ -1,0 +1,221 @@
+"""What a command simulates: given options, those of training runs, and the usual ones."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from activesuit.envs.evaluation import evaluate
+from activesuit.errors import InputError
+from activesuit.scripts.arm_options import ArmOptions
+from activesuit.scripts.main import main
+from activesuit.scripts.runs import scene
+from trained_runs import CONFIG, write_config
+
+OWN = '''
+import gymnasium
+from activesuit.envs.tasks import ElbowFlexionEnv
+
+
+class Quick(ElbowFlexionEnv):
+    """The elbow, for half a second."""
+
+    duration = 0.5
+
+
+class NoArm(gymnasium.Env):
+    def __init__(self, **options):
+        pass
+
+
+gymnasium.register("Mine/Quick-v0", entry_point=Quick)
+gymnasium.register("Mine/Lazy-v0", entry_point=f"{__name__}:Quick")
+gymnasium.register("Mine/Made-v0", entry_point=lambda **options: Quick(**options))
+gymnasium.register("Mine/NoArm-v0", entry_point=NoArm)
+gymnasium.register("Mine/NoneMade-v0", entry_point=lambda **options: NoArm())
+'''
+
+
+@pytest.fixture(autouse=True)
+def this_machine(tmp_path_factory, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+
+
+@pytest.fixture
+def own(tmp_path, monkeypatch):
+    """A working folder with a module of the user's, which is not on the path yet."""
+    import gymnasium
+
+    (tmp_path / "mine_quick.py").write_text(OWN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", [*sys.path])
+    yield "mine_quick:Mine/Quick-v0"
+    for name in [name for name in gymnasium.registry if name.startswith("Mine/")]:
+        del gymnasium.registry[name]
+    sys.modules.pop("mine_quick", None)
+
+
+def run_folder(path, **config):
+    path.mkdir()
+    write_config(path, **config)
+    return str(path)
+
+
+def fails(capsys, *arguments) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    assert stop.value.code == 2
+    return capsys.readouterr().err.strip().splitlines()[-1]
+
+
+def test_without_a_run_the_usual_holds():
+    chosen = scene(ArmOptions(payload=3), gravity="moon", policies=("none",))
+    assert chosen.env == "ActiveSuit/ArmTracking-v0"
+    assert chosen.options["payload"] == {"mass": 3}
+    assert chosen.options["gravity"] == "moon"
+    assert chosen.options["suit"] == "mock-suit"
+    assert chosen.options["wearer"]["stature"] == 1.78
+    usual = {"env": "ActiveSuit/ElbowFlexion-v0", "gravity": "mars"}
+    assert scene(ArmOptions(), usual=usual).env == usual["env"]
+
+
+def test_the_options_of_a_run_hold(tmp_path):
+    run = run_folder(tmp_path / "run", side="left", tilt=[0.1, 0.0], allow_uncertified=True)
+    chosen = scene(ArmOptions(), policies=("none", run), usual={"gravity": "mars"})
+    assert chosen.env == CONFIG["env"]
+    expected = {
+        name: value for name, value in CONFIG.items() if name not in ("env", "algo", "seed")
+    }
+    expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
+    assert chosen.options == expected
+
+
+def test_the_same_option_may_be_given_again(tmp_path):
+    run = run_folder(tmp_path / "run")
+    arm = ArmOptions(payload=2, tilt=(0.0, 0.0), stature=1.78)
+    chosen = scene(arm, gravity="moon", env=f"activesuit:{CONFIG['env']}", policies=(run,))
+    assert chosen == scene(ArmOptions(), policies=(run,))
+
+
+@pytest.mark.parametrize(
+    ("given", "arm", "message"),
+    [
+        (
+            {"gravity": "earth"},
+            {},
+            "--gravity 'earth', .* trained with 'moon': leave --gravity out",
+        ),
+        ({"env": "ActiveSuit/ArmTracking-v0"}, {}, "--env 'ActiveSuit/ArmTracking-v0'"),
+        ({"suit": "emu-like"}, {}, "--suit 'emu-like'"),
+        ({"suit": "none"}, {}, "--suit 'none'"),
+        ({}, {"payload": 1.0}, "--payload 1.0"),
+        ({}, {"payload": 0.0}, "--payload 0.0"),
+        ({}, {"pressure": 29.6}, "--pressure 29.6, .* trained with None"),
+        ({}, {"tilt": (0.0, 0.1)}, r"--tilt \[0.0, 0.1\]"),
+        ({}, {"sex": "female"}, "--sex 'female'"),
+        ({}, {"allow_uncertified": True}, "--allow-uncertified True"),
+    ],
+)
+def test_another_option_is_one_sentence(tmp_path, given, arm, message):
+    run = run_folder(tmp_path / "run")
+    with pytest.raises(InputError, match=message):
+        scene(ArmOptions(**arm), **given, policies=(run,))
+
+
+def test_runs_of_different_options_are_not_compared(tmp_path):
+    one, other = run_folder(tmp_path / "one"), run_folder(tmp_path / "other", gravity="mars")
+    same = run_folder(tmp_path / "same", algo="sac", seed=7)
+    assert scene(ArmOptions(), policies=(one, same)) == scene(ArmOptions(), policies=(one,))
+    with pytest.raises(
+        InputError, match=r"the run in .*same' has --gravity 'moon', .*'mars': give runs"
+    ):
+        scene(ArmOptions(), policies=(one, same, other))
+
+
+def test_options_that_no_training_has(tmp_path):
+    run = run_folder(tmp_path / "run", payload={"mass": 2.0, "inertia": [0.1, 0.1, 0.1]})
+    with pytest.raises(InputError, match="options of wearer or payload that no training has"):
+        scene(ArmOptions(), policies=(run,))
+
+
+@pytest.mark.parametrize("name", ["Quick", "Lazy", "Made"])
+def test_an_environment_of_your_own(own, capsys, name):
+    env = own.replace("Quick", name)
+    main(["simulate", "--env", env, "--out", "one", "--json"])
+    result = json.loads((Path("one") / "result.json").read_text())
+    assert result["env"] == env
+    with open("one/trace.csv") as trace:
+        assert len(trace.readlines()) == 51
+    capsys.readouterr()
+    main(["evaluate", "--env", env, "--episodes", "1", "--policies", "none", "oracle", "--json"])
+    assert json.loads(capsys.readouterr().out)["env"] == env
+    main(["validate", "mock-suit", "--env", env, "--episodes", "1", "--json"])
+    assert json.loads(capsys.readouterr().out)["env"] == env
+
+
+def test_your_own_environment_in_the_library(own, monkeypatch):
+    monkeypatch.syspath_prepend(".")
+    (score,) = evaluate(own, ["none"], episodes=1)
+    assert score.failures == 0
+    (score,) = evaluate("Mine/Quick-v0", ["none"], episodes=1)  # registered by now
+    assert score.failures == 0
+
+
+@pytest.mark.parametrize(
+    ("env", "message"),
+    [
+        ("mine_quick:Mine/Slow-v0", "unknown environment 'mine_quick:Mine/Slow-v0'"),
+        ("mine_quick:Mine/NoArm-v0", "'mine_quick:Mine/NoArm-v0' is no arm of ActiveSuit"),
+        ("mine_quick:Mine/NoneMade-v0", "cannot be made (AttributeError"),
+        ("nowhere:Mine/Quick-v0", "cannot be made (ModuleNotFoundError"),
+        (":Mine/Quick-v0", "unknown environment"),
+        ("..:Mine/Quick-v0", "cannot be made"),
+        ("CartPole-v1", "'CartPole-v1' is no arm of ActiveSuit"),
+        ("Nothing-v0", "unknown environment 'Nothing-v0'"),
+    ],
+)
+@pytest.mark.parametrize("command", [["evaluate"], ["simulate", "--out", "out"], ["train"]])
+def test_environments_that_cannot_be(own, capsys, command, env, message):
+    if command == ["train"]:
+        pytest.importorskip("stable_baselines3")
+    assert message in fails(capsys, *command, "--env", env)
+
+
+@pytest.mark.slow
+def test_a_run_in_your_own_environment(own, capsys):
+    pytest.importorskip("stable_baselines3")
+    main(["train", "--env", own, "--steps", "2048", "--out", "run"])
+    main(["train", "--resume", "--steps", "4096", "--out", "run"])
+    capsys.readouterr()
+    main(["evaluate", "--policies", "none", "run", "--episodes", "1", "--json"])
+    assert json.loads(capsys.readouterr().out)["env"] == own
+
+
+def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path):
+    from activesuit.assets import load_suit, save_suit
+
+    suit = load_suit("mock-suit")
+    elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
+    half = tmp_path / "half.json"
+    save_suit(suit.model_copy(update={"joints": elbow}), half)
+    short = ["--episodes", "1", "--env", "ActiveSuit/ElbowFlexion-v0"]
+    main(["validate", str(half), *short])
+    out = capsys.readouterr().out
+    (row,) = [line for line in out.splitlines() if "not in suit" in line]
+    assert row.split()[:2] == ["feedforward", "shoulder"]
+    assert f"shoulder_flexion: not assisted, because {half} has no such joint" in out
+    main(["validate", "mock-suit", "--plant", str(half), *short, "--json"])
+    result = json.loads(capsys.readouterr().out)
+    assert (result["believed_suit_lacks"], result["plant_lacks"]) == ([], ["shoulder_flexion"])
+
+
+def test_a_suit_without_pressure_has_no_share(capsys):
+    arguments = ["--episodes", "1", "--env", "ActiveSuit/ElbowFlexion-v0", "--json"]
+    main(["validate", "emu-like", "--plant", "emu-like", "--pressure", "0", *arguments])
+    assert json.loads(capsys.readouterr().out)["share_of_oracle"]["elbow_flexion"] is None
+
+
+def test_a_policy_of_your_own_that_cannot_act():
+    for made, message in ((3, r"makes 3, which has no reset\(\)"), (object, "has no reset")):
+        with pytest.raises(InputError, match=message):
+            evaluate("ActiveSuit/ElbowFlexion-v0", {"mine": lambda env, made=made: made})
