@@ -20,6 +20,8 @@ InitialTorque = float | Literal["measured", "identified"]
 # In deviations of the noise: Huber's constant (Holland and Welsch, Commun. Stat. A 6 (1977) 813),
 # with which the pseudo-Huber loss too keeps 95 % of the efficiency of least squares.
 OUTLYING = 1.345
+FEWEST_SAMPLES = 10  # of all curves that are fitted, for five parameters
+LEAST_PEAK = 1e-9  # N·m: squares of much smaller torques lose their digits
 LEAST_NOISE = 1e-3  # of the peak, so that curves without noise have a scale
 
 
@@ -83,6 +85,11 @@ class CurveObjective:
         self.peak = float(np.abs(self.torque).max())
         if self.peak == 0:
             raise InputError("every torque is zero: there is nothing to identify")
+        if self.peak < LEAST_PEAK:
+            raise InputError(
+                f"the torque of the curves peaks at {self.peak:.3g} N·m: give at least "
+                f"{LEAST_PEAK:g} N·m; check its unit"
+            )
         self._scale = np.sqrt(self.weight) / np.repeat(self._units(), sizes)
         self._outlying = OUTLYING * max(noise_floor(self.curves), LEAST_NOISE * self.peak)
         self._angle = np.degrees(np.concatenate([curve.angle for curve in self.curves]))

@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        _stop(f"error: {error}")
+        _stop(f"error: {InputError(error)}")  # which is short, and one line
     finally:
         close_folders()
 
@@ -97,20 +97,15 @@ def _help() -> str:
 
 
 def _run_command(name: str, arguments: Sequence[str]) -> None:
-    import tyro
-
     from .extensions import load_extensions
+    from .parsing import parsed
 
     load_extensions()
     function = name.replace("-", "_")
     command = getattr(import_module(f".commands.{function}", __package__), function)
+    call = parsed(command, name, arguments)
     with engine_warnings():
-        tyro.cli(
-            command,
-            prog=f"activesuit {name}",
-            args=arguments,
-            config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
-        )
+        call()
 
 
 def _stop(message: str) -> None:

@@ -106,7 +106,7 @@ def run_options(folder: str) -> dict[str, Any]:
 
 
 def _runs_among(policies: Iterable[str]) -> list[str]:
-    return [name for name in policies if name not in POLICIES and Path(name).is_dir()]
+    return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
 
 
 def _import_from_here() -> None:

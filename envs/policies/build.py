@@ -1,6 +1,6 @@
 """Makes policies by name."""
 
-from pathlib import Path
+import os
 
 import gymnasium
 
@@ -46,6 +46,6 @@ def make_policy(name: str, env: gymnasium.Env, *, believed_suit: AnySuit | None 
         if believed_suit is None:
             return HysteresisFeedforward(arm, resisting_joints(arm.config))
         return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
-    if not Path(name).is_dir():
+    if not os.path.isdir(name):  # a name may be too long for a path
         raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
     return TrainedPolicy(name, arm)

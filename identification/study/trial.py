@@ -21,7 +21,7 @@ from ...hysteresis.loops import reversals
 from ...json_files import parse_json
 from ..curves import Curve, Curves
 from ..fits.certified import certified_fit
-from ..objective import CurveObjective
+from ..objective import FEWEST_SAMPLES, CurveObjective
 from ..optimizers.registry import LIBRARIES, SWARMS
 from ..trials import run_optimizer
 
@@ -272,8 +272,13 @@ def check(config: StudyConfig, families: Mapping[str, Sequence[Curve]]) -> None:
     Raises:
         InputError: Curves are unusable, or a method's package is not installed.
     """
-    for curves in families.values():
-        CurveObjective(Curves(curves).fitted())
+    for joint, curves in families.items():
+        samples = CurveObjective(Curves(curves).fitted()).torque.size
+        if samples < FEWEST_SAMPLES:
+            raise InputError(
+                f"the fitted curves of {joint} have {samples} samples in all: give at least "
+                f"{FEWEST_SAMPLES}"
+            )
     for method in set(config.methods) & set(LIBRARIES):
         LIBRARIES[method](lambda x: np.square(x).sum(axis=1), [(-1.0, 1.0)] * 2, 2, 0)
 

@@ -1,0 +1,55 @@
+"""Reads the arguments of a command; a mistake in them is one sentence, like any other."""
+
+import functools
+import io
+from collections.abc import Callable, Sequence
+from contextlib import redirect_stderr
+from typing import Any
+
+import tyro
+
+from ..errors import InputError
+
+FRAME = " │╭╮╰╯"
+ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message that take many lines
+
+
+def parsed(command: Callable[..., None], name: str, arguments: Sequence[str]) -> Callable[[], None]:
+    """Returns a call of the command with the arguments of a command line.
+
+    Raises:
+        InputError: An argument is missing, unknown, or no value of its option.
+        SystemExit: The arguments asked for help, which has been printed.
+    """
+
+    @functools.wraps(command)
+    def later(*given: Any, **options: Any) -> Callable[[], None]:
+        return functools.partial(command, *given, **options)
+
+    said = io.StringIO()
+    try:
+        with redirect_stderr(said):
+            return tyro.cli(
+                later,
+                prog=f"activesuit {name}",
+                args=arguments,
+                config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
+            )
+    except SystemExit as end:
+        if not end.code:
+            raise
+        raise InputError(f"{_sentence(said.getvalue())}; see activesuit {name} --help") from None
+
+
+def _sentence(box: str) -> str:
+    """Returns what is wrong from the box that tyro draws: title, problem, hints and advice."""
+    parts, part = [], []
+    for line in box.splitlines()[1:]:
+        text = line.strip(FRAME).strip()
+        if text and not text.strip("─-"):  # a rule
+            parts.append(" ".join(part).rstrip("."))
+            part = []
+        else:
+            part.append(" ".join(text.split()))
+    told = [one.strip() for one in parts if not one.startswith(ADVICE)]
+    return "; ".join(one for one in told if one)
