@@ -10,9 +10,7 @@ demo: .venv/core
 	$(BIN)/activesuit demo --out runs/demo
 
 test: .venv/dev
-	@# Numba's cache looks at a function's own file only: drop it, so that tests see today's kernels.
-	find . -path ./.venv -prune -o -name '*.nb[ic]' -exec rm {} +
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal --durations 10
 
 check: .venv/dev
 	$(BIN)/ruff check .

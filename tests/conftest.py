@@ -1,11 +1,39 @@
-"""Shared data: the published models and a small family of curves."""
+"""What makes tests quick and repeatable, and data that many of them share."""
 
-import activesuit.scripts  # noqa: F401  (chooses EGL on a machine without a display)
-import numpy as np
-import pytest
-from activesuit.hysteresis import JilesAtherton
-from activesuit.identification import Curve
-from helpers import TABLE_2, sweep
+import os
+
+import kernel_cache
+
+# Before anything imports numpy and numba. A thread of BLAS or torch beside each of two test
+# processes takes more time than it saves.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+kernel_cache.choose()
+
+import activesuit.scripts  # noqa: E402, F401  (chooses EGL on a machine without a display)
+import hypothesis  # noqa: E402
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+from activesuit.hysteresis import JilesAtherton  # noqa: E402
+from activesuit.identification import Curve  # noqa: E402
+from helpers import TABLE_2, sweep, without_figures  # noqa: E402
+
+# The same examples in every run and process. To look for new ones: --hypothesis-profile=default.
+hypothesis.settings.register_profile("repeatable", derandomize=True)
+hypothesis.settings.load_profile("repeatable")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session):
+    """Compiles the kernels before test processes start, which would all do it otherwise."""
+    if getattr(session.config.option, "dist", "no") != "no":
+        kernel_cache.fill()
+
+
+@pytest.fixture
+def undrawn():
+    """For tests of commands whose figures others look at."""
+    with without_figures():
+        yield
 
 
 @pytest.fixture(scope="session")

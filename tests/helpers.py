@@ -1,12 +1,31 @@
 """Published numbers and motions that several tests share."""
 
-from itertools import pairwise
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import count, pairwise
 
 import numpy as np
+import pytest
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
+from activesuit.scripts.output import RunFolder
+
+NUMBERS = count()
 
 
 def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     """Angles that run through `turns` [rad], `samples` per branch."""
     branches = [np.linspace(start, end, samples)[1:] for start, end in pairwise(turns)]
     return np.concatenate([[turns[0]], *branches])
+
+
+@contextmanager
+def without_figures() -> Iterator[None]:
+    """Commands write another number for each figure: drawing takes most of their time."""
+
+    def write_number(folder: RunFolder, name: str, figure: object) -> None:
+        for suffix in (".png", ".svg"):
+            folder.text(name + suffix, str(next(NUMBERS)))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(RunFolder, "figure", write_number)
+        yield
