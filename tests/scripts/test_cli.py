@@ -3,12 +3,15 @@
 import json
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import identify, load_curves
+from activesuit.scripts.benchmarks import starts
+from activesuit.scripts.commands import study
 from activesuit.scripts.main import COMMANDS, main
 
 ELBOW = str(curves_path("elbow"))
@@ -61,7 +64,7 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     assert json.loads(out)["policies"][1]["failures"] == 0
 
 
-def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
+def test_one_measured_joint_goes_all_the_way(capsys, tmp_path, undrawn):
     run(capsys, "identify", ELBOW, "--out", tmp_path / "one")
     suit = tmp_path / "one" / "suit.json"
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"]
@@ -154,7 +157,9 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
-def test_bench_reports_ratios(capsys, topic):
+def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
+    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 2)
+    monkeypatch.setattr(study, "study", partial(study.study, trials=2))
     result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
     assert any(row["ratio"] for row in result["rows"])
     for row in result["rows"]:
@@ -262,7 +267,7 @@ def test_only_the_command_asked_for_is_imported(arguments):
     assert not {"numba", "mujoco", "scipy", "matplotlib", "activesuit.scripts.demo"} & loaded
 
 
-def test_identify_auto_chooses_and_writes(capsys, tmp_path):
+def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     out = tmp_path / "auto"
     result = json.loads(run(capsys, "identify", ELBOW, "--method", "auto", "--json"))
     assert result["model_name"] == "jiles-atherton"
@@ -289,7 +294,7 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path):
 @pytest.mark.parametrize(
     "model", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach", "held"]
 )
-def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model):
+def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn):
     joint, chosen = ("shoulder", []) if model == "held" else ("elbow", ["--model", model])
     run(capsys, "identify", curves_path(joint), *chosen, "--out", tmp_path)
     suit = tmp_path / "suit.json"
@@ -307,7 +312,7 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model):
     assert result["share_of_oracle"][f"{joint}_flexion"] > 0.9
 
 
-def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path):
+def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):
     arguments = ["identify", ELBOW, "--samples", "3", "--out", tmp_path]
     text = run(capsys, *arguments)
     result = json.loads(run(capsys, *arguments, "--json"))["uncertainty"]

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from activesuit.scripts.benchmarks import effort
 from activesuit.scripts.main import main
 
 pytestmark = pytest.mark.slow
@@ -13,7 +14,9 @@ def result():
     from contextlib import redirect_stdout
     from io import StringIO
 
-    with redirect_stdout(StringIO()) as text:
+    with redirect_stdout(StringIO()) as text, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(effort, "EPISODES", 2)
+        patch.setattr(effort, "suit_names", lambda: ["mock-suit", "emu-like"])
         main(["bench", "model", "--repeats", "1", "--json"])
     return json.loads(text.getvalue())
 

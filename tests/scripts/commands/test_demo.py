@@ -15,10 +15,31 @@ from activesuit.scripts.output import Bar
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def run(tmp_path_factory):
+    """The folder of a demo in a process of its own, and the names of the modules it loaded."""
     path = tmp_path_factory.mktemp("demo")
-    demo(out=path, trials=2, episodes=1)
-    return path
+    code = (
+        "import sys\n"
+        "from activesuit.scripts.main import main\n"
+        "main(sys.argv[1:])\n"
+        "print('loaded:', *sys.modules)"
+    )
+    arguments = ["demo", "--trials", "2", "--episodes", "1", "--out", str(path)]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], check=False, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return path, done.stdout.rpartition("loaded: ")[2].split()
+
+
+@pytest.fixture(scope="module")
+def folder(run):
+    return run[0]
+
+
+def test_needs_no_torch(run):
+    assert "mujoco" in run[1]
+    assert not {"torch", "stable_baselines3"} & set(run[1])
 
 
 def test_report_shows_every_figure(folder):
@@ -49,28 +70,30 @@ def test_numbers_are_there(folder):
     assert json.loads((folder / "config.json").read_text())["seed"] == 0
 
 
-def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch):
-    drawn, draw = [], demo_module.convergence_figure
+def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch, undrawn):
+    drawn = []
 
     def keep(histories):
         drawn.append(histories)
-        return draw(histories)
+        raise KeyboardInterrupt  # what follows has no part in it
 
     monkeypatch.setattr(demo_module, "convergence_figure", keep)
-    demo(out=tmp_path, trials=1, episodes=1)
+    with pytest.raises(KeyboardInterrupt):
+        demo(out=tmp_path, trials=1, episodes=1)
     fits = json.loads((tmp_path / "fits.json").read_text())
     for joint, methods in drawn[0].items():
         for method, (history,) in methods.items():
             assert history[-1] == pytest.approx(fits[joint][method]["fitness"], rel=1e-9)
 
 
-def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
+def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, undrawn):
     from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 
     def unavailable(self, model, data):
         raise RenderingUnavailableError("no OpenGL context")
 
     monkeypatch.setattr(Renderer, "picture", unavailable)
+    monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
     demo(out=tmp_path, trials=1, episodes=1)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()
@@ -117,6 +140,7 @@ def test_interrupt_before_the_first_fit(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("part", "number"), [("loops_figure", 1), ("evaluate", 2), ("trajectory_figure", 1)]
 )
+@pytest.mark.usefixtures("undrawn")
 def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsys, part, number):
     interrupting_call(monkeypatch, demo_module, part, number)
     message = interrupted(capsys, tmp_path, "--seed", "3")
@@ -130,6 +154,7 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert "of the oracle's reduction" in capsys.readouterr().out
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_interrupting_a_second_demo_keeps_the_first(tmp_path, monkeypatch, capsys):
     demo(out=tmp_path, trials=1, episodes=1)
     first = {
@@ -158,14 +183,3 @@ def test_interrupting_a_second_demo_keeps_the_first(tmp_path, monkeypatch, capsy
     demo(out=tmp_path, trials=1, episodes=1, seed=1)
     assert json.loads((tmp_path / "config.json").read_text())["seed"] == 1
     assert not list(tmp_path.glob(".activesuit-*"))
-
-
-def test_needs_no_torch(tmp_path):
-    code = (
-        "import sys\n"
-        "from activesuit.scripts.main import main\n"
-        f"main(['demo', '--trials', '1', '--episodes', '1', '--out', {str(tmp_path)!r}])\n"
-        "assert not {'torch', 'stable_baselines3'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-    assert (tmp_path / "report.md").exists()

@@ -15,7 +15,7 @@ def run(capsys, *arguments) -> str:
     return capsys.readouterr().out
 
 
-def test_rig_identify_simulate(capsys, tmp_path):
+def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     out = run(capsys, "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {".activesuit", "elbow_flexion.csv", "config.json", "loops.png", "loops.svg"}
@@ -35,7 +35,7 @@ def test_rig_identify_simulate(capsys, tmp_path):
     run(capsys, "rig", "--suit", suit, "--out", tmp_path / "again")
 
 
-def test_what_is_written(capsys, tmp_path):
+def test_what_is_written(capsys, tmp_path, undrawn):
     arguments = ["--turns", 0.9, 1.2, 1.1, 1.0, "--sample-rate", 10, "--out", tmp_path]
     result = json.loads(run(capsys, "rig", *arguments, "--json"))
     roles = {"0.90": "fit", "1.20": "fit", "1.10": "fit", "1.00": "predict"}

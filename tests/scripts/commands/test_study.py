@@ -11,12 +11,18 @@ import time
 import pytest
 from activesuit.assets import curves_path
 from activesuit.scripts.main import main
+from helpers import without_figures
 
 SMALL = ["--trials", "3", "--swarm-size", "10", "--iterations", "8"]
 TABLES = ["config.json", "result.json", "trials.csv", "table.csv", "report.md"]
 
 
 def study(out, *arguments) -> None:
+    with without_figures():
+        drawn_study(out, *arguments)
+
+
+def drawn_study(out, *arguments) -> None:
     main(["study", "--out", str(out), *SMALL, *map(str, arguments)])
 
 
@@ -42,7 +48,7 @@ def fails(capsys, *arguments) -> str:
 
 
 def test_prints_tables_and_writes_everything(capsys, tmp_path, whole):
-    study(tmp_path)
+    drawn_study(tmp_path)
     out = capsys.readouterr().out
     for word in ("best of 3 trials", "sa-pso", "mpso", "undecidable", "report.md"):
         assert word in out
@@ -144,8 +150,9 @@ def test_csv_files_without_held_out_curves(capsys, tmp_path):
     kept = [line for line in text.splitlines() if ",predict," not in line]
     (tmp_path / "knee.csv").write_text("\n".join(kept))
     options = ("--joints", tmp_path / "knee.csv", "--methods", "mpso", "certified", "nelder-mead")
-    study(tmp_path / "out", *options)
+    drawn_study(tmp_path / "out", *options)
     assert "knee" in capsys.readouterr().out
+    assert (tmp_path / "out" / "loops.png").exists()
     assert not (tmp_path / "out" / "prediction.png").exists()
     assert "claims" not in (tmp_path / "out" / "report.md").read_text()  # of other joints
 

@@ -1,6 +1,7 @@
 """Training: learns, resumes, and keeps what was learned."""
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -126,10 +127,15 @@ def test_a_run_that_another_machine_trained(run, tmp_path, monkeypatch, capsys):
     train(here, "--resume", steps=steps + 4096)  # what was trusted is now ours
 
 
-def test_old_checkpoints_leave_no_notes(run):
-    assert own_files.is_own((run / "model.zip").read_bytes())
-    notes = [note.read_text() for note in own_files.notes_folder().iterdir()]
-    assert notes.count(f"{(run / 'model.zip').resolve()}\n") == 1
+def test_the_oldest_notes_are_removed(tmp_path, monkeypatch):
+    monkeypatch.setattr(own_files, "MOST", 2)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    for i in range(4):
+        (tmp_path / "file").write_text(str(i))
+        assert own_files.note(tmp_path / "file", tmp_path / "file")
+        (note,) = (one for one in own_files.notes_folder().iterdir() if one.stat().st_mtime > 100)
+        os.utime(note, (i, i))
+    assert [own_files.is_own(str(i).encode()) for i in range(4)] == [False, False, True, True]
 
 
 def test_without_a_place_for_notes_a_run_needs_trust(run, tmp_path, monkeypatch, capsys):
@@ -247,7 +253,7 @@ def test_sac_trains_and_resumes_with_its_experience(tmp_path):
         ([], "holds a trained run: add --resume"),
         (["--resume", "--seed", "5"], "has --seed 5, and the run"),
         (["--resume", "--algo", "sac"], "has --algo 'sac', and the run"),
-        (["--algo", "dqn"], "unknown algo 'dqn'"),
+        (["--force", "--algo", "dqn"], "unknown algo 'dqn'"),
         (["--torch-threads", "0"], "torch-threads is 0"),
         (["--resume", "--steps", "10"], "give --steps above that"),
         (["--steps", "0"], "steps is 0"),

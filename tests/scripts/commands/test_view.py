@@ -1,15 +1,22 @@
 """`activesuit view` and `animate`: what they draw, and one sentence for every mistake."""
 
 import itertools
+import socket
+import subprocess
 import sys
+import time
 
 import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.animation import LoopPanel
+from activesuit.envs.evaluation import make_env, run_episode
 from activesuit.envs.model import ArmConfig, compose
+from activesuit.envs.policies import make_policy
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.scripts import output
 from activesuit.scripts.commands import animate, view
+from activesuit.scripts.film import filmed
 from activesuit.scripts.main import main
 from matplotlib.image import imread
 
@@ -41,7 +48,7 @@ def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
     for options in ("", "--pose reach", "--camera cuffs", "--side left", "--payload 9"):
         path = tmp_path / "arm.png"
         size = ["--width", 160, "--height", 120]
-        out = run(capsys, "view", "--snapshot", path, *size, *options.split())
+        out = run(capsys, "view", "--snapshot", path, "--force", *size, *options.split())
         assert out == f"wrote {path}\n"
         pictures.append(imread(path)[:, :, :3])
         assert pictures[-1].shape == (120, 160, 3)
@@ -61,6 +68,11 @@ def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
         (["--coupling", "glue"], "unknown coupling 'glue'"),
         (["--policy", "magic"], "unknown policy 'magic'"),
         (["--seed", "-1"], "seed is -1: use at least 0"),
+        (["--snapshot", "arm.png", "--quality", "best"], "unknown render_quality 'best'"),
+        (["--web", "--port", "70000"], "port is 70000: use 1 to 65535, or 0 for one that is free"),
+        (["--web", "--host", "192.0.2.77"], "nothing can listen on host '192.0.2.77', port 0"),
+        (["--web", "--host", "no-such.invalid"], "nothing can listen on host 'no-such.invalid'"),
+        (["--web", "--host", ""], "host is '': use localhost"),
         ([], "no window can be opened here: use --snapshot FILE.png for a picture, or --web"),
     ],
 )
@@ -78,6 +90,13 @@ def test_mistakes_of_view(capsys, tmp_path, monkeypatch, no_display, arguments, 
         (["--policy", "magic"], "unknown policy 'magic'"),
         (["--gravity", "sun"], "unknown gravity 'sun'"),
         (["--camera", "top"], "unknown camera 'top'"),
+        (["--quality", "best"], "unknown render_quality 'best': use one of fast, fine"),
+        (["--fps", "30"], "fps is 30: use 1, 2, 4, 5, 10, 20, 25 or 50, which divide the control"),
+        (["--fps", "0"], "fps is 0: use 1, 2,"),
+        (["--width", "961"], "width is 961: use an even number of pixels from 120 to 1920"),
+        (["--height", "0"], "height is 0: use an even number of pixels"),
+        (["--env", "Ant-v5"], "no arm of ActiveSuit"),
+        (["--seed", "-1"], "seed is -1: use at least 0"),
     ],
 )
 def test_mistakes_of_animate(capsys, tmp_path, monkeypatch, arguments, sentence):
@@ -133,26 +152,144 @@ def test_the_panel_moves_with_the_cycle_and_closes_it():
     np.testing.assert_array_equal(panel.picture(100), first)
 
 
+def test_the_panel_of_an_episode_begins_and_ends():
+    angle = np.tile(np.linspace(0, 1, 100), (4, 1)).T
+    panel = LoopPanel(angle, angle, 0 * angle, width=200, height=300, closed=False)
+    (suit, *_), points = panel._curves, np.column_stack([angle[:, 0], angle[:, 0]])
+    panel.picture(0)
+    np.testing.assert_array_equal(np.ptp(np.array(suit._line.get_segments()), axis=(0, 1)), 0)
+    panel.picture(99)
+    np.testing.assert_array_equal(suit._line.get_segments()[-1], points[-2:])
+
+
 @pytest.mark.slow
 @pytest.mark.render
 @pytest.mark.parametrize("name", ["arm.gif", "arm.mp4"])
 def test_an_animation_is_a_loop(capsys, tmp_path, monkeypatch, opengl, name):
     imageio = pytest.importorskip("imageio.v3")
-    small = {"ARM_WIDTH": 112, "PANEL_WIDTH": 80, "HEIGHT": 108, "SHADOWS": 16}
-    for constant, value in {**small, "FPS": 5, "STRIDE": 20}.items():
-        monkeypatch.setattr(animate, constant, value)
-    run(capsys, "animate", "--out", tmp_path / name)
+    monkeypatch.setattr(output, "QUIET", 0.0)
+    small = ["--width", "192", "--height", "120", "--fps", "5"]
+    main(["animate", "--out", str(tmp_path / name), *small])
+    captured = capsys.readouterr()
+    assert captured.out == f"wrote {tmp_path / name}\n"
+    lines = captured.err.splitlines()
+    assert sum(line.startswith("pictures: ") for line in lines) == 10
+    assert lines[-1].startswith("torque-angle loops: 100 % after ")
     assert [path.name for path in tmp_path.iterdir()] == [name]
     frames = np.array(imageio.imread(tmp_path / name, index=None)[..., :3], float)
     assert len(frames) == 30
-    assert frames.shape[1:] == (108, 192, 3)
+    assert frames.shape[1:] == (120, 192, 3)
     steps = np.abs(np.diff(frames, axis=0, append=frames[:1])).mean(axis=(1, 2, 3))
     assert steps[-1] < steps.max()
     assert np.abs(frames[8] - frames[0]).mean() > 2 * steps[-1]
+    assert "exists: give another name, or add --force" in mistake(
+        capsys, "animate", "--out", str(tmp_path / name), *small
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_an_episode_is_filmed_whole(capsys, tmp_path, opengl):
+    imageio = pytest.importorskip("imageio.v3")
+    films = []
+    for seed in ("0", "1"):
+        out = tmp_path / f"{seed}.gif"
+        arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--seed", seed, "--out", out]
+        run(capsys, "animate", *arguments, "--width", 192, "--height", 120, "--fps", 2)
+        films.append(imageio.imread(out, index=None)[..., :3].astype(float))
+        assert films[-1].shape == (20, 120, 192, 3)
+    assert np.abs(films[0] - films[1]).mean() > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.render
+@pytest.mark.parametrize("kind", ["gif", "mp4"])
+def test_simulate_films_in_real_time(capsys, tmp_path, opengl, kind):
+    imageio = pytest.importorskip("imageio.v3")
+    out = run(capsys, "simulate", "--out", tmp_path / "film", "--video", kind)
+    assert f"trace.csv, result.json, motion.{kind} and 3 figures" in out
+    film = tmp_path / "film" / f"motion.{kind}"
+    frames = imageio.imread(film, index=None)
+    assert frames.shape[:3] == (250, 480, 640)
+    told = imageio.immeta(film)
+    assert told["duration"] == pytest.approx(10 if kind == "mp4" else 40, rel=0.01)  # s; ms each
+
+
+@pytest.mark.slow
+@pytest.mark.render
+def test_filming_changes_nothing(opengl):
+    made, arm = make_env("ActiveSuit/ElbowFlexion-v0", render_mode="rgb_array", width=40, height=30)
+    policy = make_policy("feedforward", arm)
+    with filmed(arm, policy, 20) as filming:
+        one = run_episode(made, filming, 0)
+    assert filming.steps == [*range(0, 1000, 20)]
+    other = run_episode(made, policy, 0)
+    for name in ("angle", "human_torque", "rewards"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    made.close()
+
+
+def test_simulate_refuses_an_unknown_film(capsys, tmp_path):
+    out = ["--out", str(tmp_path / "run")]
+    message = mistake(capsys, "simulate", "--video", "avi", *out)
+    assert "unknown video 'avi': use one of gif, mp4" in message
+    assert not (tmp_path / "run").exists()
 
 
 def test_mp4_without_its_extra_is_one_sentence(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    message = mistake(capsys, "animate", "--out", str(tmp_path / "arm.mp4"))
-    assert "needs the extra activesuit[video]" in message
+    for command in (["animate", "--out", "arm.mp4"], ["simulate", "--video", "mp4"]):
+        monkeypatch.chdir(tmp_path)
+        assert "needs the extra activesuit[video]" in mistake(capsys, *command)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_snapshot_replaces_nothing_unasked(capsys, tmp_path, opengl):
+    path = tmp_path / "arm.png"
+    path.write_text("mine")
+    arguments = ["view", "--snapshot", str(path), "--width", "40", "--height", "30"]
+    assert "exists: give another name, or add --force" in mistake(capsys, *arguments)
+    assert path.read_text() == "mine"
+    run(capsys, *arguments, "--force")
+    assert imread(path).shape[:2] == (30, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("host", ["localhost", "0.0.0.0"])
+def test_the_web_page_listens_where_it_is_told(host):
+    port = free_port()
+    serve = f"from activesuit.scripts.browser import served; served({host!r}, {port}); input()"
+    # A process can have one viewer only.
+    with subprocess.Popen([sys.executable, "-c", serve], stdin=subprocess.PIPE) as viewer:
+        try:
+            deadline = time.monotonic() + 120
+            while not answers("127.0.0.1", port):
+                assert viewer.poll() is None
+                assert time.monotonic() < deadline
+                time.sleep(0.1)
+            # Another address of this machine, as far as a listener is concerned.
+            assert answers("127.0.0.2", port) == (host == "0.0.0.0")
+        finally:
+            viewer.kill()
+
+
+def test_a_taken_port_is_one_sentence(capsys):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        message = mistake(capsys, "view", "--web", "--port", str(port))
+    assert f"nothing can listen on host 'localhost', port {port} (Address already in use)" in (
+        message
+    )
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as trial:
+        return trial.getsockname()[1]
+
+
+def answers(host: str, port: int) -> bool:
+    try:
+        socket.create_connection((host, port), timeout=2).close()
+    except OSError:
+        return False
+    return True
