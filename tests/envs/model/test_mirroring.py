@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from activesuit.envs.model import ArmConfig, compose, mirror
 from activesuit.envs.person import Person
+from activesuit.envs.rendering import QUALITIES
 
 CONFIGS = {
     "rigid": {},
@@ -162,6 +163,7 @@ def test_cameras_show_the_mirrored_picture():
         mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
         mujoco.mj_forward(model, data)
         pictures = []
+        QUALITIES["fast"].ask(model)
         with mujoco.Renderer(model, 120, 160) as renderer:
             for camera in cameras:
                 renderer.update_scene(data, camera=camera)
