@@ -22,6 +22,8 @@ def check_address(host: str, port: int) -> None:
     """
     if not 0 <= port <= 65535:
         raise InputError(f"port is {shown(port)}: use 1 to 65535, or 0 for one that is free")
+    if not host:
+        raise InputError("host is '': use localhost, or another address of this machine")
     try:
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         with socket.socket(family, socket.SOCK_STREAM) as trial:
