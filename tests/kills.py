@@ -196,7 +196,7 @@ def _bad_end(code: int, message: str, sign: signal.Signals) -> list[str]:
     if code == 2 and "Traceback" not in message and last and "interrupted" in last[0]:
         return []
     if code == -sign and "scripts/main.py" not in message:
-        return []  # before the program itself began
+        return []  # before the program itself began, or when it had ended
     return [f"exit code {code}: {message[-2000:]}"]
 
 
