@@ -41,7 +41,9 @@ def refuses(capsys, *arguments) -> str:
     with pytest.raises(SystemExit) as stop:
         main([str(argument) for argument in arguments])
     assert stop.value.code == 2
-    (message,) = capsys.readouterr().err.strip().splitlines()
+    captured = capsys.readouterr().err  # which may begin with a line about what is compiled
+    assert "Traceback" not in captured
+    message = captured.strip().splitlines()[-1]
     assert message.startswith("activesuit: error: ")
     return message
 
