@@ -4,10 +4,18 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo test check docs bench clean
+.PHONY: demo train test check docs bench clean
+
+# `pip install .` in .venv would put a copy of the tree there, which hides it: then install again.
+ifeq (,$(wildcard .venv/lib/python3*/site-packages/__editable__.activesuit-*))
+.PHONY: .venv/core .venv/train .venv/docs .venv/dev
+endif
 
 demo: .venv/core
 	$(BIN)/activesuit demo --out runs/demo
+
+train: .venv/train
+	@echo 'Ready: $(BIN)/activesuit train --algo ppo --steps 20000 --out runs/ppo'
 
 test: .venv/dev
 	$(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal --durations 10
@@ -33,6 +41,10 @@ clean:
 
 .venv/core: pyproject.toml constraints.txt | .venv/bin/python
 	$(PIP) -e .
+	touch $@
+
+.venv/train: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e '.[train]'
 	touch $@
 
 .venv/docs: pyproject.toml constraints.txt | .venv/bin/python

@@ -12,7 +12,7 @@ from ..envs.policies.network import ARCHITECTURES, algorithm_class, check_finite
 from ..envs.policies.trained import CHECKPOINT
 from ..errors import InputError
 from .output import Bar, RunFolder
-from .own_files import digest, forget, is_own, note
+from .own_files import is_own, note
 
 # Short horizon: effort answers an action at once. The start is gentle (log_std) and the
 # networks small, as the task is nearly a function of angle, rate and target.
@@ -147,15 +147,10 @@ def save(learner: Any, folder: RunFolder) -> bool:
 
 
 def _write(folder: RunFolder, name: str, write: Callable[[Path], Any]) -> bool:
-    path = folder / name
-    before = digest(path)
     # Noted before it is in its place: a run that is killed in between is still ours.
     with folder.replacing(name) as scratch:
         write(scratch)
-        noted = note(scratch, path)
-    if noted and before != digest(path):
-        forget(before)
-    return noted
+        return note(scratch, folder / name)
 
 
 def checkpoints(learner: Any, folder: RunFolder, bar: Bar, steps: int) -> Any:

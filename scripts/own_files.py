@@ -13,6 +13,8 @@ from pathlib import Path
 from ..errors import InputError
 from ..files import write_text
 
+MOST = 10_000  # notes; a training makes about twenty
+
 
 def notes_folder() -> Path:
     """Returns the folder of the notes, one file for each file that was written."""
@@ -21,16 +23,11 @@ def notes_folder() -> Path:
     return base / "activesuit" / "runs"
 
 
-def digest(path: Path) -> str:
-    """Returns the SHA-256 of a file; "" if there is none."""
-    if not path.is_file():
-        return ""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def note(path: Path, place: Path) -> bool:
     """Notes that this machine wrote a file; returns False where no note can be kept.
+
+    A note outlives its file, because a copy of the file is of this machine as well; of many notes
+    the oldest are removed.
 
     Args:
         path: Path of the file.
@@ -39,21 +36,26 @@ def note(path: Path, place: Path) -> bool:
     try:
         folder = notes_folder()
         folder.mkdir(parents=True, exist_ok=True)
-        write_text(folder / digest(path), f"{place.resolve()}\n")
+        write_text(folder / _digest(path.read_bytes()), f"{place.resolve()}\n")
+        _remove_oldest(folder)
     except (OSError, RuntimeError, InputError):  # no home, a full disk, a read-only folder
         return False
     return True
 
 
-def forget(old: str) -> None:
-    """Removes the note of a file that has been replaced, by its digest."""
-    with suppress(OSError, RuntimeError):
-        if old:
-            (notes_folder() / old).unlink(missing_ok=True)
-
-
 def is_own(content: bytes) -> bool:
     """Returns whether a training of this user on this machine wrote `content`."""
     with suppress(OSError, RuntimeError):
-        return (notes_folder() / hashlib.sha256(content).hexdigest()).is_file()
+        return (notes_folder() / _digest(content)).is_file()
     return False
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _remove_oldest(folder: Path) -> None:
+    notes = list(folder.iterdir())
+    if len(notes) > MOST:
+        for old in sorted(notes, key=lambda one: one.stat().st_mtime)[: len(notes) - MOST]:
+            old.unlink(missing_ok=True)

@@ -58,17 +58,18 @@ def load_actor(
     actor = learner.policy_aliases["MlpPolicy"](
         observations, actions, lambda _: 0.0, **ARCHITECTURES[algorithm]
     )
+    (size,) = observations.shape or (0,)
     try:
         weights = _weights(path)
         observed = int(weights[_FIRST_LAYER[algorithm]].shape[1])
-        if (observed,) == observations.shape:
+        if observed == size:
             actor.load_state_dict(weights)
     except Exception as error:  # a damaged file fails wherever it is damaged
         raise unreadable(path, error) from error
-    if (observed,) != observations.shape:
+    if observed != size:
         raise InputError(
             f"the policy in {str(path.parent)!r} observes {observed} numbers and the environment "
-            f"shows {observations.shape}: make it with the options of {path.parent / 'config.json'}"
+            f"shows {size}: make it with the options of {path.parent / 'config.json'}"
         )
     check_finite(actor, path)
     return actor

@@ -103,7 +103,7 @@ def test_a_policy_of_another_coupling(run, capsys):
     from activesuit.envs.evaluation import evaluate
     from activesuit.errors import InputError
 
-    with pytest.raises(InputError, match=r"observes 19 numbers .*config\.json"):
+    with pytest.raises(InputError, match=r"observes 18 numbers .* shows 27: .*config\.json"):
         evaluate("ActiveSuit/ElbowFlexion-v0", [str(run)], coupling="cuffs")
 
 
