@@ -127,8 +127,9 @@ class ArmConfig:
     def __post_init__(self) -> None:
         for name, default in _NESTED.items():
             object.__setattr__(self, name, nested(name, getattr(self, name), default))
-        named = isinstance(self.suit, str | os.PathLike)
-        object.__setattr__(self, "suit", os.fspath(self.suit) if named else load_suit(self.suit))
+        given = self.suit
+        suit = os.fspath(given) if isinstance(given, str | os.PathLike) else load_suit(given)
+        object.__setattr__(self, "suit", suit)
         for name, size in (("tilt", 2), ("misalignment", 3)):
             object.__setattr__(self, name, _numbers(name, getattr(self, name), size))
         for name, known in (("gravity", tuple(GRAVITY)), ("coupling", COUPLINGS), ("side", SIDES)):

@@ -81,7 +81,7 @@ def identify(
     """
     family = load_curves(curves)
     if base is not None and not out:
-        raise InputError(f"--base {base!r} needs --out: its joints go into suit.json there")
+        raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     _check_samples(samples, method, model)
     joint_name = _joint_of(curves, joint) if out or joint is not None else None
     others = None if base is None else load_suit(base)
