@@ -66,21 +66,6 @@ def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
     assert policies[1]["assist_energy"] > 0
 
 
-def test_actions_are_those_of_the_whole_checkpoint(run):
-    from activesuit.envs.evaluation import make_env
-    from activesuit.envs.policies import make_policy
-    from activesuit.envs.policies.network import algorithm_class
-
-    env, arm = make_env("ActiveSuit/ElbowFlexion-v0", gravity="moon")
-    whole = algorithm_class("ppo").load(run / "model.zip", device="cpu")
-    policy = make_policy(str(run), arm)
-    observation, info = env.reset(seed=3)
-    for _ in range(20):
-        action = policy.act(observation, info)
-        assert (action == whole.predict(observation, deterministic=True)[0]).all()
-        observation, *_, info = env.step(action)
-
-
 def test_simulate_and_train_take_the_options_of_the_run(run, capsys, tmp_path):
     main(["simulate", "--policy", str(run), "--out", str(tmp_path / "one"), "--json"])
     capsys.readouterr()
