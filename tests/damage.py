@@ -31,7 +31,7 @@ import numpy as np
 PREFIX = "activesuit: error: "
 LONGEST = 300  # characters after the prefix
 JUNK = {
-    "int": ["", "x", "1.5", "nan", "-99", "9" * 5000, "1e3", "\x1b[31m1", "None"],
+    "int": ["", "x", "1.5", "nan", "-99", "9" * 5000, "1e3", "\x1b[31m1", "one"],
     "float": ["", "x", "nan", "inf", "1e400", "-1e9", "9" * 5000, "1,5", "0x1p3"],
     "name": ["", "nosuch", "x" * 3000, "\x1b[31mred", "a\nb", "ä\u202eb", "../../etc", "a\0b"],
 }
