@@ -7,6 +7,7 @@ of the same command succeeds and leaves no scratch file. TERM and INT end with o
 import argparse
 import csv
 import json
+import os
 import random
 import shutil
 import signal
@@ -68,10 +69,16 @@ def start(arguments: list[str], command: Command, folder: Path) -> subprocess.Po
     return subprocess.Popen(
         [*PROGRAM, *arguments, "--out", str(folder / command.file)],
         cwd=folder.parent,
+        env={**os.environ, "XDG_STATE_HOME": str(state_of(folder))},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
     )
+
+
+def state_of(folder: Path) -> Path:
+    """Returns the folder of what a command notes outside its run folder."""
+    return folder.with_name(f"{folder.name}-state")
 
 
 def finish(arguments: list[str], command: Command, folder: Path) -> tuple[int, str]:
@@ -129,6 +136,7 @@ class Attack:
         folder = self._scratch / f"{name}-finished"
         if name not in self._seconds:
             folder.mkdir()
+            state_of(folder).mkdir()
             begin = time.monotonic()
             code, message = finish(COMMANDS[name].first, COMMANDS[name], folder)
             assert code == 0, message
@@ -143,7 +151,11 @@ class Attack:
         ready, command = self.prepare(name), COMMANDS[name]
         moment = self._rng.uniform(0.15, 1.0) * self._seconds[name]
         folder = self._scratch / f"{number}-{name}"
-        shutil.copytree(ready, folder) if again else folder.mkdir()
+        if again:
+            shutil.copytree(ready, folder)
+            shutil.copytree(state_of(ready), state_of(folder), dirs_exist_ok=True)
+        else:
+            folder.mkdir()
         before = finished(folder)
         process = start(command.again if again else command.first, command, folder)
         time.sleep(moment)
@@ -160,6 +172,7 @@ class Attack:
             f"missing after the next run: {one}" for one in finished(ready) - finished(folder)
         ]
         shutil.rmtree(folder)
+        shutil.rmtree(state_of(folder), ignore_errors=True)
         where = "finished" if again else "new"
         said = f"{name:9} {sign.name:8} at {moment:5.1f} s in a {where} folder"
         return f"{said}: exit code {process.returncode}", wrong
@@ -195,7 +208,7 @@ def _bad_end(code: int, message: str, sign: signal.Signals) -> list[str]:
     last = message.strip().splitlines()[-1:]
     if code == 2 and "Traceback" not in message and last and "interrupted" in last[0]:
         return []
-    if code == -sign and "scripts/main.py" not in message:
+    if code == -sign and "scripts/main.py" not in message and "interrupted" not in message:
         return []  # before the program itself began, or when it had ended
     return [f"exit code {code}: {message[-2000:]}"]
 

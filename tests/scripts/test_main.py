@@ -41,6 +41,16 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     assert "interrupted: the finished trials (" in message.splitlines()[-1]
 
 
+def test_ctrl_c_in_a_text_that_a_library_runs_has_exit_code_2():
+    code = (
+        "from activesuit.scripts import main\n"
+        "main._run = lambda arguments: exec('raise KeyboardInterrupt')\n"
+        "main.main([])\n"
+    )
+    end = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (end.returncode, end.stderr) == (2, "activesuit: interrupted\n")
+
+
 def test_afterwards_sigterm_means_what_it_did_before():
     before = signal.getsignal(signal.SIGTERM)
     main(["--version"])
