@@ -253,11 +253,10 @@ def _require_certificate(model: HysteresisModel, start: State, joint: str) -> No
         if isinstance(model, JilesAtherton):
             near, change = nearest_certified(model)
             values = ", ".join(f"{name}={getattr(near, name):.6g}" for name in PARAMETERS)
-            hint = f"nearest certified ({100 * change:.2g} % change of curve): {values}"
+            hint = f"use the nearest certified model ({100 * change:.2g} % off): {values}"
         raise UncertifiedModelError(
-            f"the model for joint {joint!r} has certificate margin {certificate.margin:.3g} and "
-            f"dissipative = {certificate.dissipative}: it needs a margin above 0 and True, for the "
-            f"torque to stay finite and resistive in any motion; {hint}, or allow_uncertified=True "
+            f"{joint}: the certificate margin is {certificate.margin:.3g} (above 0 needed) and "
+            f"dissipative is {certificate.dissipative}; {hint}, or allow_uncertified=True "
             "(--allow-uncertified)",
             margin=certificate.margin,
             nearest=near,

@@ -226,7 +226,7 @@ def test_bad_reset_and_render():
 
 
 def test_uncertified_suit_needs_consent():
-    with pytest.raises(UncertifiedModelError, match=r"shoulder_flexion.*margin -0"):
+    with pytest.raises(UncertifiedModelError, match=r"shoulder_flexion.*margin is -0"):
         ArmTrackingEnv(suit="published-2022")
     env = ArmTrackingEnv(suit="published-2022", allow_uncertified=True)
     env.reset(seed=0)

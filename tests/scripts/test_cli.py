@@ -185,7 +185,7 @@ MISTAKES = [
     (["evaluate", "--policies", "magic"], "unknown policy 'magic'"),
     (["evaluate", "--episodes", "0"], "episodes is 0"),
     (["evaluate", "--gravity", "venus"], "unknown gravity 'venus'"),
-    (["evaluate", "--suit", "published-2022"], "certificate margin -0.245"),
+    (["evaluate", "--suit", "published-2022"], "certificate margin is -0.245"),
     (["simulate", "--policy", "magic", "--out", "{bad}/out"], "unknown policy"),
     (["simulate", "--suit", "{bad}/cut.json", "--out", "{bad}/out"], "not complete JSON"),
     (["validate", "{bad}/cut.json"], "not complete JSON"),
@@ -303,7 +303,8 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
     result = json.loads((tmp_path / "result.json").read_text())
     assert entry.start_torque == result["initial_torque"]
     assert model.rpartition("-")[2] in run(capsys, "suits", suit)
-    simulated = run(capsys, "simulate", "--suit", suit, "--out", tmp_path, "--json")
+    motion = tmp_path / "motion"
+    simulated = run(capsys, "simulate", "--suit", suit, "--out", motion, "--json")
     assert json.loads(simulated)["failures"] == 0
     short = ["--episodes", "1", "--json"]
     scores = json.loads(run(capsys, "evaluate", "--suit", suit, *short))["policies"]

@@ -59,11 +59,18 @@ def test_a_model_of_an_extension_is_a_choice(tmp_path):
 def test_a_model_of_an_extension_goes_from_curves_to_a_simulated_suit(tmp_path):
     installed(tmp_path, MODULE)
     fitted = run(
-        tmp_path, "identify", curves_path("elbow"), "--model", "toy", "--out", tmp_path, "--json"
+        tmp_path,
+        "identify",
+        curves_path("elbow"),
+        "--model",
+        "toy",
+        "--out",
+        tmp_path / "fit",
+        "--json",
     )
     assert fitted.returncode == 0, fitted.stderr
     assert json.loads(fitted.stdout)["model_name"] == "toy"
-    arguments = ["--suit", tmp_path / "suit.json", "--out", tmp_path / "motion", "--json"]
+    arguments = ["--suit", tmp_path / "fit" / "suit.json", "--out", tmp_path / "motion", "--json"]
     simulated = run(tmp_path, "simulate", *arguments)
     assert simulated.returncode == 0, simulated.stderr
     assert json.loads(simulated.stdout)["failures"] == 0

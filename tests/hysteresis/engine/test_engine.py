@@ -238,7 +238,7 @@ def test_attach_refuses(elbow, shoulder):
         attach(CHAIN, "one", elbow)
     with pytest.raises(InputError, match=r"ball.*use a hinge or a slide"):
         attach(spec, "ball", elbow)
-    with pytest.raises(UncertifiedModelError, match=r"margin -0\.245.*allow_uncertified"):
+    with pytest.raises(UncertifiedModelError, match=r"margin is -0\.245.*allow_uncertified"):
         attach(spec, "one", shoulder)
     with pytest.raises(UncertifiedModelError, match="start of joint 'one' at 3 rad"):
         attach(spec, "one", elbow, start_angle=3.0)
