@@ -1,3 +1,4 @@
+import copy
 import itertools
 import math
 import pickle
@@ -116,7 +117,7 @@ def test_mistakes_in_options_of_pictures(options, sentence):
 
 
 def test_options_of_pictures_are_json():
-    spec = gymnasium.spec(ID)
+    spec = copy.deepcopy(gymnasium.spec(ID))
     spec.kwargs.update(render_quality="fine", picture_dt=0.04)
     assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
 
