@@ -1,11 +1,8 @@
 """A first use that compiles for long says so, once, and names the cache."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 from activesuit.hysteresis import first_use
+from activesuit.hysteresis.engine import native
 
 
 @pytest.fixture
@@ -36,21 +33,21 @@ def test_long_compiling_is_announced_once(capsys, clock):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.slow
-def test_the_engine_alone_compiles_only_the_model_that_is_used(tmp_path):
-    code = (
-        "import mujoco, activesuit.hysteresis.engine as engine\n"
-        "from activesuit.hysteresis import BoucWen\n"
-        'spec = mujoco.MjSpec.from_string(\'<mujoco><worldbody><body><joint name="a"/>'
-        '<geom size=".1"/></body></worldbody></mujoco>\')\n'
-        "engine.attach(spec, 'a', BoucWen(elastic=1, hysteretic=1, beta=1, gamma=0, n=1))\n"
-        "spec.compile()\n"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
-    )
-    assert done.stderr in ("", first_use.MESSAGE + "\n")
-    compiled = {path.parent.name.rpartition("_")[0] for path in tmp_path.rglob("*.nbi")}
-    assert "bouc_wen" in compiled
-    assert not {"preisach", "prandtl_ishlinskii", "jiles_atherton"} & compiled
+def test_a_plugin_is_compiled_when_it_is_needed_and_once():
+    built = []
+
+    def build():
+        built.append("now")
+
+        @native.callback
+        def nstate(m, instance):
+            return 0
+
+        return (nstate,)
+
+    slots = [native.register_plugin("test.late", ("joint",), build) for _ in range(2)]
+    assert slots[0] == slots[1]
+    assert not built
+    for _ in range(2):
+        native.compile_plugin("test.late")
+    assert built == ["now"]

@@ -242,7 +242,8 @@ def test_a_pole_holds_the_torque_of_any_model():
 
 
 def test_the_nearest_certified_model_is_offered(shoulder):
-    with pytest.raises(UncertifiedModelError, match=r"margin is -0\.245.*nearest certified") as caught:
+    message = r"margin is -0\.245.*nearest certified"
+    with pytest.raises(UncertifiedModelError, match=message) as caught:
         pendulum(shoulder)
     assert caught.value.margin == pytest.approx(-0.2447, abs=1e-4)
     pendulum(caught.value.nearest)
