@@ -7,4 +7,4 @@ from kills import QUICK, attack
 @pytest.mark.slow
 def test_kills_leave_nothing_half(capsys):
     told = []
-    assert attack(QUICK, 6, seed=1, say=told.append) == 0, "\n".join(told)
+    assert attack(QUICK, 3, seed=1, say=told.append) == 0, "\n".join(told)
