@@ -73,6 +73,7 @@ def start(arguments: list[str], command: Command, folder: Path) -> subprocess.Po
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=_hear_ctrl_c,
     )
 
 
@@ -199,6 +200,11 @@ def attack(names: tuple[str, ...], count: int, seed: int, say: Callable[[str], o
             bad += 1
             say(f"in the working folder: {written}")
     return bad
+
+
+def _hear_ctrl_c() -> None:
+    """Undoes what a shell does to a program in the background, which passes on to its children."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _bad_end(code: int, message: str, sign: signal.Signals) -> list[str]:

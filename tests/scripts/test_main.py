@@ -31,6 +31,7 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # pytest in the background
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "step\n"
