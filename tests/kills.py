@@ -73,7 +73,6 @@ def start(arguments: list[str], command: Command, folder: Path) -> subprocess.Po
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=_hear_ctrl_c,
     )
 
 
@@ -189,6 +188,8 @@ class Attack:
 def attack(names: tuple[str, ...], count: int, seed: int, say: Callable[[str], object]) -> int:
     """Kills `count` commands; returns how many of them left something wrong."""
     bad = 0
+    # In the background a shell lets programs ignore Ctrl-C, which they pass on to their children.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tempfile.TemporaryDirectory() as scratch:
         runner = Attack(names, seed, Path(scratch))
         for number in range(count):
@@ -200,11 +201,6 @@ def attack(names: tuple[str, ...], count: int, seed: int, say: Callable[[str], o
             bad += 1
             say(f"in the working folder: {written}")
     return bad
-
-
-def _hear_ctrl_c() -> None:
-    """Undoes what a shell does to a program in the background, which passes on to its children."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _bad_end(code: int, message: str, sign: signal.Signals) -> list[str]:
