@@ -14,6 +14,8 @@ from .engine_log import engine_warnings
 from .folders import close_folders
 from .text import visible
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 # Each is a function in a module of `commands` with the same name. Only the module that is asked for
 # is imported, because all of them together take more than a second. The sentence is the beginning
 # of that function's own help.
@@ -40,15 +42,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     SIGTERM, by which a scheduler ends a job, does what Ctrl-C does.
     """
     try:
-        with _terminated_as_interrupted():
+        with _interruptible():
             _run(sys.argv[1:] if arguments is None else list(arguments))
             sys.stdout.flush()
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
-        # If it came while a library ran a text as code, Python would end by SIGINT, whatever the
-        # exit code; another text makes it forget that.
-        exec("")
         _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
     except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -59,15 +58,28 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
+def _interruptible() -> Iterator[None]:
+    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, whatever a library makes of it."""
     if threading.current_thread() is not threading.main_thread():
         yield  # only the main thread gets signals
         return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    came = []
+
+    def interrupt(number: int, frame: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    heard = [one for one in SIGNALS if signal.getsignal(one) is not signal.SIG_IGN]
+    before = {one: signal.signal(one, interrupt) for one in heard}
     try:
         yield
+    except Exception as error:
+        if came:  # compiled modules turn it into an ImportError while they are loaded
+            raise KeyboardInterrupt from error
+        raise
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for one, handler in before.items():
+            signal.signal(one, handler)
 
 
 def _run(arguments: Sequence[str]) -> None:

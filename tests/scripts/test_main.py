@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import Suit, load_suit, save_suit
+from activesuit.scripts import main as main_module
 from activesuit.scripts.engine_log import engine_warnings
 from activesuit.scripts.main import main
 from activesuit.scripts.output import markdown_table, progress, table
@@ -43,14 +44,29 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     assert "interrupted: the finished trials (" in message.splitlines()[-1]
 
 
-def test_ctrl_c_in_a_text_that_a_library_runs_has_exit_code_2():
-    code = (
-        "from activesuit.scripts import main\n"
-        "main._run = lambda arguments: exec('raise KeyboardInterrupt')\n"
-        "main.main([])\n"
-    )
-    end = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (end.returncode, end.stderr) == (2, "activesuit: interrupted\n")
+@pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
+def test_an_interrupt_that_became_another_exception_is_one(monkeypatch, capsys, sign):
+    # As in the loading of a compiled module: "ImportError: initialization failed".
+    def load(arguments):
+        try:
+            os.kill(os.getpid(), sign)
+        except KeyboardInterrupt as interrupt:
+            raise ImportError("initialization failed") from interrupt
+
+    monkeypatch.setattr(main_module, "_run", load)
+    with pytest.raises(SystemExit) as stop:
+        main([])
+    assert stop.value.code == 2
+    assert capsys.readouterr().err == "activesuit: interrupted\n"
+
+
+def test_other_exceptions_pass(monkeypatch):
+    def fail(arguments):
+        raise ImportError("initialization failed")
+
+    monkeypatch.setattr(main_module, "_run", fail)
+    with pytest.raises(ImportError):
+        main([])
 
 
 def test_afterwards_sigterm_means_what_it_did_before():
