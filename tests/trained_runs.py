@@ -46,7 +46,8 @@ def make_run(folder: Path, algo="ppo", **config) -> Path:
     """Makes the folder of a run whose network has not learned anything."""
     folder.mkdir()
     write_config(folder, algo=algo, **config)
-    learner(algo, **({"buffer_size": 100} if algo == "sac" else {})).save(folder / "model.zip")
+    small = {"sac": {"buffer_size": 100}, "ppo": {"n_steps": 64}}[algo]
+    learner(algo, **small).save(folder / "model.zip")
     return folder
 
 

@@ -225,11 +225,12 @@ def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsy
     assert steps_done(run) == before
 
 
-def test_sac_trains_and_resumes_with_its_experience(tmp_path):
-    train(tmp_path, algo="sac", steps=1200)
+def test_sac_trains_and_resumes_with_its_experience(tmp_path, monkeypatch):
+    monkeypatch.setitem(learning.SETTINGS["sac"], "learning_starts", 100)
+    train(tmp_path, algo="sac", steps=150)
     assert (tmp_path / "replay.pkl").exists()
-    main(["train", "--resume", "--steps", "1300", "--out", str(tmp_path)])
-    assert steps_done(tmp_path, "sac") == 1300
+    main(["train", "--resume", "--steps", "200", "--out", str(tmp_path)])
+    assert steps_done(tmp_path, "sac") == 200
 
 
 @pytest.mark.parametrize(
