@@ -48,6 +48,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except InputError as error:
         _stop(f"error: {error}")
     except KeyboardInterrupt as interrupt:
+        # If it came while a library ran a text as code, `python -m` would end by SIGINT, whatever
+        # the exit code; another text makes it forget that.
+        exec("")
         _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
     except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

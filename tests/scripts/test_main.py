@@ -60,6 +60,17 @@ def test_an_interrupt_that_became_another_exception_is_one(monkeypatch, capsys, 
     assert capsys.readouterr().err == "activesuit: interrupted\n"
 
 
+def test_an_interrupt_inside_a_text_that_a_library_runs_has_exit_code_2(tmp_path):
+    (tmp_path / "interrupted.py").write_text(
+        "from activesuit.scripts import main\n"
+        "main._run = lambda arguments: exec('raise KeyboardInterrupt')\n"
+        "main.main([])\n"
+    )
+    command = [sys.executable, "-m", "interrupted"]
+    end = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (end.returncode, end.stderr) == (2, "activesuit: interrupted\n")
+
+
 def test_other_exceptions_pass(monkeypatch):
     def fail(arguments):
         raise ImportError("initialization failed")
