@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, Protocol, get_args, runtime_checkable
 
 from pydantic import (
     BaseModel,
@@ -17,7 +17,6 @@ from pydantic import (
 
 from ..errors import LONGEST_VALUE, InputError, shortened, shown
 from ..hysteresis import HysteresisModel, model_from_dict
-from .fitted import FittedModel
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
 Grade = Literal["published", "identified", "assumed"]
@@ -39,6 +38,67 @@ class Strict(BaseModel):
     """A part of a suit file; unknown fields raise an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class FittedCurves(Protocol):
+    """The measured curves of one joint, and the file they come from."""
+
+    source: str
+    sha256: str | None
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the curves."""
+        ...
+
+    @property
+    def angle_range(self) -> tuple[float, float]:
+        """The smallest and the largest angle of all curves [rad]."""
+        ...
+
+    @property
+    def start_angle(self) -> float:
+        """The angle at which the first curve begins [rad]."""
+        ...
+
+    @property
+    def start_torque(self) -> float:
+        """The mean torque with which the curves begin [N·m]."""
+        ...
+
+    def fitted(self) -> "FittedCurves":
+        """Returns the curves that the model was fitted to."""
+        ...
+
+
+@runtime_checkable
+class FittedModel(Protocol):
+    """A model that was identified from curves, such as a fit of `activesuit.identification`."""
+
+    @property
+    def model(self) -> HysteresisModel:
+        """The identified model."""
+        ...
+
+    @property
+    def method(self) -> str:
+        """The name of the method that found it."""
+        ...
+
+    @property
+    def initial_torque(self) -> float | str:
+        """The torque with which all curves begin [N·m]; or "measured", each with its own."""
+        ...
+
+    @property
+    def nrmse(self) -> float:
+        """The error on the fitted curves over their largest torque."""
+        ...
+
+    @property
+    def curves(self) -> FittedCurves:
+        """The measured curves, also those that were kept out of the fit."""
+        ...
 
 
 class SuitJoint(Strict):

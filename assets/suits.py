@@ -9,8 +9,7 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 from ..errors import InputError, shown, unknown_name
 from ..files import write_text
 from ..hysteresis import HysteresisModel
-from .fitted import FittedModel
-from .suit_joints import JOINTS, Strict, SuitJoint, first_problem
+from .suit_joints import JOINTS, FittedModel, Strict, SuitJoint, first_problem
 
 SCHEMA_VERSION = 2
 Label = Literal["from paper", "illustrative", "extrapolated"]
