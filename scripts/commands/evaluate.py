@@ -32,7 +32,7 @@ def evaluate(
     Args:
         policies: Names of policies, or folders of training runs, which must have the same options.
         episodes: Number of motions of each policy; all policies get the same motions.
-        out: Folder for result.json.
+        out: Folder for result.json: a new or an empty one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)

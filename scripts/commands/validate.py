@@ -45,7 +45,7 @@ def validate(
         suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
         plant: Suit that is simulated: name of a shipped one, or path of a suit file.
         episodes: Number of motions of each policy; all policies get the same motions.
-        out: Folder for result.json.
+        out: Folder for result.json: a new or an empty one, or that of an earlier validate.
     """
     believed, worn = load_suit(suit), load_suit(plant)
     at_least("episodes", episodes, 1)

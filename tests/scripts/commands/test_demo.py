@@ -2,12 +2,14 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
+from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 from activesuit.scripts.commands import demo as demo_module
 from activesuit.scripts.commands.demo import demo
 from activesuit.scripts.main import main
@@ -35,6 +37,12 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def folder(run):
     return run[0]
+
+
+@pytest.fixture
+def sketched(undrawn, monkeypatch):
+    """For demos whose pictures nobody looks at: neither figures nor the arm are drawn."""
+    monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
 
 
 def test_needs_no_torch(run):
@@ -87,8 +95,6 @@ def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch
 
 
 def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, undrawn):
-    from activesuit.envs.rendering import Renderer, RenderingUnavailableError
-
     def unavailable(self, model, data):
         raise RenderingUnavailableError("no OpenGL context")
 
@@ -140,7 +146,7 @@ def test_interrupt_before_the_first_fit(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("part", "number"), [("loops_figure", 1), ("evaluate", 2), ("trajectory_figure", 1)]
 )
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("sketched")
 def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsys, part, number):
     interrupting_call(monkeypatch, demo_module, part, number)
     message = interrupted(capsys, tmp_path, "--seed", "3")
@@ -154,9 +160,9 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert "of the oracle's reduction" in capsys.readouterr().out
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_interrupting_a_second_demo_keeps_the_first(tmp_path, monkeypatch, capsys):
-    demo(out=tmp_path, trials=1, episodes=1)
+@pytest.mark.usefixtures("sketched")
+def test_interrupting_a_second_demo_keeps_the_first(folder, tmp_path, monkeypatch, capsys):
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     first = {
         path: path.read_bytes()
         for path in tmp_path.rglob("*")
