@@ -14,5 +14,7 @@ for _task in TASKS:
     if f"ActiveSuit/{_task}-v0" not in gymnasium.registry:
         gymnasium.register(
             f"ActiveSuit/{_task}-v0",
-            entry_point=f"activesuit.envs.tasks:{_task}Env",
+            entry_point="activesuit.envs.arm_env:ArmEnv",
+            vector_entry_point="activesuit.envs.vector_env:ArmVectorEnv",
+            kwargs={"task": _task},
         )

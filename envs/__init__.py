@@ -2,13 +2,6 @@
 
 from .arm_env import ArmEnv
 from .model import ArmConfig, compose
-from .tasks import ArmTrackingEnv, ElbowFlexionEnv, ShoulderFlexionEnv
+from .tasks import TASKS, Task
 
-__all__ = [
-    "ArmConfig",
-    "ArmEnv",
-    "ArmTrackingEnv",
-    "ElbowFlexionEnv",
-    "ShoulderFlexionEnv",
-    "compose",
-]
+__all__ = ["TASKS", "ArmConfig", "ArmEnv", "Task", "compose"]

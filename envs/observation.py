@@ -1,96 +1,117 @@
-"""The observation of the agent: its parts, their order and their limits."""
+"""What a controller sees: suites of sensors, and the observation that they make up."""
+
+# pyright: reportCallIssue=false
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 from gymnasium.spaces import Box
+from numba import njit
 from numpy.typing import NDArray
 
-from ..assets import JOINTS
-from ..errors import InputError
-from .model import ASSISTED, quantize
-from .reference import Reference
-from .wiring import Wiring
+from ..arrays import Array
+from ..errors import InputError, shown, unknown_name
 
-PREVIEW = (0.02, 0.1, 0.24)  # s ahead of now at which the target is shown, nearest first
-MODES = ("sensors", "oracle")
+
+@dataclass(frozen=True)
+class Part:
+    """One part of an observation.
+
+    Attributes:
+        name: Name of the part.
+        measurement: Name of what it shows.
+        limit: Largest size, at which it is clipped.
+        scale: Size that becomes 1 in a normalized observation.
+    """
+
+    name: str
+    measurement: str
+    limit: float
+    scale: float
+
+
+SUITES: dict[str, tuple[Part, ...]] = {
+    "encoders": (
+        Part("angle", "encoder_angle", math.pi, math.pi),  # rad
+        Part("rate", "encoder_rate", 20.0, 4.0),  # rad/s
+        Part("motor_torque", "motor_torque", 1.0, 1.0),  # over peak
+        Part("previous_action", "previous_action", 1.0, 1.0),
+    ),
+    "cuffs": (Part("cuff_force", "cuff_force", 1000.0, 100.0),),  # N
+    "preview": (Part("target", "preview", math.pi, math.pi),),  # rad
+    "privileged": (Part("suit_torque", "suit_torque", 100.0, 20.0),),  # N·m
+}
 
 
 class Observer:
-    """Assembles observations.
+    """Picks observations out of measurements.
 
     Args:
-        wiring: Addresses of the model.
-        encoder_bits: Resolution of the encoders; a turn has 2**bits counts.
-        control_dt: Time between observations [s], which must divide 0.02 s.
-        mode: Content of the observation, "sensors" or "oracle".
+        sensors: Names of suites, in the order of the observation.
+        columns: Columns of the measurements that there are, by name.
+        normalize: Whether to divide each part by its scale, so that it is of the size of 1.
 
     Attributes:
         layout: Slice of the observation that holds each part, by the name of the part.
-        space: Observation space of Gymnasium.
+        space: Observation space of one row.
+
+    Raises:
+        InputError: A suite is unknown, named twice, or not there with these arms.
     """
 
-    def __init__(self, wiring: Wiring, encoder_bits: int, control_dt: float, mode: str) -> None:
-        if mode not in MODES:
-            raise InputError(f"observe is {mode!r}: use 'sensors' or 'oracle'")
-        steps = PREVIEW[0] / control_dt
-        if abs(steps - round(steps)) > 1e-9:
-            raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")
-        self._wiring, self._oracle = wiring, mode == "oracle"
-        self._encoder_bits = encoder_bits
-        self._ahead = np.array([round(ahead / control_dt) for ahead in PREVIEW])
-        parts = _parts(wiring, self._oracle)
-        ends = np.cumsum([size for size, _ in parts.values()]).tolist()
-        self.layout = {
-            name: slice(end - size, end)
-            for (name, (size, _)), end in zip(parts.items(), ends, strict=True)
-        }
-        limit = np.concatenate([np.full(size, limit, np.float32) for size, limit in parts.values()])
-        self.space = Box(-limit, limit, dtype=np.float32)
+    def __init__(
+        self, sensors: Sequence[str], columns: dict[str, slice], *, normalize: bool
+    ) -> None:
+        self.layout: dict[str, slice] = {}
+        index, factors, limits = [], [], []
+        for part in _parts(sensors, columns):
+            place = columns.get(part.measurement, slice(0, 0))
+            begin, size = len(index), place.stop - place.start
+            if size:
+                self.layout[part.name] = slice(begin, begin + size)
+            index += range(place.start, place.stop)
+            factors += [1 / part.scale if normalize else 1.0] * size
+            limits += [part.limit * factors[-1]] * size if size else []
+        self._index = np.array(index, np.int64)
+        self._factor, self._limit = np.array(factors), np.array(limits, np.float32)
+        self.space = Box(-self._limit, self._limit, dtype=np.float32)
 
-    def begin(self, reference: Reference) -> None:
-        """Prepares the targets that are observed along an intention."""
-        last = len(reference.angle) - 1
-        shown = np.minimum(np.arange(last + 1)[:, None] + self._ahead, last)
-        self._targets = reference.angle[shown][:, :, self._wiring.assisted].reshape(last + 1, -1)
-
-    def __call__(
-        self, data: mujoco.MjData, step: int, previous_action: NDArray[np.float64]
-    ) -> NDArray[np.float32]:
-        """Returns a new observation of this instant, clipped to its limits.
+    def __call__(self, measured: Array) -> NDArray[np.float32]:
+        """Returns new observations, clipped to their limits, shape (n, size).
 
         Args:
-            data: Physics of this instant.
-            step: The control period in the intention that `begin` was given, not beyond its last.
-            previous_action: Previous action of the agent, one number per motor.
+            measured: Measurements of n rows, shape (n, columns).
         """
-        wiring = self._wiring
-        parts = [
-            quantize(data.sensordata[wiring.encoders], self._encoder_bits),
-            data.sensordata[wiring.encoder_rates],
-            data.actuator_force[wiring.assist] / wiring.peak_torque,
-            self._targets[step],
-            previous_action,
-        ]
-        if wiring.cuffs.size:
-            parts.append(data.sensordata[wiring.cuffs].ravel())
-        if self._oracle:
-            parts.append(wiring.suit_torque_of(data))
-        observation = np.concatenate(parts, dtype=np.float32, casting="same_kind")
-        return np.maximum(np.minimum(observation, self.space.high), self.space.low)
+        observation = np.empty((len(measured), len(self._index)), np.float32)
+        _pick(measured, self._index, self._factor, self._limit, observation)
+        return observation
 
 
-def _parts(wiring: Wiring, oracle: bool) -> dict[str, tuple[int, float]]:
-    """Returns size and limit of every part, in rad, rad/s, N (cuffs) and N·m (suit)."""
-    motors = wiring.motors.size
-    parts = {
-        "angle": (len(JOINTS), math.pi),
-        "rate": (len(JOINTS), 20.0),
-        "motor_torque": (motors, 1.0),
-        "target": (len(PREVIEW) * len(ASSISTED), math.pi),
-        "previous_action": (motors, 1.0),
-        "cuff_force": (wiring.cuffs.size, 1000.0),
-        "suit_torque": (len(JOINTS) * oracle, 100.0),
-    }
-    return {name: part for name, part in parts.items() if part[0]}
+@njit(cache=True)
+def _pick(measured, index, factor, limit, observation) -> None:
+    for row in range(measured.shape[0]):
+        for j in range(index.shape[0]):
+            value = np.float32(measured[row, index[j]] * factor[j])
+            observation[row, j] = max(-limit[j], min(value, limit[j]))
+
+
+def _parts(sensors: Sequence[str], columns: dict[str, slice]) -> list[Part]:
+    if isinstance(sensors, str) or not isinstance(sensors, Sequence):
+        raise InputError(
+            f"sensors is {shown(sensors)}: give a list of suites, such as ['encoders']"
+        )
+    for name in sensors:
+        if name not in SUITES:
+            raise unknown_name("sensor suite", name, SUITES)
+        if list(sensors).count(name) > 1:
+            raise InputError(f"sensors has {name!r} twice: name each suite once")
+    if not sensors:
+        raise InputError(f"sensors is empty: name at least one of {', '.join(SUITES)}")
+    if "cuffs" in sensors and "cuff_force" not in columns:
+        raise InputError(
+            "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave the "
+            "suite out"
+        )
+    return [part for name in sensors for part in SUITES[name]]

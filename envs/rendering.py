@@ -11,9 +11,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import within
 from ..errors import InputError, unknown_name
 from .memory import give_back
+from .model import ArmConfig, compose
 
 RenderQuality = Literal["fast", "fine"]
 
@@ -187,3 +189,49 @@ class Renderer:
     def __getstate__(self) -> dict[str, Any]:
         fresh = {"_offscreen": None, "_window": None, "_window_threads": set(), "_last": None}
         return {**self.__dict__, **fresh}
+
+
+class ArmRenderer:
+    """Draws one arm: it composes the drawn model when the first picture is asked for.
+
+    Args:
+        config: Configuration of the arm.
+        **options: Options of `Renderer`.
+    """
+
+    def __init__(self, config: ArmConfig, **options: Any) -> None:
+        self.renderer, self._config = Renderer(**options), config
+        self._drawn: tuple[mujoco.MjModel, mujoco.MjData] | None = None
+
+    def picture(self, time: float, position: Array) -> NDArray[np.uint8]:
+        """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`.
+
+        Args:
+            time: Simulated time [s].
+            position: The position `qpos` of the simulated arm.
+        """
+        return self.renderer.picture(*self._posed(time, position))
+
+    def show(self, time: float, position: Array, period: float) -> None:
+        """Shows the arm in a window; see `Renderer.show`."""
+        self.renderer.show(*self._posed(time, position), period)
+
+    def forget(self) -> None:
+        """Makes the next picture a new one, whatever time has passed."""
+        self.renderer.forget()
+
+    def close(self) -> None:
+        """Frees the OpenGL objects; later calls do nothing."""
+        self.renderer.close()
+
+    def _posed(self, time: float, position: Array) -> tuple[mujoco.MjModel, mujoco.MjData]:
+        if self._drawn is None:
+            model = compose(self._config)
+            self._drawn = model, mujoco.MjData(model)
+        model, data = self._drawn
+        data.time, data.qpos[:] = time, position
+        mujoco.mj_fwdPosition(model, data)
+        return model, data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_drawn": None}

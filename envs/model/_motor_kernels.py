@@ -1,28 +1,30 @@
-"""Kernels of the motors' heat, element by element."""
+"""Kernels of the motors' heat: scalar functions, and the same for arrays element by element."""
 
 # pyright: reportCallIssue=false, reportFunctionMemberAccess=false
 
 import math
 
-from numba import vectorize
+from numba import njit, vectorize
 
 
-@vectorize("f8(f8, f8, f8, f8)", cache=True)
-def _heat(mean_square, torque, time_constant, dt):
+@njit(cache=True)
+def heated(mean_square: float, torque: float, time_constant: float, dt: float) -> float:
     """Returns the running mean square of a torque after `dt`."""
     remains = math.exp(-dt / time_constant)
     return torque * torque + remains * (mean_square - torque * torque)
 
 
-@vectorize("f8(f8, f8, f8, f8, f8)", cache=True)
-def _clip(torque, mean_square, continuous, time_constant, dt):
+@njit(cache=True)
+def clipped(
+    torque: float, mean_square: float, continuous: float, time_constant: float, dt: float
+) -> float:
     """Returns the torque, limited so that the mean square stays below the continuous one."""
     remains = math.exp(-dt / time_constant)
-    allowed = (continuous * continuous - remains * mean_square) / (1 - remains)
+    allowed = (continuous * continuous - remains * mean_square) / (1.0 - remains)
     limit = math.sqrt(max(allowed, 0.0))
     return max(-limit, min(torque, limit))
 
 
 # Called through NumPy: the call of numba's own object takes longer than the work.
-heat = _heat.ufunc
-clip = _clip.ufunc
+heat = vectorize("f8(f8, f8, f8, f8)", cache=True)(heated.py_func).ufunc
+clip = vectorize("f8(f8, f8, f8, f8, f8)", cache=True)(clipped.py_func).ufunc

@@ -12,21 +12,27 @@ from ..memory import give_back_after
 from ..person import segments
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
+from .lean import make_lean
 from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
 from .fitting import fit_person
 from .mirroring import mirror
 from .suit import attach_suit, remove_suit
 
 
-def compose(config: ArmConfig) -> mujoco.MjModel:
+def compose(config: ArmConfig, *, drawn: bool = True) -> mujoco.MjModel:
     """Builds the arm, suit and exoskeleton of `config`; every call returns a new model.
+
+    Args:
+        config: Configuration of the model.
+        drawn: Whether the model has what is only drawn: 244 of its 255 geoms, lights and cameras.
+            Without, it moves in the same way to the last digit and takes a third less time.
 
     Raises:
         InputError: The suit is unknown, or a pressure is given for a suit without one of its own.
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     suit = _suit_of(config)
-    model = copy.copy(_compiled(config, None if suit is None else suit.model_dump_json()))
+    model = copy.copy(_compiled(config, None if suit is None else suit.model_dump_json(), drawn))
     give_back_after(model)
     return model
 
@@ -69,9 +75,12 @@ def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
 
 
 @lru_cache(maxsize=8)
-def _compiled(config: ArmConfig, suit: str | None) -> mujoco.MjModel:
+def _compiled(config: ArmConfig, suit: str | None, drawn: bool) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
-    return _built(config, None if suit is None else Suit.model_validate_json(suit)).compile()
+    spec = _built(config, None if suit is None else Suit.model_validate_json(suit))
+    if not drawn:
+        make_lean(spec)
+    return spec.compile()
 
 
 def _suit_of(config: ArmConfig) -> Suit | None:

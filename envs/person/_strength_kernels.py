@@ -8,17 +8,35 @@ from numba import guvectorize, njit
 
 
 @njit(cache=True)
-def velocity_factor(shortening, hill, gain, knee):
+def velocity_factor(shortening: float, hill: float, gain: float, knee: float) -> float:
     """Returns torque / isometric torque at a shortening speed, given over the fastest speed.
 
     Hill's hyperbola through (0, 1), (1/2, half_speed) and (1, 0), and for lengthening another one
     that leaves (0, 1) with the same slope and meets (-1, eccentric); constant beyond both ends.
     """
-    if shortening >= 0:
+    if shortening >= 0.0:
         shorter = min(shortening, 1.0)
-        return (1 - shorter) / (1 + shorter / hill)
+        return (1.0 - shorter) / (1.0 + shorter / hill)
     longer = min(-shortening, 1.0)
-    return 1 + gain * (1 + knee) * longer / (longer + knee)
+    return 1.0 + gain * (1.0 + knee) * longer / (longer + knee)
+
+
+@njit(cache=True)
+def group_torque(
+    isometric: float,
+    angle: float,
+    speed: float,
+    fastest: float,
+    best_angle: float,
+    width: float,
+    hill: float,
+    gain: float,
+    knee: float,
+) -> float:
+    """Returns the greatest torque of a muscle group that shortens at `speed` [rad/s]."""
+    offset = (angle - best_angle) / width
+    strength = isometric * math.exp(-offset * offset / 2.0)
+    return strength * velocity_factor(speed / fastest, hill, gain, knee)
 
 
 @guvectorize(
@@ -35,13 +53,21 @@ def _limits(isometric, angle, rate, groups, low, high):
     for joint in range(angle.shape[0]):
         for way in range(2):
             fastest, best_angle, width, hill, gain, knee = groups[:, way, joint]
-            offset = (angle[joint] - best_angle) / width
-            strength = isometric[way, joint] * math.exp(-offset * offset / 2)
-            speed = rate[joint] / fastest
-            if way == 0:
-                low[joint] = -strength * velocity_factor(-speed, hill, gain, knee)
+            torque = group_torque(
+                isometric[way, joint],
+                angle[joint],
+                rate[joint] if way == 1 else -rate[joint],
+                fastest,
+                best_angle,
+                width,
+                hill,
+                gain,
+                knee,
+            )
+            if way == 1:
+                high[joint] = torque
             else:
-                high[joint] = strength * velocity_factor(speed, hill, gain, knee)
+                low[joint] = -torque
 
 
 # Called through NumPy: the call of numba's own object takes longer than the work.

@@ -54,7 +54,7 @@ _FEEDBACK = Quantity(
 
 PROVENANCE: tuple[Quantity, ...] = (*_NOISE, _CORNER, _CENTER, _WIDTH, _DELAY, _FEEDBACK)
 
-_COEFFICIENTS = np.array([quantity.value for quantity in _NOISE])
+NOISE_SIZE = np.array([quantity.value for quantity in _NOISE])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +96,20 @@ class VoluntaryControl:
             if not (isinstance(value, int | float) and 0 <= value <= highest):
                 raise InputError(f"{name} is {value!r}: give it {kind}, from 0 to {highest:g}")
 
+    def periods(self, dt: float) -> int:
+        """Returns the delay in control periods of `dt` [s].
+
+        Raises:
+            InputError: The delay is not a multiple of the control period.
+        """
+        count = round(self.delay / dt)
+        if not isclose(count * dt, self.delay, abs_tol=1e-9):
+            raise InputError(
+                f"delay is {self.delay:g} s: give it as a multiple of the control period, "
+                f"{dt:g} s, such as {count * dt:g} s"
+            )
+        return count
+
 
 @dataclass(frozen=True, eq=False)
 class ControlState:
@@ -122,12 +136,7 @@ def start_control(settings: VoluntaryControl, intrinsic: ArrayLike, dt: float) -
     Raises:
         InputError: The delay is not a multiple of the control period.
     """
-    samples = round(settings.delay / dt)
-    if not isclose(samples * dt, settings.delay, abs_tol=1e-9):
-        raise InputError(
-            f"delay is {settings.delay:g} s: give it as a multiple of the control period, "
-            f"{dt:g} s, such as {samples * dt:g} s"
-        )
+    samples = settings.periods(dt)
     intrinsic = np.asarray(intrinsic, dtype=float)
     past = np.repeat(intrinsic[..., None, :], samples, axis=-2)
     return ControlState(past, np.zeros((*intrinsic.shape[:-1], 3, intrinsic.shape[-1])))
@@ -175,27 +184,31 @@ def voluntary_torque(
     if settings.noise > 0 or settings.tremor > 0:
         variation = _vary(variation, dt, rng)
         slow, tremor = variation[..., 0, :], variation[..., 1, :]
-        relative = settings.noise * _COEFFICIENTS * slow + settings.tremor * tremor
+        relative = settings.noise * NOISE_SIZE * slow + settings.tremor * tremor
         total = np.clip(total * (1 + relative), low, high)
     return total - intrinsic, ControlState(window[..., 1:, :], variation)
 
 
-def _vary(variation: Array, dt: float, rng: Generators) -> Array:
-    """Returns the next variation: a first-order autoregression and a randomly driven rotation."""
+def noise_constants(dt: float) -> Array:
+    """Returns how noise and tremor go on from one control period to the next, shape (6,).
+
+    Noise: the share that remains. Tremor: the share that remains, cosine and sine of its turning.
+    Then the weights of the random numbers that drive noise and tremor.
+    """
     lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
     turn = 2 * pi * _CENTER.value * dt
+    return np.array([lag, ring, cos(turn), sin(turn), sqrt(1 - lag**2), sqrt(1 - ring**2)])
+
+
+def _vary(variation: Array, dt: float, rng: Generators) -> Array:
+    """Returns the next variation: a first-order autoregression and a randomly driven rotation."""
+    lag, ring, cosine, sine, slow_drive, ring_drive = noise_constants(dt)
     slow, x, y = np.moveaxis(variation, -2, 0)
     kept = np.stack(
-        [
-            lag * slow,
-            ring * (cos(turn) * x - sin(turn) * y),
-            ring * (sin(turn) * x + cos(turn) * y),
-        ],
-        axis=-2,
+        [lag * slow, ring * (cosine * x - sine * y), ring * (sine * x + cosine * y)], axis=-2
     )
     if isinstance(rng, np.random.Generator):
         fresh = rng.standard_normal(kept.shape)
     else:
         fresh = np.stack([one.standard_normal(kept.shape[-2:]) for one in rng])
-    weight = np.array([sqrt(1 - lag**2), sqrt(1 - ring**2), sqrt(1 - ring**2)])
-    return kept + weight[:, None] * fresh
+    return kept + np.array([slow_drive, ring_drive, ring_drive])[:, None] * fresh

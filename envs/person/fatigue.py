@@ -16,12 +16,13 @@ left. The torque of antagonists that cancels out tires nobody here.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
 from ..provenance import Quantity
+from ._fatigue_kernels import load_of, tire
 
 _RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
 _REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"
@@ -55,6 +56,8 @@ PROVENANCE: tuple[Quantity, ...] = (
 )
 
 _TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for joint in JOINTS]).T
+RATES = (_TIRING, _RECOVERY, _MULTIPLIER, np.full(len(JOINTS), _RESTING.value))
+"""F and R [1/s], r and the load below which a group rests, shape (joints,) each."""
 
 
 def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:
@@ -70,9 +73,7 @@ def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array
         would need torque that it cannot have.
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
-    asked = np.maximum(np.stack([-torque, torque], axis=-2), 0)
-    available = np.stack([-low, high], axis=-2)
-    return np.divide(asked, available, out=np.sign(asked), where=available > 0)
+    return load_of(np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2))
 
 
 def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
@@ -87,18 +88,7 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
     Returns:
         The fatigued part after `dt`, shape (..., 2, 4).
     """
-    recovery = np.where(load <= _RESTING.value, _MULTIPLIER * _RECOVERY, _RECOVERY)
-    ceiling = 1 - load
-    able = fatigued <= ceiling
-    goal, rate = _approach(able, load, recovery)
-    # The flow is continuous where ability ends, so a group passes the ceiling once or never.
-    passes = (goal > ceiling) == able
-    share = np.divide(goal - ceiling, goal - fatigued, out=np.zeros_like(goal), where=passes)
-    with np.errstate(divide="ignore"):
-        before = np.minimum(-np.log(share) / rate, dt)
-    fatigued = fatigued + (fatigued - goal) * np.expm1(-rate * before)
-    goal, rate = _approach(~able, load, recovery)
-    return fatigued + (fatigued - goal) * np.expm1(-rate * (dt - before))
+    return tire(fatigued, load, *RATES, dt)
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:
@@ -123,9 +113,3 @@ def endurance_time(load: ArrayLike, joint: str) -> Array:
     with np.errstate(divide="ignore"):
         share = recovery * (1 - load) / (tiring * load)
         return -np.log1p(-np.minimum(share, 1)) / recovery
-
-
-def _approach(able: NDArray[np.bool_], load: Array, recovery: Array) -> tuple[Array, Array]:
-    """Returns limit and rate of the fatigued part, while the group bears the load or gives all."""
-    rate = np.where(able, recovery, _TIRING + recovery)
-    return np.where(able, load, 1) * _TIRING / rate, rate

@@ -182,8 +182,8 @@ _GROUP = {name: _column(name) for name, _ in _COLUMNS}
 _HILL = _GROUP["half_speed"] / (1 - 2 * _GROUP["half_speed"])
 _GAIN = _GROUP["eccentric"] - 1
 _KNEE = _GAIN / (1 + 1 / _HILL - _GAIN)
-_SHAPE = np.stack([_GROUP[name] for name in ("fastest", "best_angle", "width")])
-_SHAPE = np.concatenate([_SHAPE, [_HILL, _GAIN, _KNEE]])
+SHAPE = np.stack([_GROUP[name] for name in ("fastest", "best_angle", "width")])
+SHAPE = np.concatenate([SHAPE, [_HILL, _GAIN, _KNEE]])
 _STIFFNESS, _REST, _DAMPING = _passive("stiffness"), _passive("rest"), _passive("viscosity")
 
 
@@ -222,7 +222,7 @@ def strength_limits(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> tupl
         low: least torque, at most zero, shape (..., 4).
         high: greatest torque, at least zero, shape (..., 4).
     """
-    return limits(isometric, angle, rate, _SHAPE)
+    return limits(isometric, angle, rate, SHAPE)
 
 
 def passive_torque(isometric: Array, angle: ArrayLike, rate: ArrayLike) -> Array:

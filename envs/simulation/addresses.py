@@ -1,4 +1,4 @@
-"""The addresses in MuJoCo's arrays of everything that the environment reads and writes."""
+"""The addresses in MuJoCo's arrays of everything that a simulation reads and writes."""
 
 from dataclasses import dataclass
 
@@ -6,17 +6,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..assets import JOINTS
-from ..hysteresis.engine import fault_slots
-from .model import ASSISTED
-from .model.cuffs import CUFFS
+from ...arrays import Array
+from ...assets import JOINTS
+from ...hysteresis.engine import fault_slots
+from ..model import ASSISTED
+from ..model.cuffs import CUFFS
 
 Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Wiring:
+class Addresses:
     """Indices into mjData, in the order of `JOINTS` or `ASSISTED`.
 
     The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.
@@ -24,17 +24,17 @@ class Wiring:
     Attributes:
         joints: Angles of the arm in qpos, and rates in qvel (all joints are hinges), shape (4,).
         exo_joints: Angles of the exoskeleton in qpos, shape (4,); those of the arm if it is rigid.
+        driven: Those of them that carry a motor, shape (2,).
         assisted: Positions of the assisted joints in `JOINTS`, shape (2,).
         human: Torques of the wearer in actuator_force, shape (4,).
         intention: Controls of the wearer: position, velocity, feed-forward, shape (3, 4).
         stiffness: Position gains of the wearer [N·m/rad], shape (4,).
         damping: Velocity gains of the wearer [N·m·s/rad], shape (4,).
         encoders: Angles of the encoders in sensordata, shape (4,).
-        encoder_rates: Rates of the encoders in sensordata, shape (4,).
         assist: Torques of the motors in actuator_force, shape (2,).
         motors: Controls of the motors, which are torques [N·m], shape (2,).
         peak_torque: Largest torque of each motor [N·m], shape (2,).
-        cuffs: Forces on upper arm, forearm and hand in sensordata, shape (3, 3).
+        cuffs: Forces on upper arm, forearm and hand in sensordata, shape (9,).
         suited: Positions in `JOINTS` of the joints that the suit resists, shape (n,).
         suit_torque: Torques of the suit at these joints in sensordata, shape (n,).
         dissipated: Energies dissipated at these joints in sensordata, shape (n,).
@@ -43,13 +43,13 @@ class Wiring:
 
     joints: Indices
     exo_joints: Indices
+    driven: Indices
     assisted: Indices
     human: Indices
     intention: Indices
     stiffness: Array
     damping: Array
     encoders: Indices
-    encoder_rates: Indices
     assist: Indices
     motors: Indices
     peak_torque: Array
@@ -60,7 +60,7 @@ class Wiring:
     faults: Indices
 
     @classmethod
-    def of(cls, model: mujoco.MjModel) -> "Wiring":
+    def of(cls, model: mujoco.MjModel) -> "Addresses":
         """Returns the addresses of a model, which are found by name."""
         actuators = {model.actuator(i).name: i for i in range(model.nactuator)}
         sensors = {model.sensor(i).name: model.sensor_adr[i] for i in range(model.nsensor)}
@@ -71,37 +71,27 @@ class Wiring:
         cuffs = [f"cuff_{segment}_force" for segment in CUFFS]
         forces = _indices(sensors[cuff] for cuff in cuffs if cuff in sensors)
         suited = [i for i, joint in enumerate(JOINTS) if f"{joint}_suit_torque" in sensors]
+        exo_joints = _indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS)
+        assisted = _indices(JOINTS.index(joint) for joint in ASSISTED)
         return cls(
             joints=_indices(joints[joint] for joint in JOINTS),
-            exo_joints=_indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS),
-            assisted=_indices(JOINTS.index(joint) for joint in ASSISTED),
+            exo_joints=exo_joints,
+            driven=exo_joints[assisted],
+            assisted=assisted,
             human=_indices(human),
             intention=_indices(model.actuator_ctrladr[human]) + np.arange(3)[:, None],
             stiffness=-model.actuator_biasprm[human, 1],
             damping=-model.actuator_biasprm[human, 2],
             encoders=_indices(sensors[f"encoder_{joint}"] for joint in JOINTS),
-            encoder_rates=_indices(sensors[f"encoder_rate_{joint}"] for joint in JOINTS),
             assist=assist,
             motors=_indices(model.actuator_ctrladr[assist]),
             peak_torque=model.actuator_forcerange[assist, 1],
-            cuffs=forces[:, None] + np.arange(3),
+            cuffs=(forces[:, None] + np.arange(3)).ravel(),
             suited=_indices(suited),
             suit_torque=_indices(sensors[f"{JOINTS[i]}_suit_torque"] for i in suited),
             dissipated=_indices(sensors[f"{JOINTS[i]}_suit_dissipated_energy"] for i in suited),
             faults=fault_slots(model),
         )
-
-    def suit_torque_of(self, data: mujoco.MjData) -> Array:
-        """Returns the suit's torque on each of `JOINTS` [N·m]; zero where it does not resist."""
-        torque = np.zeros(len(JOINTS))
-        torque[self.suited] = data.sensordata[self.suit_torque]
-        return torque
-
-    def assist_torque_of(self, data: mujoco.MjData) -> Array:
-        """Returns the motors' torque on each of `ASSISTED` [N·m]; zero without motors."""
-        if not self.assist.size:
-            return np.zeros(len(ASSISTED))
-        return data.actuator_force[self.assist]
 
 
 def _indices(values) -> Indices:

@@ -1,0 +1,255 @@
+"""Episodes of a task in many rows: what an action leads to, for one environment or a thousand."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import Array
+from ..checks import flag, within
+from ..errors import InputError, shown
+from .model import ArmConfig
+from .model.config import nested
+from .observation import Observer
+from .person import VoluntaryControl
+from .reward import TERMS, judge
+from .info import Info
+from .simulation import Simulation
+from .simulation.measurements import snapshot
+from .simulation.saving import check_state
+from .simulation.simulation import PREVIEW
+from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
+from .tasks import Task
+
+Rows = NDArray[np.int64]
+
+
+class Episodes:
+    """Runs episodes of one task in `n` rows; environments are thin faces of it.
+
+    Args:
+        task: The task.
+        n: Number of rows.
+        threads: Number of threads of the physics; 0 uses all cores.
+        sensors: Names of the sensor suites that a controller sees.
+        normalize: Whether observations are scaled to the size of 1.
+        control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
+        control: The wearer's control of the arm, or a dict of the fields that differ from the
+            default.
+        fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        **arm: Fields of `ArmConfig`.
+
+    Attributes:
+        simulation: The simulated arms.
+        observer: What a controller sees of them.
+        reward: Reward of the last control period, shape (n,).
+        terminated: Whether an episode ended by failure, shape (n,).
+        truncated: Whether an episode is over, shape (n,).
+        terms: Terms of the reward, shape (n, 3), in the order of `TERMS`.
+
+    Raises:
+        InputError: An argument is out of its range; the message names it.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        n: int,
+        *,
+        threads: int = 1,
+        sensors: Sequence[str] = ("encoders",),
+        normalize: bool = False,
+        control_dt: float = 0.01,
+        control: VoluntaryControl | Mapping[str, Any] | None = None,
+        fatigue: bool = False,
+        **arm: Any,
+    ) -> None:
+        config = ArmConfig.from_dict(arm)
+        _check_period(control_dt, config.timestep)
+        flag("fatigue", fatigue)
+        flag("normalize", normalize)
+        usual = VoluntaryControl()
+        usual = replace(usual, delay=round(usual.delay / control_dt) * control_dt)
+        settings = nested("control", {} if control is None else control, usual)
+        settings.periods(control_dt)
+        self.task, self.n = task, n
+        self.simulation = Simulation(
+            config,
+            n,
+            samples=round(task.duration / control_dt) + 1,
+            control_dt=control_dt,
+            control=settings,
+            fatigue=fatigue,
+            threads=threads,
+        )
+        self.observer = Observer(sensors, self.simulation.columns, normalize=normalize)
+        self.motors = self.simulation.addresses.motors.size
+        self.terms, self.reward = np.zeros((n, len(TERMS))), np.zeros(n)
+        self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
+        self._all = np.arange(n)
+        memory, addresses = self.simulation.memory, self.simulation.addresses
+        self._judged = (
+            memory.measured,
+            memory.change,
+            memory.diverged,
+            memory.step,
+            memory.limit,
+            self.simulation.plugin_state,
+            addresses.faults,
+            addresses.assisted,
+            self.terms,
+            self.reward,
+            self.terminated,
+            self.truncated,
+        )
+
+    # --- Episodes -----------------------------------------------------------------------------
+
+    def reset(
+        self, rows: Rows, seeds: Sequence[int | None] | None = None, *, stagger: bool = False
+    ) -> None:
+        """Begins new episodes in some rows.
+
+        Args:
+            rows: The rows, shape (k,).
+            seeds: Seed of each of them; None goes on with the seed that the row has.
+            stagger: Whether the episodes end at random times, so that later ones do not all begin
+                together.
+        """
+        memory = self.simulation.memory
+        for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
+            if seed is not None or memory.episode[row] < 0:
+                memory.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
+                memory.episode[row] = -1
+        memory.episode[rows] += 1
+        samples, dt = self.simulation.samples, self.simulation.control_dt
+        memory.limit[rows] = samples - 1
+        if stagger:
+            memory.limit[rows] = [
+                self._stream(row, "stagger").integers(1, samples) for row in rows.tolist()
+            ]
+        self.simulation.begin(
+            rows,
+            [self.task.motion(self._stream(row, "motion"), samples, dt) for row in rows.tolist()],
+        )
+        self._judge(rows)
+
+    def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
+        """Applies actions for one control period.
+
+        Args:
+            action: Torque of the motors over their peaks, shape (n, motors).
+            rows: The rows that move; by default all.
+
+        Raises:
+            InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
+        """
+        self.simulation.step(checked(action, (self.n, self.motors)), rows)
+        self._judge(self._all if rows is None else rows)
+
+    def step_one(self, action: ArrayLike) -> None:
+        """Applies an action, shape (motors,), in the only row."""
+        self.simulation.step(checked(action, (self.motors,))[None])
+        self._judge(self._all)
+
+    def observe(self) -> NDArray[np.float32]:
+        """Returns a new array of the observations of all rows, shape (n, size)."""
+        return self.observer(self.simulation.memory.measured)
+
+    def info(self, row: int, *, with_terms: bool = True) -> "Info":
+        """Returns what no sensor measures of a row at this instant; it is made up when read."""
+        memory, columns = self.simulation.memory, self.simulation.columns
+        measured, terms = memory.measured[row].copy(), self.terms[row].tolist()
+        clipped, diverged = int(memory.clipped[row]), bool(memory.diverged[row])
+
+        def read() -> dict[str, Any]:
+            return {
+                **snapshot(measured, columns),
+                "clipped_actions": clipped,
+                "diverged": diverged,
+                "reward_terms": dict(zip(TERMS, terms, strict=True)) if with_terms else {},
+            }
+
+        return Info(read)
+
+    # --- State --------------------------------------------------------------------------------
+
+    def identity(self) -> dict[str, Any]:
+        """Returns the options on which a state depends."""
+        simulation = self.simulation
+        return {
+            "task": self.task.name,
+            **simulation.config.to_dict(),
+            "control_dt": simulation.control_dt,
+            "control": asdict(simulation.control),
+            "fatigue": simulation.fatigue,
+        }
+
+    def state(self, rows: Rows) -> dict[str, Any]:
+        """Returns the whole state of some rows: physics, memory and configuration."""
+        return {"config": self.identity(), **self.simulation.state(rows)}
+
+    def restore(self, rows: Rows, state: Any) -> None:
+        """Restores what `state` returned, also in other rows; they then go on bit for bit.
+
+        Raises:
+            InputError: The state is not one of `state`, or of other arms; nothing has changed.
+        """
+        check_state(state, self.identity(), self.simulation.state(rows), self.simulation.model)
+        self.simulation.restore(rows, state)
+        self._judge(rows)
+
+    # --- Parts --------------------------------------------------------------------------------
+
+    def _stream(self, row: int, purpose: str) -> np.random.Generator:
+        memory = self.simulation.memory
+        return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
+
+    def _judge(self, rows: Rows) -> None:
+        judge(rows, *self._judged)
+
+
+def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Returns actions as an array of that shape.
+
+    Raises:
+        InputError: The actions have another shape, or are no numbers.
+    """
+    try:
+        given = np.asarray(action)
+    except ValueError:  # lists of several lengths
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "iuf":
+        raise InputError(f"action is {shown(action)}: give {shape[-1]} numbers from -1 to 1")
+    if given.shape != shape:
+        raise InputError(
+            f"action has shape {given.shape}: give {shape}, one number for every motor"
+        )
+    return given.astype(np.float64)
+
+
+def checked_seed(seed: Any) -> int:
+    """Returns a seed.
+
+    Raises:
+        InputError: The seed is no whole number from 0 to 2^63 - 1.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
+        raise InputError(f"seed is {shown(seed)}: give a whole number of at least 0, or None")
+    if not 0 <= seed <= HIGHEST_SEED:
+        raise InputError(f"seed is {seed}: use 0 to {HIGHEST_SEED}")
+    return int(seed)
+
+
+def _check_period(control_dt: float, sim_dt: float) -> None:
+    within("control_dt", control_dt, 0, PREVIEW[0], " s")
+    substeps = round(control_dt / sim_dt)
+    if substeps < 1 or abs(substeps * sim_dt - control_dt) > 1e-9:
+        raise InputError(
+            f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
+        )
+    steps = PREVIEW[0] / control_dt
+    if abs(steps - round(steps)) > 1e-9:
+        raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")

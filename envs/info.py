@@ -1,0 +1,45 @@
+"""An info dict whose content is made up when it is read first."""
+
+from collections.abc import Callable
+from typing import Any
+
+
+class Info(dict[str, Any]):
+    """A dict that is filled when it is read first; most are never read.
+
+    Args:
+        read: Function that returns the content, as it was when the info was made.
+    """
+
+    def __init__(self, read: Callable[[], dict[str, Any]]) -> None:
+        super().__init__()
+        self._read: Callable[[], dict[str, Any]] | None = read
+
+    def _fill(self) -> None:
+        read, self._read = self._read, None
+        if read is not None:
+            for name, value in read().items():
+                dict.setdefault(self, name, value)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        self._fill()
+        return dict, (dict(self.items()),)
+
+
+def _filled(name: str) -> Callable[..., Any]:
+    method = getattr(dict, name)
+
+    def call(self: Info, *arguments: Any, **named: Any) -> Any:
+        self._fill()
+        return method(self, *arguments, **named)
+
+    call.__name__ = name
+    return call
+
+
+for _name in (
+    *("__contains__", "__delitem__", "__eq__", "__getitem__", "__ior__", "__iter__", "__len__"),
+    *("__ne__", "__or__", "__repr__", "__reversed__", "__ror__", "clear", "copy", "get", "items"),
+    *("keys", "pop", "popitem", "setdefault", "update", "values"),
+):
+    setattr(Info, _name, _filled(_name))

@@ -1,0 +1,48 @@
+"""Kernels of fatigue: scalar functions, and the same for arrays element by element."""
+
+# pyright: reportCallIssue=false, reportFunctionMemberAccess=false
+
+import math
+
+from numba import njit, vectorize
+
+
+@njit(cache=True)
+def loaded(asked: float, available: float) -> float:
+    """Returns the load of a muscle group; 1 where it would need torque that it cannot have."""
+    if asked <= 0.0:
+        return 0.0
+    return asked / available if available > 0.0 else 1.0
+
+
+@njit(cache=True)
+def tired(
+    fatigued: float,
+    load: float,
+    tiring: float,
+    recovery: float,
+    multiplier: float,
+    resting: float,
+    dt: float,
+) -> float:
+    """Returns the fatigued part of a muscle group after `dt` under constant load."""
+    if load <= resting:
+        recovery = recovery * multiplier
+    ceiling = 1.0 - load
+    able = fatigued <= ceiling
+    rate = recovery if able else tiring + recovery
+    goal = (load if able else 1.0) * tiring / rate
+    before = dt
+    # The flow is continuous where ability ends, so a group passes the ceiling once or never.
+    if (goal > ceiling) == able:
+        share = (goal - ceiling) / (goal - fatigued)
+        before = min(-math.log(share) / rate, dt) if share > 0.0 else dt
+    fatigued = fatigued + (fatigued - goal) * math.expm1(-rate * before)
+    rate = tiring + recovery if able else recovery
+    goal = (1.0 if able else load) * tiring / rate
+    return fatigued + (fatigued - goal) * math.expm1(-rate * (dt - before))
+
+
+# Called through NumPy: the call of numba's own object takes longer than the work.
+load_of = vectorize("f8(f8, f8)", cache=True)(loaded.py_func).ufunc
+tire = vectorize("f8(f8, f8, f8, f8, f8, f8, f8)", cache=True)(tired.py_func).ufunc

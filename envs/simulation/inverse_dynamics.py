@@ -1,0 +1,179 @@
+"""Torque that moves a bare arm along a motion: the recursive Newton-Euler algorithm in a kernel.
+
+Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 5.3, for a chain of four hinges, in the
+frame of each link. The relaxed arm's own springs and dampers are part of the torque.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numba import njit
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError
+
+# Columns of a link: position and axis of its joint in the frame above, mass, center of mass,
+# inertia about it (xx, yy, zz, xy, xz, yz) in its own axes, stiffness, rest angle and damping.
+POSITION, AXIS, MASS, CENTER, INERTIA, STIFFNESS, REST, DAMPING, LINK = 0, 3, 6, 7, 10, 16, 17, 18, 19
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The inertia of bare arms, shape (arms, ...).
+
+    Attributes:
+        links: Numbers of every link, shape (arms, 4, 19), in the columns named above.
+        gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3).
+    """
+
+    links: Array
+    gravity: Array
+
+    @classmethod
+    def of(cls, arm: mujoco.MjModel) -> "Chain":
+        """Returns the chain of one arm.
+
+        Args:
+            arm: Model of the bare arm, from `bare_arm`.
+
+        Raises:
+            InputError: The arm is no chain of four hinges.
+        """
+        joints = [arm.joint(joint).id for joint in JOINTS]
+        bodies = arm.jnt_bodyid[joints]
+        turned = np.abs(arm.body_quat[bodies] - [1, 0, 0, 0]).max() > 1e-12
+        if turned or arm.jnt_pos[joints].any() or (arm.body_parentid[bodies[1:]] != bodies[:-1]).any():
+            raise InputError("the bare arm is no chain of four hinges: compose it anew")
+        links = np.zeros((len(JOINTS), LINK))
+        for link, joint, body in zip(links, joints, bodies, strict=True):
+            link[POSITION:AXIS] = arm.body_pos[body]
+            link[AXIS:MASS] = arm.jnt_axis[joint]
+            link[MASS] = arm.body_mass[body]
+            link[CENTER:INERTIA] = arm.body_ipos[body]
+            axes = np.empty(9)
+            mujoco.mju_quat2Mat(axes, arm.body_iquat[body])
+            rotation = axes.reshape(3, 3)
+            inertia = rotation * arm.body_inertia[body] @ rotation.T
+            link[INERTIA:STIFFNESS] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+            dof = arm.jnt_dofadr[joint]
+            link[STIFFNESS] = arm.jnt_stiffness[joint]
+            link[REST] = arm.qpos_spring[arm.jnt_qposadr[joint]]
+            link[DAMPING] = arm.dof_damping[dof]
+        data = mujoco.MjData(arm)
+        mujoco.mj_kinematics(arm, data)
+        torso = data.xmat[arm.body_parentid[bodies[0]]].reshape(3, 3)
+        return cls(links[None], (torso.T @ arm.opt.gravity)[None])
+
+
+@njit(cache=True)
+def arm_torque(
+    row: int,
+    links: Array,
+    gravity: Array,
+    angle: Array,
+    rate: Array,
+    acceleration: Array,
+    sample: int,
+    scratch: Array,
+    torque: Array,
+) -> None:
+    """Computes the torque [N·m] that moves a bare arm.
+
+    Args:
+        row: The arm.
+        links: Links of `Chain`, shape (arms, 4, 19).
+        gravity: Gravity of `Chain`, shape (arms, 3).
+        angle: Joint angles [rad], shape (arms, samples, 4).
+        rate: Joint rates [rad/s], the same shape.
+        acceleration: Joint accelerations [rad/s²], the same shape.
+        sample: The sample that counts.
+        scratch: Sine and cosine of each joint, then force and moment at its origin, shape
+            (arms, 4, 8).
+        torque: The result, shape (arms, 4).
+    """
+    wx, wy, wz = 0.0, 0.0, 0.0  # rate of turning of the frame above
+    bx, by, bz = 0.0, 0.0, 0.0  # its derivative
+    ax, ay, az = -gravity[row, 0], -gravity[row, 1], -gravity[row, 2]
+    for i in range(4):
+        px, py, pz = links[row, i, 0], links[row, i, 1], links[row, i, 2]
+        ux, uy, uz = links[row, i, 3], links[row, i, 4], links[row, i, 5]
+        # Acceleration of the joint's origin: a + b x p + w x (w x p), in the frame above.
+        cx, cy, cz = wy * pz - wz * py, wz * px - wx * pz, wx * py - wy * px
+        ax = ax + by * pz - bz * py + wy * cz - wz * cy
+        ay = ay + bz * px - bx * pz + wz * cx - wx * cz
+        az = az + bx * py - by * px + wx * cy - wy * cx
+        q, v, d = angle[row, sample, i], rate[row, sample, i], acceleration[row, sample, i]
+        s, c = math.sin(q), math.cos(q)
+        scratch[row, i, 0], scratch[row, i, 1] = s, c
+        # Into the frame of the link, turned by q about u: x' = c x + (1 - c)(u x)u - s u x x.
+        dot = (1.0 - c) * (ux * ax + uy * ay + uz * az)
+        ax, ay, az = (
+            c * ax + dot * ux - s * (uy * az - uz * ay),
+            c * ay + dot * uy - s * (uz * ax - ux * az),
+            c * az + dot * uz - s * (ux * ay - uy * ax),
+        )
+        dot = (1.0 - c) * (ux * wx + uy * wy + uz * wz)
+        wx, wy, wz = (
+            c * wx + dot * ux - s * (uy * wz - uz * wy),
+            c * wy + dot * uy - s * (uz * wx - ux * wz),
+            c * wz + dot * uz - s * (ux * wy - uy * wx),
+        )
+        dot = (1.0 - c) * (ux * bx + uy * by + uz * bz)
+        bx, by, bz = (
+            c * bx + dot * ux - s * (uy * bz - uz * by),
+            c * by + dot * uy - s * (uz * bx - ux * bz),
+            c * bz + dot * uz - s * (ux * by - uy * bx),
+        )
+        bx, by, bz = (
+            bx + d * ux + v * (wy * uz - wz * uy),
+            by + d * uy + v * (wz * ux - wx * uz),
+            bz + d * uz + v * (wx * uy - wy * ux),
+        )
+        wx, wy, wz = wx + v * ux, wy + v * uy, wz + v * uz
+        # Newton's law for the center of mass, Euler's about it.
+        m = links[row, i, 6]
+        rx, ry, rz = links[row, i, 7], links[row, i, 8], links[row, i, 9]
+        cx, cy, cz = wy * rz - wz * ry, wz * rx - wx * rz, wx * ry - wy * rx
+        fx = m * (ax + by * rz - bz * ry + wy * cz - wz * cy)
+        fy = m * (ay + bz * rx - bx * rz + wz * cx - wx * cz)
+        fz = m * (az + bx * ry - by * rx + wx * cy - wy * cx)
+        ixx, iyy, izz = links[row, i, 10], links[row, i, 11], links[row, i, 12]
+        ixy, ixz, iyz = links[row, i, 13], links[row, i, 14], links[row, i, 15]
+        hx = ixx * wx + ixy * wy + ixz * wz
+        hy = ixy * wx + iyy * wy + iyz * wz
+        hz = ixz * wx + iyz * wy + izz * wz
+        scratch[row, i, 2], scratch[row, i, 3], scratch[row, i, 4] = fx, fy, fz
+        scratch[row, i, 5] = ixx * bx + ixy * by + ixz * bz + wy * hz - wz * hy + ry * fz - rz * fy
+        scratch[row, i, 6] = ixy * bx + iyy * by + iyz * bz + wz * hx - wx * hz + rz * fx - rx * fz
+        scratch[row, i, 7] = ixz * bx + iyz * by + izz * bz + wx * hy - wy * hx + rx * fy - ry * fx
+    fx, fy, fz = 0.0, 0.0, 0.0  # what the link below needs, in the frame of this one
+    nx, ny, nz = 0.0, 0.0, 0.0
+    for back in range(4):
+        i = 3 - back
+        fx, fy, fz = fx + scratch[row, i, 2], fy + scratch[row, i, 3], fz + scratch[row, i, 4]
+        nx, ny, nz = nx + scratch[row, i, 5], ny + scratch[row, i, 6], nz + scratch[row, i, 7]
+        ux, uy, uz = links[row, i, 3], links[row, i, 4], links[row, i, 5]
+        away = angle[row, sample, i] - links[row, i, 17]
+        passive = links[row, i, 16] * away + links[row, i, 18] * rate[row, sample, i]
+        torque[row, i] = ux * nx + uy * ny + uz * nz + passive
+        # Back into the frame above, and to its origin.
+        s, c = scratch[row, i, 0], scratch[row, i, 1]
+        dot = (1.0 - c) * (ux * fx + uy * fy + uz * fz)
+        fx, fy, fz = (
+            c * fx + dot * ux + s * (uy * fz - uz * fy),
+            c * fy + dot * uy + s * (uz * fx - ux * fz),
+            c * fz + dot * uz + s * (ux * fy - uy * fx),
+        )
+        dot = (1.0 - c) * (ux * nx + uy * ny + uz * nz)
+        nx, ny, nz = (
+            c * nx + dot * ux + s * (uy * nz - uz * ny),
+            c * ny + dot * uy + s * (uz * nx - ux * nz),
+            c * nz + dot * uz + s * (ux * ny - uy * nx),
+        )
+        px, py, pz = links[row, i, 0], links[row, i, 1], links[row, i, 2]
+        nx, ny, nz = nx + py * fz - pz * fy, ny + pz * fx - px * fz, nz + px * fy - py * fx

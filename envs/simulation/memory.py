@@ -1,0 +1,117 @@
+"""Everything that lives from one reset to the next, for all rows of a simulation."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...assets import JOINTS
+from .measurements import WIDTH
+
+STRETCH = 64  # control periods for which muscle noise is drawn at once
+
+
+@dataclass(eq=False)
+class Memory:
+    """The memory of episodes, arrays with a leading axis of rows.
+
+    Saving, restoring and checking a state go through these fields and no others, beside the state
+    of the physics.
+
+    Attributes:
+        seed: Seed of the row, from which all its random numbers follow, shape (n,).
+        episode: Number of the episode since the row was seeded, shape (n,).
+        step: Number of control periods since the reset, shape (n,).
+        limit: Number of control periods after which the episode is truncated, shape (n,).
+        clipped: Number of actions that were beyond [-1, 1], shape (n,).
+        diverged: Whether the physics has diverged, shape (n,).
+        angle: Intended joint angles [rad], shape (n, samples, 4).
+        rate: Their rates [rad/s], the same shape.
+        acceleration: Their accelerations [rad/s²], the same shape.
+        resistance: Resistance of the suit along the intention [N·m], the same shape; no samples
+            for wearers who foresee none of it.
+        command: Last action, shape (n, motors).
+        change: Its change since the action before, shape (n, motors).
+        mean_square: Running mean square of the motors' torques [N²·m²], shape (n, motors).
+        past: Intrinsic torques of the wearer without an answer yet [N·m], a ring with the step as
+            its place, shape (n, delay, 4).
+        variation: Slow noise of the muscles, tremor, and tremor a quarter period later, each with
+            variance 1 in the long run, shape (n, 3, 4).
+        fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
+        fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
+        counts: Counts that the encoders showed last, shape (n, 4).
+        dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
+        measured: Last valid measurements, shape (n, WIDTH).
+    """
+
+    seed: NDArray[np.int64]
+    episode: NDArray[np.int64]
+    step: NDArray[np.int64]
+    limit: NDArray[np.int64]
+    clipped: NDArray[np.int64]
+    diverged: NDArray[np.bool_]
+    angle: Array
+    rate: Array
+    acceleration: Array
+    resistance: Array
+    command: Array
+    change: Array
+    mean_square: Array
+    past: Array
+    variation: Array
+    fresh: Array
+    fatigued: Array
+    counts: Array
+    dissipated_before: Array
+    measured: Array
+
+    @classmethod
+    def empty(
+        cls, n: int, *, samples: int, motors: int, delay: int, foresees: bool, noisy: bool
+    ) -> "Memory":
+        """Returns the memory of `n` rows before their first reset.
+
+        Args:
+            n: Number of rows.
+            samples: Number of samples of an intention.
+            motors: Number of motors.
+            delay: Delay of the wearer's feedback [control periods].
+            foresees: Whether the wearer foresees some of the suit's resistance.
+            noisy: Whether the wearer's muscles have noise or tremor.
+        """
+        joints = len(JOINTS)
+        motion = (n, samples, joints)
+        return cls(
+            seed=np.zeros(n, np.int64),
+            episode=np.full(n, -1),
+            step=np.zeros(n, np.int64),
+            limit=np.full(n, samples - 1),
+            clipped=np.zeros(n, np.int64),
+            diverged=np.zeros(n, np.bool_),
+            angle=np.zeros(motion),
+            rate=np.zeros(motion),
+            acceleration=np.zeros(motion),
+            resistance=np.zeros((n, samples if foresees else 0, joints)),
+            command=np.zeros((n, motors)),
+            change=np.zeros((n, motors)),
+            mean_square=np.zeros((n, motors)),
+            past=np.zeros((n, delay, joints)),
+            variation=np.zeros((n, 3, joints)),
+            fresh=np.zeros((n, STRETCH if noisy else 0, 3, joints)),
+            fatigued=np.zeros((n, 2, joints)),
+            counts=np.zeros((n, joints)),
+            dissipated_before=np.zeros(n),
+            measured=np.zeros((n, WIDTH)),
+        )
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Returns the arrays themselves, by the names of their fields."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    def clear(self, rows: NDArray[np.int64]) -> None:
+        """Forgets the last episode of some rows, but not their seeds."""
+        kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "resistance")
+        for name, values in self.arrays().items():
+            if name not in kept:
+                values[rows] = 0

@@ -1,0 +1,112 @@
+"""The check of a saved state before it is restored."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError, shown
+from .streams import HIGHEST_SEED
+
+PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
+MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
+MOST = 10**9  # control periods
+LARGEST = 1e9  # J, N·m, rad/s: more than any episode has, and sums of it stay finite
+ROUNDING = 1e-9
+# The lowest and the highest number of an array, where they are narrower than LARGEST.
+BOUNDS: dict[str, tuple[float, float]] = {
+    "seed": (0, HIGHEST_SEED),
+    "episode": (0, MOST),
+    "step": (0, MOST),
+    "limit": (1, MOST),
+    "clipped": (0, MOST),
+    "diverged": (0, 0),
+    "angle": (-2 * math.pi, 2 * math.pi),
+    "command": (-1.0, 1.0),
+    "change": (-2.0, 2.0),
+    "mean_square": (0.0, LARGEST),
+    "fatigued": (-ROUNDING, 1.0 + ROUNDING),
+}
+
+
+def check_state(
+    state: Any,
+    config: dict[str, Any],
+    present: dict[str, NDArray],
+    model: mujoco.MjModel,
+) -> None:
+    """Checks that a state came from an identically configured environment.
+
+    Args:
+        state: State that the user gave.
+        config: Configuration of the environment.
+        present: Present state of the rows to restore, array by array.
+        model: Model of the environment.
+
+    Raises:
+        InputError: The state belongs to another environment or to an episode that has diverged, or
+            a part of it is missing, has another type or shape, or numbers out of their bounds.
+    """
+    if not isinstance(state, dict):
+        raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")
+    missing = [key for key in ("config", *present) if key not in state]
+    if missing:
+        raise InputError(f"the state lacks {', '.join(missing)}: give the whole dict of get_state")
+    _check_config(state["config"], config)
+    rows = len(present["seed"])
+    given = state["seed"]
+    if isinstance(given, np.ndarray) and given.ndim == 1 and len(given) != rows:
+        raise InputError(f"the state is of {len(given)} rows, and {rows} are to be restored")
+    diverged = state["diverged"]
+    if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
+        raise InputError("the state is of an episode that has diverged: go on from an earlier one")
+    for name, value, wanted, usable in _parts(state, present, model):
+        if not usable:
+            raise InputError(
+                f"the state's {name} is {shown(value)}: it must be {wanted}, as get_state "
+                "returned it"
+            )
+
+
+def _check_config(saved: Any, own: dict[str, Any]) -> None:
+    if not isinstance(saved, dict) or saved.keys() != own.keys():
+        raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
+    differing = [name for name in own if saved[name] != own[name]]
+    if differing:
+        there, here = (
+            ", ".join(f"{name}={values[name]!r}" for name in differing) for values in (saved, own)
+        )
+        raise InputError(
+            f"the state is of an environment with {there}, and this one has {here}: make it with "
+            "the same options"
+        )
+
+
+def _parts(
+    state: dict[str, Any], present: dict[str, NDArray], model: mujoco.MjModel
+) -> Iterator[tuple[str, Any, str, bool]]:
+    """Yields name, value, the required form, and whether the value has it; callers rely on it."""
+    for name, own in present.items():
+        value, (low, high) = state[name], BOUNDS.get(name, (-LARGEST, LARGEST))
+        form = f"{own.dtype} numbers of shape {own.shape}"
+        fits = (
+            isinstance(value, np.ndarray) and value.dtype == own.dtype and value.shape == own.shape
+        )
+        if name == "physics":
+            yield name, value, form, fits and bool(np.isfinite(value).all())
+            yield name, value, f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
+        else:
+            inside = fits and bool(((low <= value) & (value <= high)).all())  # nan is not
+            yield name, value, f"{form} from {low:g} to {high:g}", inside
+
+
+def _is_slow(physics: NDArray, model: mujoco.MjModel) -> bool:
+    motion = np.empty(mujoco.mj_stateSize(model, MOTION))
+    for row in physics:
+        mujoco.mj_extractState(model, row, PHYSICS, motion, MOTION)
+        if not np.abs(motion).max() < mujoco.mjMAXVAL:
+            return False
+    return True

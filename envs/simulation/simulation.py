@@ -1,0 +1,309 @@
+"""Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo."""
+
+import inspect
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError
+from ..model import ArmConfig, bare_arm, compose, resisting_joints, start_encoders
+from ..person import VoluntaryControl, isometric_strength
+from ..person.control import NOISE_SIZE, noise_constants
+from ..person.fatigue import RATES
+from ..person.strength import SHAPE
+from ..provenance import Quantity
+from .addresses import Addresses
+from .cycle import after, before
+from .intention import Motion, resistance, valid_motion
+from .inverse_dynamics import Chain, arm_torque
+from .measurements import COLUMNS
+from .memory import STRETCH, Memory
+from .streams import stream
+
+Rows = NDArray[np.int64]
+
+VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
+NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
+DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+PREVIEW = (0.02, 0.1, 0.24)  # s ahead of now at which the target is shown, nearest first
+
+MOST_NEWTON_STEPS = 12  # to settle an arm; three are usual
+SLOPES = 2  # of them compute the derivatives anew, the others reuse them
+NUDGE = 1e-6  # rad, for these derivatives
+BALANCE = 1e-10  # N·m, at which an arm has settled
+
+_CUTOFF = Quantity(
+    "encoder.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
+)
+PROVENANCE: tuple[Quantity, ...] = (_CUTOFF,)
+
+
+class Simulation:
+    """Simulates rows of arms; it knows no task and no reward.
+
+    Each row is an arm with its suit, exoskeleton and wearer. A control period is `before`, the
+    physics of all rows, and `after` (see `cycle`). Row i is the same to the last bit whatever the
+    other rows do, for any number of rows and threads.
+
+    Args:
+        config: Configuration of the arms.
+        n: Number of rows.
+        samples: Number of samples of an intention.
+        control_dt: Control period [s].
+        control: The wearer's control of the arm.
+        fatigue: Whether effort tires the wearers.
+        threads: Number of threads; 0 uses all cores.
+
+    Attributes:
+        model: MuJoCo model of a row, without drawings.
+        memory: All that lives from reset to reset, beside the state of the physics.
+        addresses: Addresses of the model.
+        columns: Columns of `memory.measured`, by name, of what these arms have.
+        plugin_state: State of the suits, a view of shape (n, size).
+    """
+
+    def __init__(
+        self,
+        config: ArmConfig,
+        n: int,
+        *,
+        samples: int,
+        control_dt: float,
+        control: VoluntaryControl,
+        fatigue: bool,
+        threads: int,
+    ) -> None:
+        self.config, self.control, self.fatigue = config, control, fatigue
+        self.model = compose(config, drawn=False)
+        self.n, self.samples, self.control_dt = n, samples, control_dt
+        self.substeps = round(control_dt / config.timestep)
+        self.addresses = Addresses.of(self.model)
+        self._arm = bare_arm(config)
+        self._known_suit = resisting_joints(config) if control.suit_learning > 0 else {}
+        self.memory = Memory.empty(
+            n,
+            samples=samples,
+            motors=self.addresses.motors.size,
+            delay=round(control.delay / control_dt),
+            foresees=control.suit_learning > 0,
+            noisy=control.noise > 0 or control.tremor > 0,
+        )
+        self.columns = self._measured_columns()
+        self._all = np.arange(n)
+        self._begin_physics(threads)
+
+    # --- Episodes -----------------------------------------------------------------------------
+
+    def begin(self, rows: Rows, motions: Sequence[Motion]) -> None:
+        """Begins an episode in some rows: rested wearers hold still at their first intention.
+
+        Their feedback holds torque that they do not foresee. Strength does not limit that torque: a
+        wearer who is too weak drops the arm from there. Seeds and numbers of the episodes are in
+        `memory` before.
+
+        Args:
+            rows: The rows, shape (k,).
+            motions: Intended motion of each of them.
+
+        Raises:
+            InputError: A motion has other shapes, is not finite or leaves the range of a joint.
+        """
+        memory = self.memory
+        motions = [valid_motion(motion, self.samples, self._arm.jnt_range) for motion in motions]
+        memory.clear(rows)
+        for row, (angle, rate, acceleration) in zip(rows.tolist(), motions, strict=True):
+            memory.angle[row], memory.rate[row] = angle, rate
+            memory.acceleration[row] = acceleration
+            if memory.resistance.size:
+                memory.resistance[row] = resistance(self._known_suit, angle)
+        self._batch.reset(rows, stage=NOTHING)
+        self._settle(rows)
+        if self.config.exo.encoder_delay > 0:
+            self._fill_encoders(rows)
+        self._batch.forward(rows)
+        after(rows, *self._after, False)
+
+    def step(self, action: Array, rows: Rows | None = None) -> None:
+        """Moves some rows by one control period.
+
+        Args:
+            action: Torque of the motors over their peaks, shape (n, motors); values beyond [-1, 1]
+                are clipped and counted.
+            rows: The rows that move; by default all.
+
+        Raises:
+            InputError: An action is not of finite numbers; nothing has changed.
+        """
+        moving = self._all if rows is None else rows
+        if self.memory.fresh.size:
+            self._draw_noise(moving)
+        bad = before(moving, action, *self._before)
+        if bad >= 0:
+            place = f"action of row {bad}" if self.n > 1 else "action"
+            raise InputError(
+                f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1"
+            )
+        self._batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
+        after(moving, *self._after, True)
+
+    def measured(self, name: str) -> Array:
+        """Returns a view of one measurement of all rows, shape (n, size)."""
+        return self.memory.measured[:, COLUMNS[name]]
+
+    # --- State --------------------------------------------------------------------------------
+
+    def state(self, rows: Rows) -> dict[str, NDArray]:
+        """Returns physics and memory of some rows, as new arrays with a leading axis of rows."""
+        arrays = {"physics": self._batch.state, **self.memory.arrays()}
+        return {name: values[rows] for name, values in arrays.items()}
+
+    def restore(self, rows: Rows, state: dict[str, NDArray]) -> None:
+        """Restores what `state` returned, in as many rows; they then go on bit for bit."""
+        self._batch.reset(rows, stage=NOTHING)
+        self._batch.state[rows] = state["physics"]
+        for name, values in self.memory.arrays().items():
+            values[rows] = state[name]
+        self._batch.forward(rows, stage=VELOCITIES)
+
+    def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
+        """Returns physics of a row, for reading, in `into` or in a new MjData of `model`."""
+        return self._batch.get_data(row, into)
+
+    def physics_of(self, row: int) -> tuple[float, Array]:
+        """Returns time [s] and position of a row, from which a picture is drawn."""
+        return float(self._time[row]), self._qpos[row].copy()
+
+    # --- Parts --------------------------------------------------------------------------------
+
+    def _measured_columns(self) -> dict[str, slice]:
+        at = self.addresses
+        absent = set() if at.cuffs.size else {"cuff_force"}
+        if not self.fatigue:
+            absent.add("fatigue")
+        if not at.motors.size:
+            absent |= {"motor_load", "motor_torque", "previous_action"}
+        return {name: part for name, part in COLUMNS.items() if name not in absent}
+
+    def _begin_physics(self, threads: int) -> None:
+        batch = self._batch = Batch(self.model, self.n, nthread=threads, persistent=True)
+        batch.reset()
+        bound = ("time", "qpos", "qvel", "ctrl", "sensordata", "actuator_force", "plugin_state")
+        physics = {name: batch.bind(name) for name in bound}
+        self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
+        self.plugin_state = physics["plugin_state"]
+        self._passive, self._bias = batch.bind("qfrc_passive"), batch.bind("qfrc_bias")
+        physics["warning"] = batch.warning[:, DIVERGENCE, 1]
+        chain = Chain.of(self._arm)
+        names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
+        for name in ("links", "gravity"):
+            names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
+        for name in ("stiffness", "damping"):
+            names[name] = np.tile(getattr(self.addresses, name), (self.n, 1))
+        self._stiffness, self._own = names["stiffness"], names["own"]
+        self._chain = tuple(names[name] for name in ("links", "gravity"))
+        self._scratch = names["scratch"]
+        self._before = _arguments(before, names, first=2)
+        self._after = _arguments(after, names, first=1, last=1)
+
+    def _constants(self) -> dict[str, Any]:
+        n, config, dt = self.n, self.config, self.control_dt
+        motors = list(config.exo.motors.values())[: self.addresses.motors.size]
+        control = self.control
+        habits = [control.suit_learning, control.feedback, control.noise, control.tremor]
+        tiring, recovery, multiplier, resting = RATES
+        return {
+            "scratch": np.empty((n, len(JOINTS), 8)),
+            "own": np.zeros((n, len(JOINTS))),
+            "strength": np.tile(isometric_strength(config.wearer), (n, 1, 1)),
+            "rested": np.zeros((n, 2, len(JOINTS))),
+            "shape": SHAPE,
+            "habits": np.tile(np.array(habits, dtype=float), (n, 1)),
+            "spread": NOISE_SIZE,
+            "ringing": noise_constants(dt),
+            "peak": self.addresses.peak_torque,
+            "continuous": np.array([motor.continuous_torque for motor in motors]),
+            "time_constant": np.array([motor.thermal_time_constant for motor in motors]),
+            "tiring": tiring,
+            "recovery": recovery,
+            "multiplier": multiplier,
+            "resting": resting,
+            "ahead": np.array([round(ahead / dt) for ahead in PREVIEW]),
+            "count": math.tau / 2**config.exo.encoder_bits,
+            "smoothing": 1 - math.exp(-math.tau * _CUTOFF.value * dt),
+            "dt": dt,
+            "tires": self.fatigue,
+        }
+
+    def _settle(self, rows: Rows) -> None:
+        """Puts arms at rest at their first intention, by Newton's method on all of them at once."""
+        memory, at = self.memory, self.addresses
+        intended, stiffness = memory.angle[rows, 0], self._stiffness[rows]
+        arms = (memory.angle, memory.rate, memory.acceleration)
+        for row in rows.tolist():
+            arm_torque(row, *self._chain, *arms, 0, self._scratch, self._own)
+        foreseen = self._own[rows]
+        if memory.resistance.size:
+            foreseen = foreseen + self.control.suit_learning * memory.resistance[rows, 0]
+        gain = self.control.feedback
+
+        def imbalance(some: Rows, angle: Array) -> Array:
+            self._qpos[rows[some]] = angle
+            self._batch.forward(rows[some], stage=VELOCITIES)
+            torque = self._passive[rows[some]] - self._bias[rows[some]]
+            intrinsic = stiffness[some] * (intended[some] - angle[:, at.joints])
+            torque[:, at.joints] += intrinsic + (foreseen[some] + gain * intrinsic)
+            return torque
+
+        angle = np.zeros((len(rows), self.model.nq))
+        angle[:, at.joints] = angle[:, at.exo_joints] = intended
+        slope = np.empty((len(rows), self.model.nq, self.model.nq))
+        active = np.arange(len(rows))
+        for iteration in range(MOST_NEWTON_STEPS):
+            torque = imbalance(active, angle[active])
+            unsettled = np.abs(torque).max(axis=1) > BALANCE
+            active, torque = active[unsettled], torque[unsettled]
+            if not active.size:
+                break
+            if iteration < SLOPES:
+                for j in range(self.model.nq):
+                    nudged = angle[active]
+                    nudged[:, j] += NUDGE
+                    slope[active, :, j] = (imbalance(active, nudged) - torque) / NUDGE
+            angle[active] -= np.linalg.solve(slope[active], torque[..., None])[..., 0]
+        self._qpos[rows] = angle
+        intrinsic = stiffness * (intended - angle[:, at.joints])
+        memory.past[rows] = intrinsic[:, None]
+        first, still, added = at.intention
+        self._ctrl[np.ix_(rows, first)] = intended
+        self._ctrl[np.ix_(rows, still)] = 0.0
+        self._ctrl[np.ix_(rows, added)] = foreseen + gain * intrinsic
+
+    def _fill_encoders(self, rows: Rows) -> None:
+        data, history = mujoco.MjData(self.model), self._batch.bind("history")
+        for row in rows.tolist():
+            mujoco.mj_resetData(self.model, data)
+            data.qpos[:] = self._qpos[row]
+            start_encoders(self.model, data)
+            history[row] = data.history
+
+    def _draw_noise(self, rows: Rows) -> None:
+        memory = self.memory
+        for row in rows[memory.step[rows] % STRETCH == 0].tolist():
+            part = int(memory.step[row]) // STRETCH
+            rng = stream(int(memory.seed[row]), int(memory.episode[row]), "muscle noise", part)
+            rng.standard_normal(out=memory.fresh[row])
+
+
+def _arguments(
+    kernel: Callable[..., Any], names: dict[str, Any], *, first: int, last: int = 0
+) -> tuple[Any, ...]:
+    """Returns the arguments of a kernel by their names, without its first and last ones."""
+    wanted = list(inspect.signature(kernel.py_func).parameters)  # type: ignore[attr-defined]
+    return tuple(names[name] for name in wanted[first : len(wanted) - last])

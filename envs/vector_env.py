@@ -1,0 +1,321 @@
+"""Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, get_args
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from ..checks import at_least, flag
+from ..errors import InputError, shown, unknown_name
+from .episodes import Episodes, checked_seed
+from .person import VoluntaryControl
+from .rendering import ArmRenderer, RenderQuality
+from .reward import TERMS
+from .simulation.measurements import SENSED
+from .tasks import ARM_TRACKING, Task, task_of
+
+InfoKind = Literal["none", "metrics", "full"]
+METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
+MASK = "reset_mask"  # the only option of a reset
+Bools = NDArray[np.bool_]
+
+
+class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDArray[Any]]):
+    """Rows of arms in one process: row i is `ArmEnv` with the seed of row i, to the last bit.
+
+    Everything that is not told here is as in `ArmEnv`, per row: actions are (num_envs, motors),
+    observations (num_envs, size). Each answer is made of new arrays.
+
+    Args:
+        num_envs: Number of rows.
+        task: Task, or the name of a shipped one.
+        threads: Number of threads of the physics; 0 uses all cores.
+        autoreset_mode: Begin of a row's next episode: "NextStep" (the step after the end resets
+            the row and ignores its action), "SameStep" (the step that ends an episode returns the
+            first observation of the next one, and the last of the old in `info["final_obs"]`) or
+            "Disabled" (`reset(options={"reset_mask": mask})` resets the rows that the mask names).
+        stagger: Whether the first episodes end at random times, so that later ones do not all
+            begin together.
+        info: Content of `info`: "none"; "metrics" (energies, load of the motors, terms of the
+            reward); or "full" (all that `ArmEnv` gives).
+        render_mode: None or "rgb_array", a picture of each row.
+        camera: Name of the camera to render from.
+        width: Width of a picture [pixels].
+        height: Height of a picture [pixels].
+        render_quality: Quality of pictures, "fast" or "fine".
+        **options: Further options of `ArmEnv`: sensors, normalize, control_dt, control, fatigue and
+            the fields of `ArmConfig`.
+
+    Raises:
+        InputError: An argument is out of its range; the message names it.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        task: str | Task = ARM_TRACKING,
+        *,
+        threads: int = 0,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        stagger: bool = False,
+        info: InfoKind = "none",
+        render_mode: str | None = None,
+        camera: str = "overview",
+        width: int = 640,
+        height: int = 480,
+        render_quality: RenderQuality = "fast",
+        control: VoluntaryControl | Mapping[str, Any] | None = None,
+        **options: Any,
+    ) -> None:
+        at_least("num_envs", num_envs, 1)
+        at_least("threads", threads, 0)
+        flag("stagger", stagger)
+        if info not in get_args(InfoKind):
+            raise unknown_name("info", info, get_args(InfoKind))
+        if render_mode not in (None, "rgb_array"):
+            raise InputError(f"render_mode is {render_mode!r}: use None or 'rgb_array'")
+        self.autoreset_mode = _mode(autoreset_mode)
+        self.episodes = Episodes(
+            task_of(task), num_envs, threads=threads, control=control, **options
+        )
+        simulation = self.episodes.simulation
+        fps = round(1 / simulation.control_dt)
+        self.metadata = {
+            **self.metadata,
+            "render_fps": fps,
+            "autoreset_mode": self.autoreset_mode,
+        }
+        self.render_mode, self.num_envs = render_mode, num_envs
+        self._info, self._stagger = info, stagger
+        self._renderer = ArmRenderer(
+            simulation.config, camera=camera, width=width, height=height, quality=render_quality
+        )
+        self.layout = self.episodes.observer.layout
+        self.single_observation_space = self.episodes.observer.space
+        motors = (self.episodes.motors,)
+        self.single_action_space = gymnasium.spaces.Box(-1.0, 1.0, motors, np.float32)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._rows, self._over = np.arange(num_envs), np.zeros(num_envs, np.bool_)
+
+    # --- Gymnasium ----------------------------------------------------------------------------
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Begins a new episode in each row, or in those that a mask names.
+
+        Args:
+            seed: Seed of row 0, where row i has seed + i; or one seed for every row.
+            options: None, or {"reset_mask": mask}, whose array of num_envs booleans is true for the
+                rows to reset.
+
+        Raises:
+            InputError: The seeds or the mask are of another number of rows, or an option is
+                unknown.
+        """
+        rows = self._rows if options is None else self._masked(options)
+        seeds = _seeds(seed, self.num_envs)
+        self.episodes.reset(
+            rows, None if seeds is None else [seeds[row] for row in rows], stagger=self._stagger
+        )
+        self._over[rows] = False
+        if options is None:
+            self._renderer.forget()
+        return self.episodes.observe(), self._infos()
+
+    def step(
+        self, actions: NDArray[np.floating[Any]]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64], Bools, Bools, dict[str, Any]]:
+        """Moves every row by one control period.
+
+        Raises:
+            InputError: The actions have another shape or are not finite, or there was no reset, or
+                (with autoreset disabled) an episode is over; nothing has changed.
+        """
+        self._require_reset("step")
+        episodes, over = self.episodes, self._over
+        if not over.any():
+            episodes.step(actions)
+        elif self.autoreset_mode is AutoresetMode.NEXT_STEP:
+            episodes.step(actions, self._rows[~over])
+            episodes.reset(self._rows[over])
+            episodes.reward[over] = 0.0
+        else:
+            raise InputError(
+                f"the episodes of rows {shown(self._rows[over].tolist())} are over: reset them "
+                "with options={'reset_mask': mask}"
+            )
+        reward = episodes.reward.copy()
+        terminated, truncated = episodes.terminated.copy(), episodes.truncated.copy()
+        if over.any():
+            terminated[over] = truncated[over] = False
+        ended = terminated | truncated
+        last: dict[str, Any] = {}
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
+            if ended.any():
+                last = self._final(ended)
+                episodes.reset(self._rows[ended])
+            self._over[:] = False
+        else:
+            self._over = ended
+        infos = {**self._infos(), **last}
+        return episodes.observe(), reward, terminated, truncated, infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """Returns a picture (height, width, 3) of every row."""
+        if self.render_mode is None:
+            raise InputError(
+                "render_mode is None: make the environment with render_mode='rgb_array'"
+            )
+        simulation = self.episodes.simulation
+        return tuple(
+            self._renderer.picture(*simulation.physics_of(row)) for row in range(self.num_envs)
+        )
+
+    def close_extras(self, **options: Any) -> None:
+        """Frees the renderer."""
+        del options
+        self._renderer.close()
+
+    # --- State --------------------------------------------------------------------------------
+
+    def get_state(self, rows: Sequence[int] | None = None) -> dict[str, Any]:
+        """Returns the whole state of some rows, as `ArmEnv.get_state` does of one.
+
+        Args:
+            rows: The rows; by default all.
+
+        Raises:
+            InputError: There was no reset, or there is no such row.
+        """
+        self._require_reset("get_state")
+        return self.episodes.state(self._checked_rows(rows))
+
+    def set_state(
+        self, state: dict[str, Any], rows: Sequence[int] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """Restores a state in as many rows, which need not be those it is of.
+
+        Args:
+            state: What `get_state` returned, of an `ArmEnv` too.
+            rows: The rows; by default all.
+
+        Returns:
+            The observations of all rows, and info.
+
+        Raises:
+            InputError: The state belongs to another configuration or number of rows, or there is no
+                such row; nothing has changed.
+        """
+        chosen = self._checked_rows(rows)
+        self.episodes.restore(chosen, state)
+        self._over[chosen] = False
+        return self.episodes.observe(), self._infos()
+
+    # --- Parts --------------------------------------------------------------------------------
+
+    def _masked(self, options: dict[str, Any]) -> NDArray[np.int64]:
+        unknown = [name for name in options if name != MASK]
+        if unknown:
+            raise InputError(
+                f"reset got the options {shown(unknown)}: it knows {MASK!r} only; leave them out"
+            )
+        mask = options.get(MASK)
+        if mask is None:
+            return self._rows
+        shape = (self.num_envs,)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_ or mask.shape != shape:
+            raise InputError(
+                f"{MASK} is {shown(mask)}: give an array of {self.num_envs} booleans, true for "
+                "the rows to reset"
+            )
+        if not mask.any():
+            raise InputError(f"{MASK} names no row: set at least one to true")
+        return self._rows[mask]
+
+    def _checked_rows(self, rows: Sequence[int] | None) -> NDArray[np.int64]:
+        if rows is None:
+            return self._rows
+        chosen = np.asarray(rows)
+        inside = chosen.dtype.kind in "iu" and ((chosen >= 0) & (chosen < self.num_envs)).all()
+        if chosen.ndim != 1 or not inside or len(set(chosen.tolist())) != chosen.size:
+            raise InputError(
+                f"rows is {shown(rows)}: give different whole numbers from 0 to {self.num_envs - 1}"
+            )
+        return chosen.astype(np.int64)
+
+    def _require_reset(self, what: str) -> None:
+        if (self.episodes.simulation.memory.episode < 0).any():
+            raise InputError(f"{what} before the first reset: call reset() first")
+
+    def _infos(self) -> dict[str, Any]:
+        if self._info == "none":
+            return {}
+        return self._read(np.ones(self.num_envs, np.bool_))
+
+    def _read(self, mask: Bools) -> dict[str, Any]:
+        """Returns what the rows of a mask measure, arrays as Gymnasium wants them."""
+        episodes = self.episodes
+        simulation, memory = episodes.simulation, episodes.simulation.memory
+        full = self._info == "full"
+        names = [name for name in simulation.columns if name not in SENSED]
+        found: dict[str, Any] = {
+            name: simulation.measured(name).copy() for name in names if full or name in METRICS
+        }
+        found = {
+            name: values[:, 0] if values.shape[1] == 1 else values
+            for name, values in found.items()
+        }
+        if full:
+            found["clipped_actions"] = memory.clipped.copy()
+            found["diverged"] = memory.diverged.copy()
+        terms: dict[str, Any] = {}
+        for i, name in enumerate(TERMS):
+            terms |= {name: episodes.terms[:, i].copy(), f"_{name}": mask.copy()}
+        found["reward_terms"] = terms
+        return {**found, **{f"_{name}": mask.copy() for name in found}}
+
+    def _final(self, ended: Bools) -> dict[str, Any]:
+        """Returns the last observations and measurements of the episodes that have ended."""
+        observation = self.episodes.observe()
+        last = np.full(self.num_envs, None, dtype=object)
+        for row in self._rows[ended].tolist():
+            last[row] = observation[row]
+        info = {} if self._info == "none" else self._read(ended)
+        return {
+            "final_obs": last,
+            "_final_obs": ended.copy(),
+            "final_info": info,
+            "_final_info": ended.copy(),
+        }
+
+
+def _mode(given: AutoresetMode | str) -> AutoresetMode:
+    modes = {mode.value: mode for mode in AutoresetMode}
+    if isinstance(given, AutoresetMode):
+        return given
+    if given not in modes:
+        raise unknown_name("autoreset_mode", given, modes)
+    return modes[given]
+
+
+def _seeds(given: Any, rows: int) -> list[int | None] | None:
+    """Returns a seed for every row; None if none is given."""
+    if given is None:
+        return None
+    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        if len(given) != rows:
+            raise InputError(f"seed has {len(given)} numbers: give one for each of {rows} rows")
+        return [None if seed is None else checked_seed(seed) for seed in given]
+    first = checked_seed(given)
+    return [first + row for row in range(rows)]
