@@ -15,6 +15,7 @@ from .model import ArmConfig
 from .person import VoluntaryControl
 from .rendering import ArmRenderer, RenderQuality
 from .tasks import ARM_TRACKING, Task, task_of
+from .vector_env import ArmVectorEnv
 
 ROW = np.zeros(1, np.int64)
 
@@ -120,6 +121,14 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             **arm,
         )
         self._simulation = self.episodes.simulation
+        self._options = {
+            "sensors": sensors,
+            "normalize": normalize,
+            "control_dt": control_dt,
+            "control": control,
+            "fatigue": fatigue,
+            **arm,
+        }
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.render_mode = render_mode
@@ -187,6 +196,15 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     def close(self) -> None:
         """Frees the renderer; later calls do nothing."""
         self.renderer.close()
+
+    def rows(self, count: int, **options: Any) -> ArmVectorEnv:
+        """Returns a vector environment of the same task, with the same options.
+
+        Args:
+            count: Number of rows.
+            **options: Further options of `ArmVectorEnv`, such as `threads`.
+        """
+        return ArmVectorEnv(count, self.episodes.task, **{**self._options, **options})
 
     # --- State --------------------------------------------------------------------------------
 

@@ -33,6 +33,8 @@ class Episodes:
         task: The task.
         n: Number of rows.
         threads: Number of threads of the physics; 0 uses all cores.
+        max_periods: Number of control periods after which an episode is truncated, if that is
+            before the end of the intention.
         sensors: Names of the sensor suites that a controller sees.
         normalize: Whether observations are scaled to the size of 1.
         control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
@@ -59,6 +61,7 @@ class Episodes:
         n: int,
         *,
         threads: int = 1,
+        max_periods: int | None = None,
         sensors: Sequence[str] = ("encoders",),
         normalize: bool = False,
         control_dt: float = 0.01,
@@ -75,10 +78,12 @@ class Episodes:
         settings = nested("control", {} if control is None else control, usual)
         settings.periods(control_dt)
         self.task, self.n = task, n
+        samples = round(task.duration / control_dt) + 1
+        self._periods = min(samples - 1, max_periods or samples)
         self.simulation = Simulation(
             config,
             n,
-            samples=round(task.duration / control_dt) + 1,
+            samples=samples,
             control_dt=control_dt,
             control=settings,
             fatigue=fatigue,
@@ -125,10 +130,10 @@ class Episodes:
                 memory.episode[row] = -1
         memory.episode[rows] += 1
         samples, dt = self.simulation.samples, self.simulation.control_dt
-        memory.limit[rows] = samples - 1
+        memory.limit[rows] = self._periods
         if stagger:
             memory.limit[rows] = [
-                self._stream(row, "stagger").integers(1, samples) for row in rows.tolist()
+                self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
         self.simulation.begin(
             rows,

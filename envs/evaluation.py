@@ -1,65 +1,27 @@
 """Closed-loop evaluation: scores several policies on the same intended motions."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from importlib import import_module
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
 from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS, AnySuit, Suit
 from ..checks import at_least
-from ..errors import InputError, shown, unknown_name
-from .arm_env import ArmEnv
+from ..errors import InputError, shown
+from .making import make_arms
 from .model import ASSISTED
 from .model.cuffs import CUFFS
 from .person import EffortMetrics, effort_metrics
-from .policies import Policy, make_policy
+from .policies import Policy, make_policy, sensors_of
+from .rollout import Trace, rollout
+from .vector_env import ArmVectorEnv
 
-Policies = Sequence[str] | Mapping[str, Callable[[ArmEnv], Policy]]  # names, or your own
-OURS = "ActiveSuit/"  # how the ids of our environments begin
+Policies = Sequence[str] | Mapping[str, Callable[[ArmVectorEnv], Policy]]  # names, or your own
 TAKEOVER = 0.5  # s
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
-
-
-@dataclass(frozen=True, eq=False)
-class Trace:
-    """Time series of one episode, sampled after every control period.
-
-    Attributes:
-        time: Time since the reset [s], shape (n,).
-        angle: Joint angles [rad], shape (n, 4), columns as `JOINTS`.
-        rate: Joint rates [rad/s], shape (n, 4).
-        target_angle: Intended angles [rad], shape (n, 4).
-        human_torque: The wearer's torque [N·m], shape (n, 4).
-        suit_torque: The suit's torque on the joints [N·m], shape (n, 4).
-        assist_torque: The motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
-        cuff_force: Force of the cuffs on upper arm, forearm and hand [N], shape (n, 3, 3); None
-            without cuffs.
-        assist_energy: Energy of the motors, the integral of |torque x rate| [J].
-        rewards: Reward of each control period, shape (n,).
-        terminated: Whether the episode ended by failure.
-    """
-
-    time: Array
-    angle: Array
-    rate: Array
-    target_angle: Array
-    human_torque: Array
-    suit_torque: Array
-    assist_torque: Array
-    cuff_force: Array | None
-    assist_energy: float
-    rewards: Array
-    terminated: bool
-
-
-SERIES = ("time", "angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,28 +57,6 @@ class Score:
         return asdict(self)
 
 
-def run_episode(env: gymnasium.Env, policy: Policy, seed: int) -> Trace:
-    """Resets `env` with `seed` and runs one whole episode under `policy`."""
-    observation, info = env.reset(seed=seed)
-    policy.reset()
-    infos, rewards = [], []
-    ended = terminated = False
-    while not ended:
-        observation, reward, terminated, truncated, info = env.step(policy.act(observation, info))
-        infos.append(info)
-        rewards.append(float(reward))
-        ended = terminated or truncated
-    series = {name: np.array([info[name] for info in infos]) for name in SERIES}
-    cuffs = [info["cuff_force"] for info in infos if "cuff_force" in info]
-    return Trace(
-        **series,
-        cuff_force=np.array(cuffs) if cuffs else None,
-        assist_energy=info["assist_energy"],
-        rewards=np.array(rewards),
-        terminated=terminated,
-    )
-
-
 def score(policy: str, traces: Sequence[Trace]) -> Score:
     """Summarizes the episodes of one policy.
 
@@ -147,21 +87,24 @@ def evaluate(
     episodes: int = 5,
     seed: int = 0,
     believed_suit: AnySuit | None = None,
-    on_episode: Callable[[str, int, Trace], None] | None = None,
+    on_policy: Callable[[str, list[Trace]], None] | None = None,
     **env_options: Any,
 ) -> list[Score]:
     """Runs every policy on the same `episodes` intended motions and scores it.
 
+    The motions are rows of one vector environment, and a row is what a single environment would be
+    with its seed. A named policy sees the sensor suites that it needs, one of your own those in
+    `env_options`.
+
     Args:
         env_id: Id of a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
         policies: Names that `make_policy` knows; or for policies of your own, a dict of their
-            names and of functions from the (unwrapped) environment to a policy.
-        episodes: Number of episodes of each policy; episode i is reset with seed + i.
+            names and of functions from the vector environment to a policy.
+        episodes: Number of episodes of each policy; episode i has the seed + i.
         seed: Seed of the first episode.
         believed_suit: Suit that the named policy "feedforward" believes in; by default the
             simulated one.
-        on_episode: Function that is called after each episode, with the name of the policy, the
-            number of the episode and its trace.
+        on_policy: Function that is called after each policy with its name and its episodes.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
 
     Raises:
@@ -172,18 +115,19 @@ def evaluate(
     _check_policies(policies, believed_suit)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
-    env, arm = make_env(env_id, **env_options)
-    try:
-        scores = []
-        for name, policy in _build(policies, arm, believed_suit).items():
-            traces = []
-            for episode in range(episodes):
-                traces.append(run_episode(env, policy, seed + episode))
-                if on_episode is not None:
-                    on_episode(name, episode, traces[-1])
-            scores.append(score(name, traces))
-    finally:
-        env.close()
+    scores = []
+    for name in dict.fromkeys(policies):
+        if isinstance(policies, Mapping):
+            arms = make_arms(env_id, episodes, **env_options)
+            policy = _checked(name, policies[name](arms))
+        else:
+            arms = make_arms(env_id, episodes, **env_options, sensors=sensors_of(name))
+            policy = make_policy(name, arms, believed_suit=believed_suit)
+        traces = rollout(arms, policy, range(seed, seed + episodes))
+        arms.close()
+        if on_policy is not None:
+            on_policy(name, traces)
+        scores.append(score(name, traces))
     return _with_reduction(scores)
 
 
@@ -201,62 +145,6 @@ def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
         for joint in ASSISTED
         if joint in suit.joints
     }
-
-
-def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
-    """Makes an ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
-
-    Args:
-        env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the
-            module is imported first.
-        **options: Options of the environment (`suit`, `gravity`, ...).
-
-    Raises:
-        InputError: The id is unknown, its module cannot be imported, or what it makes is no
-            `ArmEnv`.
-    """
-    module, _, name = env_id.rpartition(":")
-    with _own_code(env_id):
-        if module:
-            import_module(module)
-        made_by = _maker(name)
-    if name not in gymnasium.registry:
-        ours = [known for known in gymnasium.registry if known.startswith(OURS)]
-        raise unknown_name("environment", env_id, ours)
-    if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
-        raise _no_arm(env_id)
-    with nullcontext() if name.startswith(OURS) else _own_code(env_id):
-        env = gymnasium.make(name, **options)
-    if not isinstance(env.unwrapped, ArmEnv):
-        env.close()
-        raise _no_arm(env_id)
-    return env, env.unwrapped
-
-
-@contextmanager
-def _own_code(env_id: str) -> Iterator[None]:
-    try:
-        yield
-    except InputError:
-        raise
-    except Exception as error:  # the user's code fails in any way that code can
-        raise InputError(
-            f"the environment {env_id!r} cannot be made ({type(error).__name__}: {error}): repair "
-            "it, or name a module that is installed or in the working folder"
-        ) from error
-
-
-def _maker(name: str) -> Any:
-    """Returns the class or function that makes a registered environment; None if there is none."""
-    made_by = gymnasium.registry[name].entry_point if name in gymnasium.registry else None
-    return load_env_creator(made_by) if isinstance(made_by, str) else made_by
-
-
-def _no_arm(env_id: str) -> InputError:
-    return InputError(
-        f"the environment {env_id!r} is no arm of ActiveSuit: give one whose class is a subclass "
-        "of activesuit.envs.arm_env.ArmEnv"
-    )
 
 
 def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
@@ -285,21 +173,12 @@ def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
             )
 
 
-def _build(policies: Policies, arm: ArmEnv, believed_suit: AnySuit | None) -> dict[str, Policy]:
-    if isinstance(policies, Mapping):
-        return {name: _checked(name, make(arm)) for name, make in policies.items()}
-    return {
-        name: make_policy(name, arm, believed_suit=believed_suit)
-        for name in dict.fromkeys(policies)
-    }
-
-
 def _checked(name: str, policy: Any) -> Policy:
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise InputError(
                 f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
-                "that returns an object with reset() and act(observation, info)"
+                "that returns an object with reset() and act(observation)"
             )
     return policy
 

@@ -54,6 +54,7 @@ class Observer:
         normalize: Whether to divide each part by its scale, so that it is of the size of 1.
 
     Attributes:
+        sensors: Names of the suites.
         layout: Slice of the observation that holds each part, by the name of the part.
         space: Observation space of one row.
 
@@ -64,9 +65,11 @@ class Observer:
     def __init__(
         self, sensors: Sequence[str], columns: dict[str, slice], *, normalize: bool
     ) -> None:
+        parts = _parts(sensors, columns)
+        self.sensors = tuple(sensors)
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []
-        for part in _parts(sensors, columns):
+        for part in parts:
             place = columns.get(part.measurement, slice(0, 0))
             begin, size = len(index), place.stop - place.start
             if size:

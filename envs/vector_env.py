@@ -34,6 +34,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         num_envs: Number of rows.
         task: Task, or the name of a shipped one.
         threads: Number of threads of the physics; 0 uses all cores.
+        max_episode_steps: Number of control periods after which an episode is truncated; None is
+            the whole duration of the task.
         autoreset_mode: Begin of a row's next episode: "NextStep" (the step after the end resets
             the row and ignores its action), "SameStep" (the step that ends an episode returns the
             first observation of the next one, and the last of the old in `info["final_obs"]`) or
@@ -62,6 +64,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         task: str | Task = ARM_TRACKING,
         *,
         threads: int = 0,
+        max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         stagger: bool = False,
         info: InfoKind = "none",
@@ -76,13 +79,20 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         at_least("num_envs", num_envs, 1)
         at_least("threads", threads, 0)
         flag("stagger", stagger)
+        if max_episode_steps is not None:
+            at_least("max_episode_steps", max_episode_steps, 1)
         if info not in get_args(InfoKind):
             raise unknown_name("info", info, get_args(InfoKind))
         if render_mode not in (None, "rgb_array"):
             raise InputError(f"render_mode is {render_mode!r}: use None or 'rgb_array'")
         self.autoreset_mode = _mode(autoreset_mode)
         self.episodes = Episodes(
-            task_of(task), num_envs, threads=threads, control=control, **options
+            task_of(task),
+            num_envs,
+            threads=threads,
+            max_periods=max_episode_steps,
+            control=control,
+            **options,
         )
         simulation = self.episodes.simulation
         fps = round(1 / simulation.control_dt)
@@ -186,6 +196,15 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         """Frees the renderer."""
         del options
         self._renderer.close()
+
+    @property
+    def has_cuffs(self) -> bool:
+        """Whether cuffs hold the exoskeletons."""
+        return "cuff_force" in self.episodes.simulation.columns
+
+    def measured(self) -> NDArray[np.float64]:
+        """Returns a new array of all measurements, for an evaluation; see `simulation`."""
+        return self.episodes.simulation.memory.measured.copy()
 
     # --- State --------------------------------------------------------------------------------
 

@@ -2,12 +2,11 @@
 
 import os
 
-import gymnasium
-
 from ...assets import AnySuit, load_suit
 from ...errors import InputError, unknown_name
 from ..arm_env import ArmEnv
 from ..model import resisting_joints
+from ..vector_env import ArmVectorEnv
 from .base import Policy
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
@@ -15,37 +14,65 @@ from .no_assist import NoAssist
 from .oracle import Oracle
 from .trained import TrainedPolicy
 
+SIMPLE = {"none": NoAssist, "gravity": GravityCompensation, "oracle": Oracle}
+SHIPPED = {**SIMPLE, "feedforward": HysteresisFeedforward}
 POLICIES = ("none", "gravity", "feedforward", "oracle")
 
 
-def make_policy(name: str, env: gymnasium.Env, *, believed_suit: AnySuit | None = None) -> Policy:
+def sensors_of(name: str) -> tuple[str, ...]:
+    """Returns the sensor suites that a policy needs.
+
+    Args:
+        name: Name of a policy, or the folder of a training run.
+
+    Raises:
+        InputError: There is no such policy or folder.
+    """
+    if name in SHIPPED:
+        return SHIPPED[name].sensors
+    _check_folder(name)
+    return TrainedPolicy.sensors
+
+
+def make_policy(
+    name: str, env: ArmEnv | ArmVectorEnv, *, believed_suit: AnySuit | None = None
+) -> Policy:
     """Returns a policy for an ActiveSuit environment.
 
     Args:
         name: Name of the policy ("none", "gravity", "feedforward" or "oracle"), or the folder of a
             training run.
-        env: Environment in which the policy will act, wrapped or not.
+        env: Environment in which the policy will act, single or vector, wrapped or not.
         believed_suit: Suit that "feedforward" believes in: its name or file, or what else
             `load_suit` takes; by default the simulated one, at its pressure.
 
     Raises:
-        InputError: There is no such policy or folder, or the environment has no motors.
+        InputError: There is no such policy or folder, or the environment has no motors or not the
+            sensors that the policy needs.
     """
     arm = env.unwrapped
-    if not isinstance(arm, ArmEnv):
+    if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
-    if name != "none" and not arm.wiring.motors.size:
+    episodes, needed = arm.episodes, sensors_of(name)
+    if name != "none" and not episodes.motors:
         raise InputError(
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
             "policy 'none'"
         )
-    simple = {"none": NoAssist, "gravity": GravityCompensation, "oracle": Oracle}
-    if name in simple:
-        return simple[name](arm)
+    if set(needed) - set(episodes.observer.sensors):
+        raise InputError(
+            f"policy {name!r} needs the sensors {', '.join(needed)}, and the environment has "
+            f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(needed)}"
+        )
+    if name in SIMPLE:
+        return SIMPLE[name](episodes)
     if name == "feedforward":
         if believed_suit is None:
-            return HysteresisFeedforward(arm, resisting_joints(arm.config))
-        return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
+            return HysteresisFeedforward(episodes, resisting_joints(episodes.simulation.config))
+        return HysteresisFeedforward(episodes, load_suit(believed_suit).joints)
+    return TrainedPolicy(name, episodes)
+
+
+def _check_folder(name: str) -> None:
     if not os.path.isdir(name):  # a name may be too long for a path
         raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
-    return TrainedPolicy(name, arm)

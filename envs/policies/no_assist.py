@@ -1,23 +1,28 @@
 """No assist: the motors give no torque."""
 
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm_env import ArmEnv
+from ..episodes import Episodes
 
 
 class NoAssist:
-    """Commands zero torque: the wearer alone works against suit, weight and motor friction."""
+    """Commands zero torque: the wearer alone works against suit, weight and motor friction.
 
-    def __init__(self, env: ArmEnv) -> None:
-        self._action = np.zeros(env.wiring.motors.size)
+    Args:
+        episodes: Episodes in which the policy acts.
+    """
+
+    sensors: ClassVar[tuple[str, ...]] = ("encoders",)
+
+    def __init__(self, episodes: Episodes) -> None:
+        self._motors = episodes.motors
 
     def reset(self) -> None:
         """Does nothing, because the policy has no memory."""
 
-    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns zeros."""
-        del observation, info
-        return self._action.copy()
+        return np.zeros((*observation.shape[:-1], self._motors))

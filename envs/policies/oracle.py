@@ -1,24 +1,31 @@
 """The oracle: the motors cancel the true suit torque, which no real device can measure."""
 
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arm_env import ArmEnv
+from ..episodes import Episodes
 
 
 class Oracle:
-    """Commands the opposite of the present suit torque; only the delay of the motors remains."""
+    """Commands the opposite of the present suit torque; only the delay of the motors remains.
 
-    def __init__(self, env: ArmEnv) -> None:
-        self._wiring = env.wiring
+    Args:
+        episodes: Episodes in which the policy acts.
+    """
+
+    sensors: ClassVar[tuple[str, ...]] = ("encoders", "privileged")
+
+    def __init__(self, episodes: Episodes) -> None:
+        addresses = episodes.simulation.addresses
+        begin = episodes.observer.layout["suit_torque"].start
+        self._assisted, self._peak = begin + addresses.assisted, addresses.peak_torque
 
     def reset(self) -> None:
         """Does nothing, because the policy has no memory."""
 
-    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns minus the suit torque, divided by the peak and clipped to [-1, 1]."""
-        del observation
-        wiring = self._wiring
-        return np.clip(-info["suit_torque"][wiring.assisted] / wiring.peak_torque, -1, 1)
+        resisting = -observation[..., self._assisted].astype(np.float64)
+        return np.clip(resisting / self._peak, -1, 1)

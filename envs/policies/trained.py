@@ -2,14 +2,15 @@
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
-from ..arm_env import ArmEnv
+from ..episodes import Episodes
 from ..model import ArmConfig
 from .network import ARCHITECTURES, load_actor
 
@@ -76,26 +77,28 @@ class TrainedPolicy:
 
     Args:
         folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
-        env: Environment in which the policy acts.
+        episodes: Episodes in which the policy acts.
 
     Raises:
         InputError: The folder holds no finished checkpoint, or the network does not fit.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], env: ArmEnv) -> None:
+    sensors: ClassVar[tuple[str, ...]] = ("encoders",)
+
+    def __init__(self, folder: str | os.PathLike[str], episodes: Episodes) -> None:
         folder, algorithm = Path(folder), training_config(folder)["algo"]
         path = folder / CHECKPOINT
         if not path.is_file():
             raise InputError(
                 f"{str(folder)!r} has no {CHECKPOINT}: train it first, or with --resume"
             )
-        self._actor = load_actor(algorithm, path, env.observation_space, env.action_space)
+        actions = Box(-1.0, 1.0, (episodes.motors,), np.float32)
+        self._actor = load_actor(algorithm, path, episodes.observer.space, actions)
 
     def reset(self) -> None:
         """Does nothing, because the network has no memory."""
 
-    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> NDArray[np.float64]:
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the network's mean action."""
-        del info
         action, _ = self._actor.predict(observation, deterministic=True)
         return np.asarray(action, dtype=np.float64)

@@ -1,0 +1,99 @@
+"""Makes environments by their ids, shipped ones and those of a user."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from importlib import import_module
+from typing import Any
+
+import gymnasium
+from gymnasium.envs.registration import load_env_creator
+from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
+
+from ..errors import InputError, unknown_name
+from .arm_env import ArmEnv
+from .vector_env import ArmVectorEnv
+
+OURS = "ActiveSuit/"  # how the ids of our environments begin
+
+
+def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
+    """Makes an ActiveSuit environment; returns it, and the `ArmEnv` inside its wrappers.
+
+    Args:
+        env_id: Id of a registered environment whose class is an `ArmEnv`; as "module:id", the
+            module is imported first.
+        **options: Options of the environment (`suit`, `gravity`, ...).
+
+    Raises:
+        InputError: The id is unknown, its module cannot be imported, or what it makes is no
+            `ArmEnv`.
+    """
+    module, _, name = env_id.rpartition(":")
+    with _own_code(env_id):
+        if module:
+            import_module(module)
+        made_by = _maker(name)
+    if name not in gymnasium.registry:
+        ours = [known for known in gymnasium.registry if known.startswith(OURS)]
+        raise unknown_name("environment", env_id, ours)
+    if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
+        raise _no_arm(env_id)
+    with nullcontext() if name.startswith(OURS) else _own_code(env_id):
+        env = gymnasium.make(name, **options)
+    if not isinstance(env.unwrapped, ArmEnv):
+        env.close()
+        raise _no_arm(env_id)
+    return env, env.unwrapped
+
+
+@contextmanager
+def _own_code(env_id: str) -> Iterator[None]:
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:  # the user's code fails in any way that code can
+        raise InputError(
+            f"the environment {env_id!r} cannot be made ({type(error).__name__}: {error}): repair "
+            "it, or name a module that is installed or in the working folder"
+        ) from error
+
+
+def _maker(name: str) -> Any:
+    """Returns the class or function that makes a registered environment; None if there is none."""
+    made_by = gymnasium.registry[name].entry_point if name in gymnasium.registry else None
+    return load_env_creator(made_by) if isinstance(made_by, str) else made_by
+
+
+def _no_arm(env_id: str) -> InputError:
+    return InputError(
+        f"the environment {env_id!r} is no arm of ActiveSuit: give one whose class is a subclass "
+        "of activesuit.envs.arm_env.ArmEnv"
+    )
+
+
+def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
+    """Makes a vector environment of the task that an id stands for.
+
+    Args:
+        env_id: Id of a registered environment whose class is an `ArmEnv`; see `make_env`.
+        rows: Number of rows.
+        **options: Options of the environment, and of `ArmVectorEnv`.
+
+    Raises:
+        InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
+    """
+    own = {name: options.pop(name) for name in ("threads", "info", "stagger") if name in options}
+    made, arm = make_env(env_id, **options)
+    made.close()
+    limit, layer = None, made
+    while isinstance(layer, gymnasium.Wrapper):
+        if isinstance(layer, TimeLimit):
+            limit = layer._max_episode_steps
+        elif not isinstance(layer, OrderEnforcing | PassiveEnvChecker):
+            raise InputError(
+                f"the environment {env_id!r} has the wrapper {type(layer).__name__}, which rows of "
+                "arms cannot have: register it without, and change the task or the options instead"
+            )
+        layer = layer.env
+    return arm.rows(rows, max_episode_steps=limit, **own)

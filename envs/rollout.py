@@ -1,0 +1,94 @@
+"""Runs policies in closed loop, and keeps what happened."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from .policies.base import Policy
+from .simulation.measurements import COLUMNS
+from .vector_env import ArmVectorEnv
+
+SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque")
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """Time series of one episode, sampled after every control period.
+
+    Attributes:
+        time: Time since the reset [s], shape (n,).
+        angle: Joint angles [rad], shape (n, 4), columns as `JOINTS`.
+        rate: Joint rates [rad/s], shape (n, 4).
+        target_angle: Intended angles [rad], shape (n, 4).
+        human_torque: The wearer's torque [N·m], shape (n, 4).
+        suit_torque: The suit's torque on the joints [N·m], shape (n, 4).
+        assist_torque: The motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
+        cuff_force: Force of the cuffs on upper arm, forearm and hand [N], shape (n, 3, 3); None
+            without cuffs.
+        assist_energy: Energy of the motors, the integral of |torque x rate| [J].
+        rewards: Reward of each control period, shape (n,).
+        terminated: Whether the episode ended by failure.
+    """
+
+    time: Array
+    angle: Array
+    rate: Array
+    target_angle: Array
+    human_torque: Array
+    suit_torque: Array
+    assist_torque: Array
+    cuff_force: Array | None
+    assist_energy: float
+    rewards: Array
+    terminated: bool
+
+
+def rollout(
+    arms: ArmVectorEnv,
+    policy: Policy,
+    seeds: Sequence[int],
+    *,
+    on_step: Callable[[int], None] = lambda _: None,
+) -> list[Trace]:
+    """Runs one whole episode in every row, all under one policy.
+
+    Args:
+        arms: Vector environment with as many rows as seeds.
+        policy: Policy that acts on the observations of all rows.
+        seeds: Seed of each row; the row's episode is the first of that seed.
+        on_step: Function that is called before every control period with its number, from 0.
+
+    Returns:
+        The episode of every row; one that is lost ends earlier than the others.
+    """
+    observation, _ = arms.reset(seed=list(seeds))
+    policy.reset()
+    measured, rewards = [], []
+    ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
+    failed = np.zeros(len(seeds), np.bool_)
+    while (ends == 0).any():
+        on_step(len(rewards))
+        observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
+        measured.append(arms.measured())
+        rewards.append(reward)
+        ended = (ends == 0) & (terminated | truncated)
+        ends[ended], failed[ended] = len(rewards), terminated[ended]
+    series, returns = np.array(measured), np.array(rewards)
+    return [
+        _trace(series[:end, row], returns[:end, row], bool(failed[row]), arms.has_cuffs)
+        for row, end in enumerate(ends.tolist())
+    ]
+
+
+def _trace(measured: Array, rewards: Array, terminated: bool, cuffs: bool) -> Trace:
+    force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
+    return Trace(
+        time=measured[:, COLUMNS["time"].start],
+        **{name: measured[:, COLUMNS[name]] for name in SERIES},
+        cuff_force=force if cuffs else None,
+        assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
+        rewards=rewards,
+        terminated=terminated,
+    )
