@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from .evaluation import ASSISTED_COLUMNS, TAKEOVER, Trace
+from .evaluation import ASSISTED_COLUMNS, TAKEOVER
 from .model import ASSISTED
 from .model.cuffs import FORCE_LIMITS
+from .rollout import Trace
 
 COLORS = {
     "none": "#555555",

@@ -14,6 +14,10 @@ from .arm_env import ArmEnv
 from .vector_env import ArmVectorEnv
 
 OURS = "ActiveSuit/"  # how the ids of our environments begin
+ROWS_ONLY = (
+    *("threads", "info", "stagger", "autoreset_mode"),
+    *("render_mode", "camera", "width", "height", "render_quality"),
+)
 
 
 def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
@@ -83,7 +87,7 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     Raises:
         InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
     """
-    own = {name: options.pop(name) for name in ("threads", "info", "stagger") if name in options}
+    own = {name: options.pop(name) for name in ROWS_ONLY if name in options}
     made, arm = make_env(env_id, **options)
     made.close()
     limit, layer = None, made

@@ -198,6 +198,21 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self._renderer.close()
 
     @property
+    def control_dt(self) -> float:
+        """The time between actions [s]."""
+        return self.episodes.simulation.control_dt
+
+    @property
+    def task(self) -> Task:
+        """The task."""
+        return self.episodes.task
+
+    @property
+    def duration(self) -> float:
+        """The duration of an episode [s]."""
+        return self.episodes.task.duration
+
+    @property
     def has_cuffs(self) -> bool:
         """Whether cuffs hold the exoskeletons."""
         return "cuff_force" in self.episodes.simulation.columns

@@ -3,16 +3,14 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import tyro
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..envs.arm_env import ArmEnv
-from ..envs.policies import Policy
 from ..envs.rendering import QUALITIES, RenderQuality
+from ..envs.vector_env import ArmVectorEnv
 from ..errors import InputError, shown, unknown_name
 from .options import choice
 from .output import progress
@@ -37,58 +35,47 @@ Fps = Annotated[
 ]
 
 
-class Filming:
-    """A policy that acts as another one, and takes a picture of every few states it sees.
+class Film:
+    """Pictures of an episode, taken every few control periods.
+
+    Call it before each control period with its number, as `rollout` does.
 
     Args:
-        env: Environment that is filmed.
-        policy: Policy that acts.
+        arms: Vector environment, whose first row is filmed.
         stride: Number of control periods between pictures.
         begin: Control period of the first picture.
         on_picture: Function that is called after each picture.
 
     Attributes:
-        pictures: Pictures since the last reset, each (height, width, 3).
+        pictures: Pictures so far, each (height, width, 3).
         steps: Control periods before each of them.
     """
 
     def __init__(
-        self,
-        env: ArmEnv,
-        policy: Policy,
-        stride: int,
-        *,
-        begin: int = 0,
-        on_picture: Callable[[], None] = lambda: None,
+        self, arms: ArmVectorEnv, stride: int, begin: int, on_picture: Callable[[], None]
     ) -> None:
-        self._env, self._policy, self._stride, self._begin = env, policy, stride, begin
+        self._arms, self._stride, self._begin = arms, stride, begin
         self._on_picture = on_picture
-
-    def reset(self) -> None:
-        """Begins a new film."""
-        self._policy.reset()
-        self._step = 0
         self.pictures: list[Picture] = []
         self.steps: list[int] = []
 
-    def act(self, observation: NDArray[np.float32], info: dict[str, Any]) -> Array:
-        """Returns the action of the policy."""
-        if self._step >= self._begin and (self._step - self._begin) % self._stride == 0:
-            picture = self._env.render()
-            assert picture is not None
-            self.pictures.append(picture)
-            self.steps.append(self._step)
-            self._on_picture()
-        self._step += 1
-        return self._policy.act(observation, info)
+    def __call__(self, step: int) -> None:
+        """Takes a picture, if control period `step` is one of those with a picture."""
+        if step < self._begin or (step - self._begin) % self._stride:
+            return
+        pictures = self._arms.render()
+        assert pictures is not None
+        self.pictures.append(pictures[0])
+        self.steps.append(step)
+        self._on_picture()
 
 
 @contextmanager
-def filmed(env: ArmEnv, policy: Policy, stride: int, begin: int = 0) -> Iterator[Filming]:
-    """Yields a policy that films the episode it runs, and shows how far it is."""
-    periods = round(env.duration / env.control_dt)
+def filmed(arms: ArmVectorEnv, stride: int, begin: int = 0) -> Iterator[Film]:
+    """Yields a film of the next episode, and shows how far it is."""
+    periods = round(arms.duration / arms.control_dt)
     with progress("pictures", len(range(begin, periods, stride))) as bar:
-        yield Filming(env, policy, stride, begin=begin, on_picture=bar.advance)
+        yield Film(arms, stride, begin, bar.advance)
 
 
 def stride_of(fps: int, control_dt: float) -> int:

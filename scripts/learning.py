@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..envs.evaluation import make_env
+from ..envs.making import make_arms
 from ..envs.policies.network import ARCHITECTURES, algorithm_class, check_finite, unreadable
 from ..envs.policies.trained import CHECKPOINT
 from ..errors import InputError
@@ -82,14 +82,13 @@ class Checkpoint:
 
 def training_environments(env: str, algo: str, seed: int, options: dict[str, Any]) -> Any:
     """Returns the environments that a learner trains in, as one of Stable-Baselines3."""
-    from stable_baselines3.common.env_util import make_vec_env
+    from stable_baselines3.common.vec_env import VecMonitor
 
-    return make_vec_env(
-        lambda **given: make_env(env, **given)[0],
-        n_envs=PARALLEL[algo],
-        seed=seed,
-        env_kwargs=options,
-    )
+    from ..envs.sb3 import ArmVecEnv
+
+    environments = VecMonitor(ArmVecEnv(make_arms(env, PARALLEL[algo], **options)))
+    environments.seed(seed)
+    return environments
 
 
 def new_learner(algo: str, environments: Any, folder: RunFolder, seed: int) -> Any:

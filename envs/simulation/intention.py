@@ -1,5 +1,6 @@
 """Intended motions: minimum-jerk moves between random targets, and the suit's resistance to them."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -107,23 +108,42 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
     Raises:
         InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
     """
-    parts = [np.asarray(part, dtype=float) for part in motion]
-    shape, shapes = (samples, len(JOINTS)), [part.shape for part in parts]
-    if shapes != [shape] * 3 or not all(np.isfinite(part).all() for part in parts):
+    angle, rate, acceleration = (np.asarray(part, dtype=float) for part in motion)
+    shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
+    if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):
         raise InputError(
             f"the task's motion has arrays of shape {', '.join(map(str, shapes))}: give angle, "
             f"rate and acceleration, finite numbers of shape {shape} each"
         )
-    angle, rate, acceleration = parts
-    lowest, highest = angle.min(axis=0), angle.max(axis=0)
-    if (lowest < ranges[:, 0] - ROUNDING).any() or (highest > ranges[:, 1] + ROUNDING).any():
-        for joint, least, most, (low, high) in zip(JOINTS, lowest, highest, ranges, strict=True):
-            if least < low - ROUNDING or most > high + ROUNDING:
-                raise InputError(
-                    f"the task's motion takes {joint} from {least:.3g} to {most:.3g} rad: stay "
-                    f"between {low:.3g} and {high:.3g} rad"
-                )
+    column = _out_of_range(angle, ranges, ROUNDING)
+    if column >= 0:
+        least, most = angle[:, column].min(), angle[:, column].max()
+        low, high = ranges[column]
+        raise InputError(
+            f"the task's motion takes {JOINTS[column]} from {least:.3g} to {most:.3g} rad: stay "
+            f"between {low:.3g} and {high:.3g} rad"
+        )
     return angle, rate, acceleration
+
+
+@njit(cache=True)
+def _is_finite(angle: Array, rate: Array, acceleration: Array) -> bool:
+    for i in range(angle.shape[0]):
+        for j in range(angle.shape[1]):
+            if not math.isfinite(angle[i, j] + rate[i, j] + acceleration[i, j]):
+                return False
+    return True
+
+
+@njit(cache=True)
+def _out_of_range(angle: Array, ranges: Array, rounding: float) -> int:
+    """Returns the first joint that leaves its range, or -1."""
+    for j in range(angle.shape[1]):
+        low, high = ranges[j, 0] - rounding, ranges[j, 1] + rounding
+        for i in range(angle.shape[0]):
+            if not low <= angle[i, j] <= high:
+                return j
+    return -1
 
 
 def resistance(joints: Mapping[str, SuitJoint], angle: Array) -> Array:

@@ -177,3 +177,20 @@ def arm_torque(
         )
         px, py, pz = links[row, i, 0], links[row, i, 1], links[row, i, 2]
         nx, ny, nz = nx + py * fz - pz * fy, ny + pz * fx - px * fz, nz + px * fy - py * fx
+
+
+def arm_torques(chain: Chain, angle: Array, rate: Array, acceleration: Array) -> Array:
+    """Returns the torque that moves one bare arm along a motion [N·m], shape (samples, 4).
+
+    Args:
+        chain: The arm.
+        angle: Joint angles [rad], shape (samples, 4).
+        rate: Joint rates [rad/s], the same shape.
+        acceleration: Joint accelerations [rad/s²], the same shape.
+    """
+    found, torque = np.empty_like(angle), np.empty((1, len(JOINTS)))
+    scratch, motion = np.empty((1, len(JOINTS), 8)), (angle[None], rate[None], acceleration[None])
+    for sample in range(len(angle)):
+        arm_torque(0, chain.links, chain.gravity, *motion, sample, scratch, torque)
+        found[sample] = torque[0]
+    return found

@@ -19,10 +19,11 @@ from ..person.control import NOISE_SIZE, noise_constants
 from ..person.fatigue import RATES
 from ..person.strength import SHAPE
 from ..provenance import Quantity
+from . import settling
 from .addresses import Addresses
 from .cycle import after, before
 from .intention import Motion, resistance, valid_motion
-from .inverse_dynamics import Chain, arm_torque
+from .inverse_dynamics import Chain
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
 from .streams import stream
@@ -33,11 +34,6 @@ VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
 NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 PREVIEW = (0.02, 0.1, 0.24)  # s ahead of now at which the target is shown, nearest first
-
-MOST_NEWTON_STEPS = 12  # to settle an arm; three are usual
-SLOPES = 2  # of them compute the derivatives anew, the others reuse them
-NUDGE = 1e-6  # rad, for these derivatives
-BALANCE = 1e-10  # N·m, at which an arm has settled
 
 _CUTOFF = Quantity(
     "encoder.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
@@ -66,6 +62,7 @@ class Simulation:
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
         columns: Columns of `memory.measured`, by name, of what these arms have.
+        batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
     """
 
@@ -123,11 +120,11 @@ class Simulation:
             memory.acceleration[row] = acceleration
             if memory.resistance.size:
                 memory.resistance[row] = resistance(self._known_suit, angle)
-        self._batch.reset(rows, stage=NOTHING)
+        self.batch.reset(self._ids(rows), stage=NOTHING)
         self._settle(rows)
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
-        self._batch.forward(rows)
+        self.batch.forward(self._ids(rows))
         after(rows, *self._after, False)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
@@ -150,7 +147,7 @@ class Simulation:
             raise InputError(
                 f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1"
             )
-        self._batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
+        self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         after(moving, *self._after, True)
 
     def measured(self, name: str) -> Array:
@@ -161,20 +158,20 @@ class Simulation:
 
     def state(self, rows: Rows) -> dict[str, NDArray]:
         """Returns physics and memory of some rows, as new arrays with a leading axis of rows."""
-        arrays = {"physics": self._batch.state, **self.memory.arrays()}
+        arrays = {"physics": self.batch.state, **self.memory.arrays()}
         return {name: values[rows] for name, values in arrays.items()}
 
     def restore(self, rows: Rows, state: dict[str, NDArray]) -> None:
         """Restores what `state` returned, in as many rows; they then go on bit for bit."""
-        self._batch.reset(rows, stage=NOTHING)
-        self._batch.state[rows] = state["physics"]
+        self.batch.reset(rows, stage=NOTHING)
+        self.batch.state[rows] = state["physics"]
         for name, values in self.memory.arrays().items():
             values[rows] = state[name]
-        self._batch.forward(rows, stage=VELOCITIES)
+        self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
         """Returns physics of a row, for reading, in `into` or in a new MjData of `model`."""
-        return self._batch.get_data(row, into)
+        return self.batch.get_data(row, into)
 
     def physics_of(self, row: int) -> tuple[float, Array]:
         """Returns time [s] and position of a row, from which a picture is drawn."""
@@ -192,13 +189,14 @@ class Simulation:
         return {name: part for name, part in COLUMNS.items() if name not in absent}
 
     def _begin_physics(self, threads: int) -> None:
-        batch = self._batch = Batch(self.model, self.n, nthread=threads, persistent=True)
+        # An MjData takes 165 KB whatever the model, so that rows share those of the threads.
+        batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
         bound = ("time", "qpos", "qvel", "ctrl", "sensordata", "actuator_force", "plugin_state")
         physics = {name: batch.bind(name) for name in bound}
         self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
         self.plugin_state = physics["plugin_state"]
-        self._passive, self._bias = batch.bind("qfrc_passive"), batch.bind("qfrc_bias")
+        physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias")}
         physics["warning"] = batch.warning[:, DIVERGENCE, 1]
         chain = Chain.of(self._arm)
         names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
@@ -206,9 +204,10 @@ class Simulation:
             names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
         for name in ("stiffness", "damping"):
             names[name] = np.tile(getattr(self.addresses, name), (self.n, 1))
-        self._stiffness, self._own = names["stiffness"], names["own"]
-        self._chain = tuple(names[name] for name in ("links", "gravity"))
-        self._scratch = names["scratch"]
+        self._left = np.zeros((self.n, self.model.nq))
+        self._beginning = _arguments(settling.begin, names, first=1)
+        self._balancing = _arguments(settling.imbalance, names, first=2)
+        self._holding = _arguments(settling.hold, names, first=1)
         self._before = _arguments(before, names, first=2)
         self._after = _arguments(after, names, first=1, last=1)
 
@@ -243,50 +242,34 @@ class Simulation:
 
     def _settle(self, rows: Rows) -> None:
         """Puts arms at rest at their first intention, by Newton's method on all of them at once."""
-        memory, at = self.memory, self.addresses
-        intended, stiffness = memory.angle[rows, 0], self._stiffness[rows]
-        arms = (memory.angle, memory.rate, memory.acceleration)
-        for row in rows.tolist():
-            arm_torque(row, *self._chain, *arms, 0, self._scratch, self._own)
-        foreseen = self._own[rows]
-        if memory.resistance.size:
-            foreseen = foreseen + self.control.suit_learning * memory.resistance[rows, 0]
-        gain = self.control.feedback
-
-        def imbalance(some: Rows, angle: Array) -> Array:
-            self._qpos[rows[some]] = angle
-            self._batch.forward(rows[some], stage=VELOCITIES)
-            torque = self._passive[rows[some]] - self._bias[rows[some]]
-            intrinsic = stiffness[some] * (intended[some] - angle[:, at.joints])
-            torque[:, at.joints] += intrinsic + (foreseen[some] + gain * intrinsic)
-            return torque
-
-        angle = np.zeros((len(rows), self.model.nq))
-        angle[:, at.joints] = angle[:, at.exo_joints] = intended
+        settling.begin(rows, *self._beginning)
+        torque = self._torque_left(rows)
         slope = np.empty((len(rows), self.model.nq, self.model.nq))
-        active = np.arange(len(rows))
-        for iteration in range(MOST_NEWTON_STEPS):
-            torque = imbalance(active, angle[active])
-            unsettled = np.abs(torque).max(axis=1) > BALANCE
-            active, torque = active[unsettled], torque[unsettled]
-            if not active.size:
+        for j in range(self.model.nq):
+            angle = self._qpos[rows, j]
+            self._qpos[rows, j] = angle + settling.NUDGE
+            slope[:, :, j] = (self._torque_left(rows) - torque) / settling.NUDGE
+            self._qpos[rows, j] = angle
+        inverse = np.linalg.inv(slope)
+        moves = np.zeros((len(rows), 4, self.model.nq))
+        status = np.full(len(rows), settling.FRESH)
+        self._left[rows] = torque
+        for _ in range(settling.MOST_CORRECTIONS):
+            if not settling.correct(rows, self._left, inverse, self._qpos, moves, status):
                 break
-            if iteration < SLOPES:
-                for j in range(self.model.nq):
-                    nudged = angle[active]
-                    nudged[:, j] += NUDGE
-                    slope[active, :, j] = (imbalance(active, nudged) - torque) / NUDGE
-            angle[active] -= np.linalg.solve(slope[active], torque[..., None])[..., 0]
-        self._qpos[rows] = angle
-        intrinsic = stiffness * (intended - angle[:, at.joints])
-        memory.past[rows] = intrinsic[:, None]
-        first, still, added = at.intention
-        self._ctrl[np.ix_(rows, first)] = intended
-        self._ctrl[np.ix_(rows, still)] = 0.0
-        self._ctrl[np.ix_(rows, added)] = foreseen + gain * intrinsic
+            self._torque_left(rows)
+        settling.hold(rows, *self._holding)
+
+    def _torque_left(self, rows: Rows) -> Array:
+        self.batch.forward(self._ids(rows), stage=VELOCITIES)
+        settling.imbalance(rows, self._left, *self._balancing)
+        return self._left[rows]
+
+    def _ids(self, rows: Rows) -> Rows | None:
+        return None if len(rows) == self.n else rows  # Batch takes all of them faster
 
     def _fill_encoders(self, rows: Rows) -> None:
-        data, history = mujoco.MjData(self.model), self._batch.bind("history")
+        data, history = mujoco.MjData(self.model), self.batch.bind("history")
         for row in rows.tolist():
             mujoco.mj_resetData(self.model, data)
             data.qpos[:] = self._qpos[row]

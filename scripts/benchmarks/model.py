@@ -13,9 +13,10 @@ from ...arrays import Array
 from ...assets import JOINTS, load_suit, save_suit
 from ...envs.model import ArmConfig, arm_spec, bare_arm, compose
 from ...envs.model.config import COUPLINGS
-from ...envs.reference import Reference, follow, random_moves
-from ...envs.tasks import ArmTrackingEnv
-from ...envs.wiring import Wiring
+from ...envs.simulation.addresses import Addresses
+from ...envs.simulation.intention import Motion
+from ...envs.simulation.inverse_dynamics import Chain, arm_torques
+from ...envs.tasks import ARM_TRACKING
 from .timing import Row, compare
 
 STEPS = 1000
@@ -145,33 +146,22 @@ def _torques(coupling: str, time_step: float) -> Array:
     """Returns the wearer's torque, the suit's torque and the angle, shape (3, periods, joints)."""
     config = ArmConfig.from_dict({"coupling": coupling, "sim_dt": time_step})
     model = compose(config)
-    data, wiring = mujoco.MjData(model), Wiring.of(model)
-    intention = _intention(config, wiring)
-    data.qpos[:] = np.tile(intention.angle[0], model.nq // len(JOINTS))
+    data, addresses = mujoco.MjData(model), Addresses.of(model)
+    angle, rate, acceleration = _intention()
+    feedforward = arm_torques(Chain.of(bare_arm(config)), angle, rate, acceleration)
+    data.qpos[:] = np.tile(angle[0], model.nq // len(JOINTS))
     substeps = round(PERIOD / time_step)
-    found = np.empty((3, len(intention.angle), len(JOINTS)))
-    for i in range(len(intention.angle)):
+    found = np.zeros((3, len(angle), len(JOINTS)))
+    for i in range(len(angle)):
         mujoco.mj_forward(model, data)
-        found[:, i] = (
-            data.actuator_force[wiring.human],
-            wiring.suit_torque_of(data),
-            data.qpos[wiring.joints],
-        )
-        data.ctrl[wiring.intention] = (
-            intention.angle[i],
-            intention.rate[i],
-            intention.feedforward[i],
-        )
+        found[0, i] = data.actuator_force[addresses.human]
+        found[1, i, addresses.suited] = data.sensordata[addresses.suit_torque]
+        found[2, i] = data.qpos[addresses.joints]
+        data.ctrl[addresses.intention] = angle[i], rate[i], feedforward[i]
         mujoco.mj_step(model, data, substeps)
     return found
 
 
-def _intention(config: ArmConfig, wiring: Wiring) -> Reference:
-    rng, env = np.random.default_rng(SEED), ArmTrackingEnv
-    samples = round(env.duration / PERIOD) + 1
-    motion = np.zeros((3, samples, len(JOINTS)))
-    for joint, span in env.span.items():
-        motion[:, :, JOINTS.index(joint)] = random_moves(
-            rng, span, samples, PERIOD, env.move_time, env.dwell_time
-        )
-    return follow(bare_arm(config), wiring.joints, (motion[0], motion[1], motion[2]))
+def _intention() -> Motion:
+    samples = round(ARM_TRACKING.duration / PERIOD) + 1
+    return ARM_TRACKING.motion(np.random.default_rng(SEED), samples, PERIOD)

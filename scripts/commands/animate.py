@@ -3,19 +3,20 @@
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated
 
-import gymnasium
 import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import at_least
 from ...envs.animation import LoopPanel
-from ...envs.arm_env import ArmEnv
-from ...envs.evaluation import make_env, run_episode
-from ...envs.policies import Policy, make_policy
-from ...envs.reference import minimum_jerk
+from ...envs.making import make_arms
+from ...envs.policies import Policy, make_policy, sensors_of
+from ...envs.rollout import rollout
+from ...envs.simulation.intention import Motion, minimum_jerk
+from ...envs.tasks import Task
+from ...envs.vector_env import ArmVectorEnv
 from ...errors import InputError, shown
 from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
@@ -74,48 +75,47 @@ def animate(
         "width": width - panel_width,
         "height": height,
         "render_quality": quality,
+        "sensors": sensors_of(policy),
     }
     if chosen.env == REACH:
-        made = simulated = _Reaching(**options)
+        arms = ArmVectorEnv(1, _Reaching(name="Reaching", duration=CYCLES * PERIOD), **options)
     else:
-        made, simulated = make_env(chosen.env, **options)
-    stride = stride_of(fps, simulated.control_dt)
-    actor = make_policy(policy, simulated)
+        arms = make_arms(chosen.env, 1, **options)
+    stride = stride_of(fps, arms.control_dt)
+    actor = make_policy(policy, arms)
     with replacing(out, force=force) as scratch:
-        write(scratch, _film(made, simulated, actor, seed, stride, panel_width), fps)
-    made.close()
+        write(scratch, _film(arms, actor, seed, stride, panel_width, height), fps)
+    arms.close()
     say(f"wrote {out}")
 
 
-class _Reaching(ArmEnv):
+class _Reaching(Task):
     """A task whose shoulder and elbow reach out twice a cycle, the second time from halfway."""
 
-    duration: ClassVar[float] = CYCLES * PERIOD
-
-    def intended_motion(self, rng: np.random.Generator) -> tuple[Array, Array, Array]:
+    def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         del rng
-        time = np.linspace(0.0, self.duration, self._samples())
-        motion = np.zeros((3, len(time), len(JOINTS)))
+        time = dt * np.arange(samples)
+        motion = np.zeros((3, samples, len(JOINTS)))
         for joint, turns in TURNS.items():
             motion[:, :, JOINTS.index(joint)] = _periodic(time, turns)
         return motion[0], motion[1], motion[2]
 
 
 def _film(
-    made: gymnasium.Env, arm: ArmEnv, policy: Policy, seed: int, stride: int, panel_width: int
+    arms: ArmVectorEnv, policy: Policy, seed: int, stride: int, panel_width: int, height: int
 ) -> list[Picture]:
     """Films a whole episode, or the last cycle of a periodic motion."""
-    samples = round(arm.duration / arm.control_dt)
-    cycle = samples // CYCLES if isinstance(arm, _Reaching) else samples
-    with filmed(arm, policy, stride, begin=samples - cycle) as filming:
-        trace = run_episode(made, filming, seed)
+    samples, reaching = round(arms.duration / arms.control_dt), isinstance(arms.task, _Reaching)
+    cycle = samples // CYCLES if reaching else samples
+    with filmed(arms, stride, begin=samples - cycle) as film:
+        (trace,) = rollout(arms, policy, [seed], on_step=film)
     if trace.terminated:
         lost = f"the arm was lost after {trace.time[-1]:.2f} s"
-        if isinstance(arm, _Reaching):
+        if reaching:
             raise InputError(f"{lost}: choose another policy or suit")
         say(f"{lost}; the film ends there")
     # A trace begins after the first control period, the pictures before it.
-    if isinstance(arm, _Reaching):
+    if reaching:
         part, shift = slice(-cycle - 1, -1), samples - cycle
     else:
         part, shift = slice(None), 1
@@ -124,12 +124,12 @@ def _film(
         -trace.suit_torque[part],
         trace.human_torque[part],
         width=panel_width,
-        height=arm.renderer.height,
-        closed=isinstance(arm, _Reaching),
+        height=height,
+        closed=reaching,
     )
-    frames = filming.pictures
+    frames = film.pictures
     with progress("torque-angle loops", len(frames)) as bar:
-        for i, step in enumerate(filming.steps):
+        for i, step in enumerate(film.steps):
             frames[i] = np.hstack([frames[i], panel.picture(max(step - shift, 0))])
             bar.advance()
     return frames

@@ -8,11 +8,13 @@ import numpy as np
 
 from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least
-from ...envs.evaluation import Score, Trace, evaluate, make_env, share_of_oracle
+from ...envs.evaluation import Score, evaluate, share_of_oracle
 from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figure
+from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.policies import POLICIES
 from ...envs.rendering import RenderingUnavailableError
+from ...envs.rollout import Trace
 from ...identification import Curves, Fit, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
 from ..options import Force, Seed
@@ -182,10 +184,9 @@ def _simulate(
     with progress("simulating", len(GRAVITIES) * len(POLICIES) * episodes) as bar:
         for gravity in GRAVITIES:
 
-            def report(policy: str, episode: int, trace: Trace, kept=traces[gravity]) -> None:
-                if episode == 0:
-                    kept[policy] = trace
-                bar.advance()
+            def report(policy: str, done: list[Trace], kept=traces[gravity]) -> None:
+                kept[policy] = done[0]
+                bar.advance(len(done))
 
             scores[gravity] = evaluate(
                 ENV,
@@ -193,7 +194,7 @@ def _simulate(
                 episodes=episodes,
                 seed=seed,
                 believed_suit=str(suit),
-                on_episode=report,
+                on_policy=report,
                 suit=PLANT,
                 gravity=gravity,
             )

@@ -3,9 +3,11 @@
 from pathlib import Path
 
 from ...checks import at_least
-from ...envs.evaluation import Score, Trace, make_env
+from ...envs.evaluation import Score
 from ...envs.evaluation import evaluate as evaluate_policies
-from ...envs.policies import POLICIES, make_policy
+from ...envs.making import make_arms
+from ...envs.policies import POLICIES, make_policy, sensors_of
+from ...envs.rollout import Trace
 from ..arm_options import USUAL, ArmOptions
 from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
 from ..output import RunFolder, conclude, progress
@@ -37,10 +39,8 @@ def evaluate(
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=policies)
-    made, simulated = make_env(chosen.env, **chosen.options)
     for policy in policies:  # reports a mistake before the folder is made
-        make_policy(policy, simulated)
-    made.close()
+        make_policy(policy, make_arms(chosen.env, 1, **chosen.options, sensors=sensors_of(policy)))
     folder = RunFolder(out, "evaluate", force=force) if out else None
     scores = run(chosen.env, policies, episodes, seed, **chosen.options)
     result = {
@@ -64,15 +64,15 @@ def run(
     """Evaluates policies and shows a progress bar."""
     with progress(env, max(1, len(policies) * episodes)) as bar:
 
-        def report(policy: str, episode: int, trace: Trace) -> None:
-            del policy, episode, trace
-            bar.advance()
+        def report(policy: str, traces: list[Trace]) -> None:
+            del policy
+            bar.advance(len(traces))
 
         return evaluate_policies(
             env,
             policies,
             episodes=episodes,
             seed=seed,
-            on_episode=report,
+            on_policy=report,
             **options,  # type: ignore[arg-type]
         )

@@ -6,14 +6,16 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ...checks import at_least
-from ...envs.evaluation import Trace, make_env, run_episode, score
+from ...envs.evaluation import score
 from ...envs.figures import (
     cuff_forces_figure,
     motion_loops_figure,
     torques_figure,
     trajectory_figure,
 )
-from ...envs.policies import make_policy
+from ...envs.making import make_arms
+from ...envs.policies import make_policy, sensors_of
+from ...envs.rollout import Trace, rollout
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
@@ -44,17 +46,19 @@ def simulate(
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    made, simulated = make_env(chosen.env, **chosen.options, render_mode=mode)
-    actor = make_policy(policy, simulated)
+    arms = make_arms(
+        chosen.env, 1, **chosen.options, sensors=sensors_of(policy), render_mode=mode
+    )
+    actor = make_policy(policy, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []
     if video:
-        with filmed(simulated, actor, stride_of(FPS, simulated.control_dt)) as filming:
-            trace = run_episode(made, filming, seed)
-        frames = filming.pictures
+        with filmed(arms, stride_of(FPS, arms.control_dt)) as film:
+            (trace,) = rollout(arms, actor, [seed], on_step=film)
+        frames = film.pictures
     else:
-        trace = run_episode(made, actor, seed)
-    made.close()
+        (trace,) = rollout(arms, actor, [seed])
+    arms.close()
     result = score(policy, [trace])
     settings = {"env": chosen.env, "seed": seed, **chosen.options}
     figures = _figures(trace)

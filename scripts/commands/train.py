@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from ...assets import load_suit, suit_names
 from ...checks import at_least
-from ...envs.evaluation import make_env
+from ...envs.making import make_arms
 from ...envs.policies.network import ARCHITECTURES, algorithm_class
 from ...envs.policies.trained import CHECKPOINT, CONFIG, OWN_SUIT, training_config
 from ...errors import InputError, unknown_name
@@ -79,7 +79,7 @@ def train(
     if chosen.options["coupling"] == "none":
         raise InputError("coupling is 'none': there is no motor to train for; use rigid or cuffs")
     algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-    make_env(chosen.env, **chosen.options)[0].close()
+    make_arms(chosen.env, 1, **chosen.options).close()
     folder = RunFolder(out, "train", force=force or resume)
     with telling(lambda: _kept(folder)):
         learner = _train(folder, chosen, config, checkpoint, torch_threads)

@@ -9,7 +9,8 @@ import tyro
 
 from ...assets import load_suit
 from ...checks import at_least
-from ...envs.evaluation import make_env, share_of_oracle
+from ...envs.evaluation import share_of_oracle
+from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ..arm_options import USUAL, ArmOptions
 from ..options import SUIT, Env, Force, Json, Seed, choice, gravity_option, suits

@@ -11,9 +11,9 @@ import mujoco
 
 from ...checks import at_least
 from ...envs.arm_env import ArmEnv
-from ...envs.evaluation import make_env
+from ...envs.making import make_env
 from ...envs.model import ArmConfig, arm_spec, compose
-from ...envs.policies import Policy, make_policy
+from ...envs.policies import Policy, make_policy, sensors_of
 from ...envs.rendering import Renderer, RenderingUnavailableError
 from ...errors import InputError, unknown_name
 from ...files import check_target, replacing
@@ -75,7 +75,11 @@ def view(
         check_address(host, port)
     mode = None if web else "human"
     made, simulated = make_env(
-        chosen.env, **chosen.options, render_mode=mode, render_quality=quality
+        chosen.env,
+        **chosen.options,
+        sensors=sensors_of(policy),
+        render_mode=mode,
+        render_quality=quality,
     )
     motion = _move(made, make_policy(policy, simulated), seed)
     with suppress(KeyboardInterrupt):
@@ -89,12 +93,12 @@ def view(
 def _move(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[None]:
     """Runs episodes without end; yields after each reset and after each step."""
     for episode in itertools.count(seed):
-        observation, info = env.reset(seed=episode)
+        observation, _ = env.reset(seed=episode)
         policy.reset()
         ended = False
         while not ended:
             yield
-            observation, _, terminated, truncated, info = env.step(policy.act(observation, info))
+            observation, _, terminated, truncated, _ = env.step(policy.act(observation))
             ended = terminated or truncated
 
 

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 from ...assets import JOINTS
-from ...envs.evaluation import Score, Trace
+from ...envs.evaluation import Score
+from ...envs.rollout import Trace
 from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
 from ..output import Rows, RunFolder
