@@ -24,7 +24,7 @@ hypothesis.settings.load_profile("repeatable")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_sessionstart(session):
-    """Compiles the kernels before test processes start, which would all do it otherwise."""
+    """Compiles kernels before test processes start, which would all do it otherwise."""
     if getattr(session.config.option, "dist", "no") != "no":
         kernel_cache.fill()
 

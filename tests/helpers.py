@@ -1,6 +1,6 @@
 """Published numbers and motions that several tests share."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from itertools import count, pairwise
 
@@ -16,6 +16,13 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     """Angles that run through `turns` [rad], `samples` per branch."""
     branches = [np.linspace(start, end, samples)[1:] for start, end in pairwise(turns)]
     return np.concatenate([[turns[0]], *branches])
+
+
+def in_this_process(
+    work: Callable[..., object], arguments: Iterable[tuple], *others: object
+) -> Iterator[object]:
+    """Does what `run_all` does, without processes that would import everything first."""
+    return (work(*given) for given in arguments)
 
 
 @contextmanager

@@ -61,7 +61,7 @@ COMMANDS = {
     "simulate": same("simulate"),
     "animate": Command(["animate"], ["animate", "--force"], "motion.gif"),
 }
-QUICK = ("identify", "study", "simulate")
+QUICK = ("identify",)
 
 
 def start(arguments: list[str], command: Command, folder: Path) -> subprocess.Popen[str]:

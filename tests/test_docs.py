@@ -31,8 +31,9 @@ def page(name):
 
 
 def examples(name):
-    """The Python blocks of a page."""
-    return re.findall(r"^```python\n(.*?)^```$", page(name), re.DOTALL | re.MULTILINE)
+    """The Python blocks of a page, with two trials where it does many."""
+    page_with_few = re.sub("^TRIALS = 30 ", "TRIALS = 2 ", page(name), flags=re.MULTILINE)
+    return re.findall(r"^```python\n(.*?)^```$", page_with_few, re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.parametrize("name", [name for name in PAGES if examples(name)])

@@ -30,7 +30,7 @@ def test_feedforward_reaches_60_percent_of_the_oracle(task, gravity, identified)
     scores = evaluate(
         f"ActiveSuit/{task}-v0",
         ("none", "feedforward", "oracle"),
-        episodes=3,
+        episodes=1,
         gravity=gravity,
         believed_suit=str(identified),
     )

@@ -10,9 +10,12 @@ import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import identify, load_curves
+from activesuit.scripts.benchmarks import engine as engine_bench
+from activesuit.scripts.benchmarks import identify as identify_bench
 from activesuit.scripts.benchmarks import starts
 from activesuit.scripts.commands import study
 from activesuit.scripts.main import COMMANDS, main
+from helpers import in_this_process
 
 ELBOW = str(curves_path("elbow"))
 
@@ -158,8 +161,13 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
 
 @pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
 def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
-    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 2)
-    monkeypatch.setattr(study, "study", partial(study.study, trials=2))
+    monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
+    monkeypatch.setattr(starts, "run_all", in_this_process)
+    monkeypatch.setattr(starts, "StudyConfig", partial(starts.StudyConfig, iterations=5))
+    monkeypatch.setattr(study, "study", partial(study.study, trials=2, backend="threading"))
+    monkeypatch.setattr(identify_bench, "sa_pso", partial(identify_bench.sa_pso, max_iterations=5))
+    for name, few in (("STEPS", 100), ("CALLBACK_STEPS", 50), ("SIMULATIONS", 64)):
+        monkeypatch.setattr(engine_bench, name, few)
     result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
     assert any(row["ratio"] for row in result["rows"])
     for row in result["rows"]:

@@ -51,6 +51,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("poison", [poison_data, poison_weights, poison_replay])
 @pytest.mark.parametrize("command", ["evaluate", "simulate", "view", "resume"])
+@pytest.mark.usefixtures("undrawn")
 def test_no_code_of_a_run_is_run(capsys, tmp_path, monkeypatch, foreign, command, poison):
     monkeypatch.delenv("DISPLAY", raising=False)
     trap = tmp_path / "trap"

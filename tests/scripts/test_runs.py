@@ -156,7 +156,7 @@ def test_options_that_no_training_has(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["Quick", "Lazy", "Made"])
-def test_an_environment_of_your_own(own, capsys, name):
+def test_an_environment_of_your_own(own, capsys, undrawn, name):
     env = own.replace("Quick", name)
     main(["simulate", "--env", env, "--out", "one", "--json"])
     result = json.loads((Path("one") / "result.json").read_text())
@@ -199,10 +199,13 @@ def test_environments_that_cannot_be(own, capsys, command, env, message):
 
 
 @pytest.mark.slow
-def test_a_run_in_your_own_environment(own, capsys):
+def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     pytest.importorskip("stable_baselines3")
-    main(["train", "--env", own, "--steps", "2048", "--out", "run"])
-    main(["train", "--resume", "--steps", "4096", "--out", "run"])
+    from activesuit.scripts import learning
+
+    monkeypatch.setitem(learning.SETTINGS["ppo"], "n_steps", 32)
+    main(["train", "--env", own, "--steps", "256", "--out", "run"])
+    main(["train", "--resume", "--steps", "512", "--out", "run"])
     capsys.readouterr()
     main(["evaluate", "--policies", "none", "run", "--episodes", "1", "--json"])
     assert json.loads(capsys.readouterr().out)["env"] == own

@@ -24,7 +24,7 @@ PEOPLE = [
     Person(stature=2.1, mass=140.0, strength=99.0),
 ]
 KICK = np.array([1.0, 2.0, -2.0, 3.0])  # rad/s
-LONG, SHORT = 60.0, 20.0  # s: until nothing moves, and until 99 % of the loss of 60 s is lost
+LONG, SHORT = 60.0, 10.0  # s: until nothing moves, and until 90 % of the loss of 60 s is lost
 ROUNDING = 1e-8  # J, of energies around 100 J and losses summed over 60,000 steps
 SOFTNESS = 1e-3  # J, which lift the arm by 0.02 mm: MuJoCo's friction gives some back at a stop
 ENERGIES = {

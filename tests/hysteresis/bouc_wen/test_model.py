@@ -72,7 +72,7 @@ def test_agrees_with_the_equation(n):
     rng = np.random.default_rng(int(10 * n))
     for beta, gamma in SHAPES:
         m = model(beta=beta, gamma=gamma, n=n, A=1.3, rest_angle=0.1)
-        turns = np.cumsum(rng.normal(0, 0.6, 9))
+        turns = np.cumsum(rng.normal(0, 0.6, 6))
         torque = m.elastic * (turns[0] - m.rest_angle) + m.hysteretic * 0.2
         z, work, loss = equation(m, turns, torque)
         response = m.response(turns, torque)

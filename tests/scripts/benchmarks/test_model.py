@@ -3,7 +3,8 @@
 import json
 
 import pytest
-from activesuit.scripts.benchmarks import effort
+from activesuit.envs import ArmEnv
+from activesuit.scripts.benchmarks import effort, model
 from activesuit.scripts.main import main
 
 pytestmark = pytest.mark.slow
@@ -15,6 +16,8 @@ def result():
     from io import StringIO
 
     with redirect_stdout(StringIO()) as text, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ArmEnv, "duration", 5.0)
+        patch.setattr(model, "STEPS", 100)
         patch.setattr(effort, "EPISODES", 2)
         patch.setattr(effort, "suit_names", lambda: ["mock-suit", "emu-like"])
         main(["bench", "model", "--repeats", "1", "--json"])

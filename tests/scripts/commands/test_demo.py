@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
+from activesuit.envs import ArmEnv
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 from activesuit.scripts.commands import demo as demo_module
 from activesuit.scripts.commands.demo import demo
@@ -41,8 +42,9 @@ def folder(run):
 
 @pytest.fixture
 def sketched(undrawn, monkeypatch):
-    """For demos whose pictures nobody looks at: neither figures nor the arm are drawn."""
+    """For demos whose pictures nobody looks at: short motions, neither figures nor the arm."""
     monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
+    monkeypatch.setattr(ArmEnv, "duration", 2.0)
 
 
 def test_needs_no_torch(run):

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -32,10 +33,22 @@ def tables(out) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def made(tmp_path_factory):
+    """The folder of a finished study; take a copy to change it."""
     out = tmp_path_factory.mktemp("whole")
     study(out, "--workers", 1)
-    return tables(out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def whole(made):
+    return tables(made)
+
+
+@pytest.fixture
+def copied(made, tmp_path):
+    """A copy of the finished study."""
+    return shutil.copytree(made, tmp_path / "copy", copy_function=shutil.copy2)
 
 
 def fails(capsys, *arguments) -> str:
@@ -95,16 +108,15 @@ def test_a_cluster_of_two_workers_changes_nothing(tmp_path, whole, backend):
     assert tables(tmp_path) == whole
 
 
-def test_resumes_where_it_stopped(capsys, tmp_path, whole):
-    study(tmp_path)
-    kept = sorted((tmp_path / "trials").iterdir())
+def test_resumes_where_it_stopped(copied, whole):
+    kept = sorted((copied / "trials").iterdir())
     for path in kept[::2]:
         path.unlink()
     for name in TABLES[1:]:
-        (tmp_path / name).unlink()
+        (copied / name).unlink()
     times = {path: path.stat().st_mtime_ns for path in kept[1::2]}
-    study(tmp_path)
-    assert tables(tmp_path) == whole
+    study(copied)
+    assert tables(copied) == whole
     assert times == {path: path.stat().st_mtime_ns for path in kept[1::2]}  # not run again
 
 
@@ -150,7 +162,7 @@ def test_csv_files_without_held_out_curves(capsys, tmp_path):
     kept = [line for line in text.splitlines() if ",predict," not in line]
     (tmp_path / "knee.csv").write_text("\n".join(kept))
     options = ("--joints", tmp_path / "knee.csv", "--methods", "mpso", "certified", "nelder-mead")
-    drawn_study(tmp_path / "out", *options)
+    study(tmp_path / "out", *options)
     assert "knee" in capsys.readouterr().out
     assert (tmp_path / "out" / "loops.png").exists()
     assert not (tmp_path / "out" / "prediction.png").exists()
@@ -167,14 +179,12 @@ def test_a_csv_file_with_a_motion_that_turns_more_than_once(capsys, tmp_path):
     assert set(summary["prediction_max_error"]) == {"1.05", "1.40"}
 
 
-def test_another_study_in_the_folder(capsys, tmp_path):
-    study(tmp_path)
-    capsys.readouterr()
-    message = fails(capsys, "study", "--out", tmp_path, "--trials", 5)
+def test_another_study_in_the_folder(capsys, copied):
+    message = fails(capsys, "study", "--out", copied, "--trials", 5)
     assert "holds a study whose trials is 3, not 5" in message
-    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--joints", "elbow")
+    message = fails(capsys, "study", "--out", copied, *SMALL, "--joints", "elbow")
     assert "holds a study whose joints is" in message
-    known = (tmp_path / "config.json").read_text()
+    known = (copied / "config.json").read_text()
     for content, message in (
         ("{", "config.json is not complete JSON (line 1: "),
         ("[]", "is not the configuration of a study"),
@@ -184,19 +194,17 @@ def test_another_study_in_the_folder(capsys, tmp_path):
         (b"\xff\xfe", "config.json': not a UTF-8 text file"),
         (known.replace("{", '{"extra": 1,', 1), "holds a study whose extra is 1, not None"),
     ):
-        (tmp_path / "config.json").write_bytes(
+        (copied / "config.json").write_bytes(
             content if isinstance(content, bytes) else content.encode()
         )
-        assert message in fails(capsys, "study", "--out", tmp_path, *SMALL)
+        assert message in fails(capsys, "study", "--out", copied, *SMALL)
 
 
-def test_broken_or_misplaced_trials(capsys, tmp_path):
-    study(tmp_path)
-    capsys.readouterr()
-    first, second = sorted((tmp_path / "trials").iterdir())[:2]
+def test_broken_or_misplaced_trials(capsys, copied):
+    first, second = sorted((copied / "trials").iterdir())[:2]
     whole = first.read_text()
     first.write_text(whole[:100])
-    message = fails(capsys, "study", "--out", tmp_path, *SMALL)
+    message = fails(capsys, "study", "--out", copied, *SMALL)
     assert first.name in message
     assert "delete it" in message
     for content, message in (
@@ -207,9 +215,9 @@ def test_broken_or_misplaced_trials(capsys, tmp_path):
         (whole.replace('"1.05"', '"1.06"').encode(), "predicts ['1.06', '1.40'"),
     ):
         first.write_bytes(content)
-        assert message in fails(capsys, "study", "--out", tmp_path, *SMALL)
+        assert message in fails(capsys, "study", "--out", copied, *SMALL)
     first.write_text(second.read_text())
-    assert f"is the trial {second.name}" in fails(capsys, "study", "--out", tmp_path, *SMALL)
+    assert f"is the trial {second.name}" in fails(capsys, "study", "--out", copied, *SMALL)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,10 @@ pytest.importorskip("stable_baselines3")
 pytestmark = pytest.mark.slow
 
 
-def train(out, *more, algo="ppo", steps=2048):
+ROLLOUT = 256  # steps of all environments together, after which PPO learns
+
+
+def train(out, *more, algo="ppo", steps=ROLLOUT):
     arguments = ["train", "--algo", algo, "--steps", str(steps), "--out", str(out), *more]
     main(arguments)
 
@@ -25,6 +28,14 @@ def this_machine(tmp_path_factory):
     """Keeps the notes of what this machine wrote out of the user's own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def soon():
+    """PPO learns after an eighth of its usual steps."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(learning.SETTINGS["ppo"], "n_steps", ROLLOUT // learning.PARALLEL["ppo"])
         yield
 
 
@@ -51,8 +62,8 @@ def fails(capsys, *arguments) -> str:
 
 def test_writes_config_checkpoint_and_logs(run):
     config = json.loads((run / "config.json").read_text())
-    assert (config["algo"], config["seed"], config["steps"]) == ("ppo", 0, 2048)
-    assert steps_done(run) == 2048
+    assert (config["algo"], config["seed"], config["steps"]) == ("ppo", 0, ROLLOUT)
+    assert steps_done(run) == ROLLOUT
     assert list((run / "tensorboard").rglob("events*"))
 
 
@@ -66,7 +77,7 @@ def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
     assert policies[1]["assist_energy"] > 0
 
 
-def test_simulate_and_train_take_the_options_of_the_run(run, capsys, tmp_path):
+def test_simulate_and_train_take_the_options_of_the_run(run, capsys, tmp_path, undrawn):
     main(["simulate", "--policy", str(run), "--out", str(tmp_path / "one"), "--json"])
     capsys.readouterr()
     result = json.loads((tmp_path / "one" / "result.json").read_text())
@@ -93,23 +104,23 @@ def test_a_policy_of_another_coupling(run, capsys):
 
 
 def test_resume_needs_the_folder_only(run):
-    train(run, "--resume", steps=4096)
-    assert steps_done(run) == 4096
+    train(run, "--resume", steps=2 * ROLLOUT)
+    assert steps_done(run) == 2 * ROLLOUT
     config = json.loads((run / "config.json").read_text())
-    assert (config["gravity"], config["steps"]) == ("moon", 4096)
+    assert (config["gravity"], config["steps"]) == ("moon", 2 * ROLLOUT)
 
 
 def test_a_run_that_another_machine_trained(run, tmp_path, monkeypatch, capsys):
     here = tmp_path / "here"
     shutil.copytree(run, here)  # a copy is what this machine wrote too
-    steps = steps_done(here) + 2048
+    steps = steps_done(here) + ROLLOUT
     train(here, "--resume", steps=steps)
     assert steps_done(here) == steps
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
-    resume = ["train", "--resume", "--out", here, "--steps", steps + 2048]
+    resume = ["train", "--resume", "--out", here, "--steps", steps + ROLLOUT]
     assert "add --trust if you trust whoever made it" in fails(capsys, *resume)
     main([*map(str, resume), "--trust"])
-    train(here, "--resume", steps=steps + 4096)  # what was trusted is now ours
+    train(here, "--resume", steps=steps + 2 * ROLLOUT)  # what was trusted is now ours
 
 
 def test_the_oldest_notes_are_removed(tmp_path, monkeypatch):
@@ -164,7 +175,7 @@ def test_one_thread_of_torch(tmp_path, monkeypatch):
 def test_force_begins_anew(tmp_path):
     train(tmp_path, algo="sac", steps=20)
     train(tmp_path, "--force")
-    assert steps_done(tmp_path) == 2048
+    assert steps_done(tmp_path) == ROLLOUT
     assert not (tmp_path / "replay.pkl").exists()
 
 
@@ -189,16 +200,16 @@ def interrupted(capsys, out, *more, **options) -> str:
 
 def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
     def interrupt_late(self, steps):
-        if steps >= 1000:
+        if steps >= 100:
             raise KeyboardInterrupt
 
     monkeypatch.setattr(Bar, "move_to", interrupt_late)
     said = interrupted(capsys, tmp_path)
     assert f"steps are kept in {tmp_path}; go on with --resume" in said
-    assert 1000 <= steps_done(tmp_path) < 2048
+    assert 100 <= steps_done(tmp_path) < ROLLOUT
     monkeypatch.undo()
     train(tmp_path, "--resume")
-    assert steps_done(tmp_path) >= 2048
+    assert steps_done(tmp_path) >= ROLLOUT
 
 
 @pytest.mark.parametrize(
@@ -226,11 +237,11 @@ def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsy
 
 
 def test_sac_trains_and_resumes_with_its_experience(tmp_path, monkeypatch):
-    monkeypatch.setitem(learning.SETTINGS["sac"], "learning_starts", 100)
-    train(tmp_path, algo="sac", steps=150)
+    monkeypatch.setitem(learning.SETTINGS["sac"], "learning_starts", 20)
+    train(tmp_path, algo="sac", steps=30)
     assert (tmp_path / "replay.pkl").exists()
-    main(["train", "--resume", "--steps", "200", "--out", str(tmp_path)])
-    assert steps_done(tmp_path, "sac") == 200
+    main(["train", "--resume", "--steps", "40", "--out", str(tmp_path)])
+    assert steps_done(tmp_path, "sac") == 40
 
 
 @pytest.mark.parametrize(
