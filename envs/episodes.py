@@ -136,8 +136,7 @@ class Episodes:
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
         self.simulation.begin(
-            rows,
-            [self.task.motion(self._stream(row, "motion"), samples, dt) for row in rows.tolist()],
+            rows, lambda row: self.task.motion(self._stream(row, "motion"), samples, dt)
         )
         self._judge(rows)
 

@@ -2,7 +2,7 @@
 
 import inspect
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import mujoco
@@ -98,7 +98,7 @@ class Simulation:
 
     # --- Episodes -----------------------------------------------------------------------------
 
-    def begin(self, rows: Rows, motions: Sequence[Motion]) -> None:
+    def begin(self, rows: Rows, motion_of: Callable[[int], Motion]) -> None:
         """Begins an episode in some rows: rested wearers hold still at their first intention.
 
         Their feedback holds torque that they do not foresee. Strength does not limit that torque: a
@@ -107,19 +107,19 @@ class Simulation:
 
         Args:
             rows: The rows, shape (k,).
-            motions: Intended motion of each of them.
+            motion_of: Function that returns the intended motion of a row.
 
         Raises:
-            InputError: A motion has other shapes, is not finite or leaves the range of a joint.
+            InputError: A motion has other shapes, is not finite or leaves the range of a joint; the
+                rows then need another reset.
         """
         memory = self.memory
-        motions = [valid_motion(motion, self.samples, self._arm.jnt_range) for motion in motions]
         memory.clear(rows)
-        for row, (angle, rate, acceleration) in zip(rows.tolist(), motions, strict=True):
-            memory.angle[row], memory.rate[row] = angle, rate
-            memory.acceleration[row] = acceleration
+        for row in rows.tolist():
+            motion = valid_motion(motion_of(row), self.samples, self._arm.jnt_range)
+            memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
             if memory.resistance.size:
-                memory.resistance[row] = resistance(self._known_suit, angle)
+                memory.resistance[row] = resistance(self._known_suit, motion[0])
         self.batch.reset(self._ids(rows), stage=NOTHING)
         self._settle(rows)
         if self.config.exo.encoder_delay > 0:
