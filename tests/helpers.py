@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import count, pairwise
 
 import numpy as np
 import pytest
+from activesuit.envs.tasks import TASKS
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.output import RunFolder
 
@@ -23,6 +25,12 @@ def in_this_process(
 ) -> Iterator[object]:
     """Does what `run_all` does, without processes that would import everything first."""
     return (work(*given) for given in arguments)
+
+
+def shorten_tasks(patch: pytest.MonkeyPatch, duration: float) -> None:
+    """Makes the episodes of the shipped tasks, by their names, as long as that [s]."""
+    for name, task in TASKS.items():
+        patch.setitem(TASKS, name, replace(task, duration=duration))
 
 
 @contextmanager

@@ -46,9 +46,7 @@ def simulate(
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    arms = make_arms(
-        chosen.env, 1, **chosen.options, sensors=sensors_of(policy), render_mode=mode
-    )
+    arms = make_arms(chosen.env, 1, **chosen.options, sensors=sensors_of(policy), render_mode=mode)
     actor = make_policy(policy, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []

@@ -4,9 +4,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from ...assets import JOINTS
 from ...envs.evaluation import Score
-from ...envs.rollout import Trace
 from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
+from ...envs.rollout import Trace
 from ..output import Rows, RunFolder
 
 

@@ -13,14 +13,24 @@ from activesuit.scripts.runs import scene
 from trained_runs import CONFIG, write_config
 
 OWN = '''
+from dataclasses import replace
+
 import gymnasium
-from activesuit.envs.tasks import ElbowFlexionEnv
+from activesuit.envs import TASKS, ArmEnv
+
+QUICK = replace(TASKS["ElbowFlexion"], name="Quick", duration=0.5)
 
 
-class Quick(ElbowFlexionEnv):
+class Quick(ArmEnv):
     """The elbow, for half a second."""
 
-    duration = 0.5
+    def __init__(self, **options):
+        super().__init__(QUICK, **options)
+
+
+class Gentle(gymnasium.RewardWrapper):
+    def reward(self, reward):
+        return reward / 2
 
 
 class NoArm(gymnasium.Env):
@@ -28,9 +38,19 @@ class NoArm(gymnasium.Env):
         pass
 
 
+def gentle(**options):
+    return Gentle(Quick(**options))
+
+
+ARM = "activesuit.envs:ArmEnv"
 gymnasium.register("Mine/Quick-v0", entry_point=Quick)
 gymnasium.register("Mine/Lazy-v0", entry_point=f"{__name__}:Quick")
 gymnasium.register("Mine/Made-v0", entry_point=lambda **options: Quick(**options))
+gymnasium.register("Mine/Task-v0", entry_point=ARM, kwargs={"task": QUICK})
+gymnasium.register(
+    "Mine/Limited-v0", entry_point=ARM, kwargs={"task": "ElbowFlexion"}, max_episode_steps=50
+)
+gymnasium.register("Mine/Gentle-v0", entry_point=gentle)
 gymnasium.register("Mine/NoArm-v0", entry_point=NoArm)
 gymnasium.register("Mine/NoneMade-v0", entry_point=lambda **options: NoArm())
 '''
@@ -155,7 +175,7 @@ def test_options_that_no_training_has(tmp_path):
         scene(ArmOptions(), policies=(run,))
 
 
-@pytest.mark.parametrize("name", ["Quick", "Lazy", "Made"])
+@pytest.mark.parametrize("name", ["Quick", "Lazy", "Made", "Task", "Limited"])
 def test_an_environment_of_your_own(own, capsys, undrawn, name):
     env = own.replace("Quick", name)
     main(["simulate", "--env", env, "--out", "one", "--json"])
@@ -183,6 +203,7 @@ def test_your_own_environment_in_the_library(own, monkeypatch):
     [
         ("mine_quick:Mine/Slow-v0", "unknown environment 'mine_quick:Mine/Slow-v0'"),
         ("mine_quick:Mine/NoArm-v0", "'mine_quick:Mine/NoArm-v0' is no arm of ActiveSuit"),
+        ("mine_quick:Mine/Gentle-v0", "has the wrapper Gentle, which rows of arms cannot have"),
         ("mine_quick:Mine/NoneMade-v0", "cannot be made (AttributeError"),
         ("nowhere:Mine/Quick-v0", "cannot be made (ModuleNotFoundError"),
         (":Mine/Quick-v0", "unknown environment"),

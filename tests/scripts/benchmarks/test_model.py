@@ -3,9 +3,10 @@
 import json
 
 import pytest
-from activesuit.envs import ArmEnv
+from activesuit.envs.tasks import TASKS
 from activesuit.scripts.benchmarks import effort, model
 from activesuit.scripts.main import main
+from helpers import shorten_tasks
 
 pytestmark = pytest.mark.slow
 
@@ -16,7 +17,8 @@ def result():
     from io import StringIO
 
     with redirect_stdout(StringIO()) as text, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ArmEnv, "duration", 5.0)
+        shorten_tasks(patch, 5.0)
+        patch.setattr(model, "ARM_TRACKING", TASKS["ArmTracking"])
         patch.setattr(model, "STEPS", 100)
         patch.setattr(effort, "EPISODES", 2)
         patch.setattr(effort, "suit_names", lambda: ["mock-suit", "emu-like"])

@@ -9,12 +9,12 @@ import sys
 import numpy as np
 import pytest
 from activesuit.assets import load_suit
-from activesuit.envs import ArmEnv
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 from activesuit.scripts.commands import demo as demo_module
 from activesuit.scripts.commands.demo import demo
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
+from helpers import shorten_tasks
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def folder(run):
 def sketched(undrawn, monkeypatch):
     """For demos whose pictures nobody looks at: short motions, neither figures nor the arm."""
     monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
-    monkeypatch.setattr(ArmEnv, "duration", 2.0)
+    shorten_tasks(monkeypatch, 2.0)
 
 
 def test_needs_no_torch(run):

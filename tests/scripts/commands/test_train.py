@@ -96,11 +96,16 @@ def test_simulate_and_train_take_the_options_of_the_run(run, capsys, tmp_path, u
 def test_a_policy_of_another_coupling(run, capsys):
     message = fails(capsys, "evaluate", "--policies", run, "--coupling", "cuffs")
     assert "trained with 'rigid'" in message
-    from activesuit.envs.evaluation import evaluate
+
+
+def test_a_policy_of_other_sensors(run):
+    from activesuit.envs.making import make_arms
+    from activesuit.envs.policies import make_policy
     from activesuit.errors import InputError
 
-    with pytest.raises(InputError, match=r"observes 18 numbers .* shows 27: .*config\.json"):
-        evaluate("ActiveSuit/ElbowFlexion-v0", [str(run)], coupling="cuffs")
+    arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, sensors=("encoders", "preview"))
+    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: .*config\.json"):
+        make_policy(str(run), arms)
 
 
 def test_resume_needs_the_folder_only(run):
@@ -215,7 +220,7 @@ def test_interrupt_keeps_what_was_learned(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("part", "message"),
     [
-        ("make_env", "activesuit: interrupted"),
+        ("make_arms", "activesuit: interrupted"),
         ("training_environments", "nothing was learned yet; start the training again"),
         ("checkpoints", "0 steps are kept in {out}; go on with --resume"),
         ("save", "nothing was learned yet; start the training again"),

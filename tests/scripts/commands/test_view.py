@@ -9,16 +9,17 @@ import time
 import mujoco
 import numpy as np
 import pytest
-from activesuit.envs import ArmEnv
 from activesuit.envs.animation import LoopPanel
-from activesuit.envs.evaluation import make_env, run_episode
+from activesuit.envs.making import make_arms
 from activesuit.envs.model import ArmConfig, compose
 from activesuit.envs.policies import make_policy
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.envs.rollout import rollout
 from activesuit.scripts import output
 from activesuit.scripts.commands import animate, view
 from activesuit.scripts.film import filmed
 from activesuit.scripts.main import main
+from helpers import shorten_tasks
 from matplotlib.image import imread
 
 
@@ -40,7 +41,7 @@ def opengl():
 @pytest.fixture
 def short(monkeypatch):
     """For films of whole episodes, which then take 2 s instead of 10 s."""
-    monkeypatch.setattr(ArmEnv, "duration", 2.0)
+    shorten_tasks(monkeypatch, 2.0)
 
 
 @pytest.fixture
@@ -245,15 +246,17 @@ def test_simulate_films_in_real_time(capsys, tmp_path, monkeypatch, kind):
 @pytest.mark.slow
 @pytest.mark.render
 def test_filming_changes_nothing(opengl, short):
-    made, arm = make_env("ActiveSuit/ElbowFlexion-v0", render_mode="rgb_array", width=40, height=30)
-    policy = make_policy("feedforward", arm)
-    with filmed(arm, policy, 20) as filming:
-        one = run_episode(made, filming, 0)
-    assert filming.steps == [*range(0, 200, 20)]
-    other = run_episode(made, policy, 0)
+    small = {"render_mode": "rgb_array", "width": 40, "height": 30}
+    arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, **small)
+    policy = make_policy("feedforward", arms)
+    with filmed(arms, 20) as film:
+        (one,) = rollout(arms, policy, [0], on_step=film)
+    assert film.steps == [*range(0, 200, 20)]
+    assert len(film.pictures) == len(film.steps)
+    (other,) = rollout(arms, policy, [0])
     for name in ("angle", "human_torque", "rewards"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    made.close()
+    arms.close()
 
 
 def test_simulate_refuses_an_unknown_film(capsys, tmp_path):
