@@ -6,7 +6,7 @@ loads when it is first imported.
 
 import gymnasium
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 TASKS = ("ShoulderFlexion", "ElbowFlexion", "ArmTracking")
 

@@ -14,6 +14,7 @@ from .info import Info
 from .model import ArmConfig
 from .person import VoluntaryControl
 from .rendering import ArmRenderer, RenderQuality
+from .simulation import Simulation
 from .tasks import ARM_TRACKING, Task, task_of
 from .vector_env import ArmVectorEnv
 
@@ -120,7 +121,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             fatigue=fatigue,
             **arm,
         )
-        self._simulation = self.episodes.simulation
         self._options = {
             "sensors": sensors,
             "normalize": normalize,
@@ -237,6 +237,10 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     # --- Parts --------------------------------------------------------------------------------
 
     @property
+    def _simulation(self) -> Simulation:
+        return self.episodes.simulation
+
+    @property
     def config(self) -> ArmConfig:
         """The configuration of the arm."""
         return self._simulation.config
@@ -261,6 +265,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         """The physics of this instant, for reading: what is written here changes nothing."""
         self._data = self._simulation.data(0, self._data)
         return self._data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_data": None}
 
     def _require_reset(self, what: str) -> None:
         if self._simulation.memory.episode[0] < 0:

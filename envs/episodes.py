@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import Array
 from ..checks import flag, within
 from ..errors import InputError, shown
+from .info import Info
 from .model import ArmConfig
 from .model.config import nested
 from .observation import Observer
 from .person import VoluntaryControl
 from .reward import TERMS, judge
-from .info import Info
 from .simulation import Simulation
 from .simulation.measurements import snapshot
 from .simulation.saving import check_state
@@ -69,6 +69,11 @@ class Episodes:
         fatigue: bool = False,
         **arm: Any,
     ) -> None:
+        self._options = {
+            **{"threads": threads, "max_periods": max_periods, "sensors": sensors},
+            **{"normalize": normalize, "control_dt": control_dt, "control": control},
+            **{"fatigue": fatigue, **arm},
+        }
         config = ArmConfig.from_dict(arm)
         _check_period(control_dt, config.timestep)
         flag("fatigue", fatigue)
@@ -204,6 +209,15 @@ class Episodes:
         check_state(state, self.identity(), self.simulation.state(rows), self.simulation.model)
         self.simulation.restore(rows, state)
         self._judge(rows)
+
+    def __getstate__(self) -> dict[str, Any]:
+        everything = self.simulation.state(self._all)
+        return {"task": self.task, "n": self.n, "options": self._options, "state": everything}
+
+    def __setstate__(self, saved: dict[str, Any]) -> None:
+        self.__init__(saved["task"], saved["n"], **saved["options"])
+        self.simulation.restore(self._all, saved["state"])
+        self._judge(self._all)
 
     # --- Parts --------------------------------------------------------------------------------
 

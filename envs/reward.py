@@ -4,7 +4,7 @@
 
 from numba import njit
 
-from ..arrays import Array
+from ..arrays import AnyArray
 from .simulation.measurements import ANGLE, HUMAN, TARGET
 
 TERMS = ("effort", "tracking", "smoothness")
@@ -16,19 +16,19 @@ LOST = 1.0  # rad of tracking error at which an episode ends
 
 @njit(cache=True)
 def judge(
-    rows: Array,
-    measured: Array,
-    change: Array,
-    diverged: Array,
-    step: Array,
-    limit: Array,
-    plugin_state: Array,
-    faults: Array,
-    assisted: Array,
-    terms: Array,
-    reward: Array,
-    terminated: Array,
-    truncated: Array,
+    rows: AnyArray,
+    measured: AnyArray,
+    change: AnyArray,
+    diverged: AnyArray,
+    step: AnyArray,
+    limit: AnyArray,
+    plugin_state: AnyArray,
+    faults: AnyArray,
+    assisted: AnyArray,
+    terms: AnyArray,
+    reward: AnyArray,
+    terminated: AnyArray,
+    truncated: AnyArray,
 ) -> None:
     """Rewards the last control period of some rows, and says which episodes have ended.
 

@@ -26,9 +26,7 @@ class ArmVecEnv(VecEnv):
     def __init__(self, arms: ArmVectorEnv) -> None:
         arms.autoreset_mode = AutoresetMode.SAME_STEP
         self.arms, self.render_mode = arms, arms.render_mode
-        super().__init__(
-            arms.num_envs, arms.single_observation_space, arms.single_action_space
-        )
+        super().__init__(arms.num_envs, arms.single_observation_space, arms.single_action_space)
         self.metadata = {**arms.metadata, "autoreset_mode": AutoresetMode.SAME_STEP}
         self._actions = np.zeros(arms.action_space.shape or (), np.float32)
 
@@ -67,7 +65,8 @@ class ArmVecEnv(VecEnv):
 
     def get_images(self) -> Sequence[NDArray[np.uint8] | None]:
         """Returns a picture of every row, None without a render mode."""
-        return self.arms.render() if self.render_mode else [None] * self.num_envs
+        pictures = self.arms.render() if self.render_mode else None
+        return pictures or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Returns an attribute of the vector environment, once for each of some rows."""

@@ -307,8 +307,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             name: simulation.measured(name).copy() for name in names if full or name in METRICS
         }
         found = {
-            name: values[:, 0] if values.shape[1] == 1 else values
-            for name, values in found.items()
+            name: values[:, 0] if values.shape[1] == 1 else values for name, values in found.items()
         }
         if full:
             found["clipped_actions"] = memory.clipped.copy()

@@ -12,9 +12,9 @@ from ..memory import give_back_after
 from ..person import segments
 from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
-from .lean import make_lean
 from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
 from .fitting import fit_person
+from .lean import make_lean
 from .mirroring import mirror
 from .suit import attach_suit, remove_suit
 

@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...checks import within
 from ...errors import InputError
 from ..provenance import Grade, Quantity
-from ._motor_kernels import clip, heat
+from .motor_kernels import clip, heat
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
 

@@ -26,7 +26,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
-from ._control_kernels import pull
+from .control_kernels import pull
 
 Generators = np.random.Generator | Sequence[np.random.Generator]
 

@@ -22,7 +22,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
 from ..provenance import Quantity
-from ._fatigue_kernels import load_of, tire
+from .fatigue_kernels import load_of, tire
 
 _RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
 _REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"

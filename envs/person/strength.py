@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...assets import JOINTS
 from ..provenance import Grade, Quantity
-from ._strength_kernels import limits
 from .anthropometry import Person
+from .strength_kernels import limits
 
 DIRECTIONS = ("negative", "positive")
 

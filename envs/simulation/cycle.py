@@ -10,14 +10,14 @@ import math
 
 from numba import njit
 
-from ...arrays import Array
-from ..model._motor_kernels import clipped as within_heat
-from ..model._motor_kernels import heated
-from ..person._control_kernels import pulled
-from ..person._fatigue_kernels import loaded, tired
-from ..person._strength_kernels import group_torque
+from ...arrays import AnyArray
+from ..model.motor_kernels import clipped as within_heat
+from ..model.motor_kernels import heated
+from ..person.control_kernels import pulled
+from ..person.fatigue_kernels import loaded, tired
+from ..person.strength_kernels import group_torque
 from .inverse_dynamics import arm_torque
-from .measurements import is_finite, measure
+from .measurements import TIME, is_finite, measure
 
 # Columns of `habits`, the wearer's settings.
 LEARNING, FEEDBACK, NOISE, TREMOR = range(4)
@@ -28,13 +28,13 @@ SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
 @njit(cache=True)
 def drive(
     row: int,
-    command: Array,
-    mean_square: Array,
-    ctrl: Array,
-    motors: Array,
-    peak: Array,
-    continuous: Array,
-    time_constant: Array,
+    command: AnyArray,
+    mean_square: AnyArray,
+    ctrl: AnyArray,
+    motors: AnyArray,
+    peak: AnyArray,
+    continuous: AnyArray,
+    time_constant: AnyArray,
     dt: float,
 ) -> None:
     """Sets motor torques from normalized commands, clipped by the thermal limit."""
@@ -45,7 +45,7 @@ def drive(
 
 
 @njit(cache=True)
-def vary(row: int, variation: Array, fresh: Array, place: int, ringing: Array) -> None:
+def vary(row: int, variation: AnyArray, fresh: AnyArray, place: int, ringing: AnyArray) -> None:
     """Advances the noise of muscles: first-order autoregression and a driven, damped rotation."""
     for j in range(4):
         slow, x, y = variation[row, 0, j], variation[row, 1, j], variation[row, 2, j]
@@ -59,27 +59,27 @@ def vary(row: int, variation: Array, fresh: Array, place: int, ringing: Array) -
 @njit(cache=True)
 def act(
     row: int,
-    qpos: Array,
-    qvel: Array,
-    ctrl: Array,
-    step: Array,
-    angle: Array,
-    rate: Array,
-    resistance: Array,
-    past: Array,
-    variation: Array,
-    fresh: Array,
-    fatigued: Array,
-    own: Array,
-    joints: Array,
-    intention: Array,
-    stiffness: Array,
-    damping: Array,
-    strength: Array,
-    shape: Array,
-    habits: Array,
-    spread: Array,
-    ringing: Array,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    ctrl: AnyArray,
+    step: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    resistance: AnyArray,
+    past: AnyArray,
+    variation: AnyArray,
+    fresh: AnyArray,
+    fatigued: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    intention: AnyArray,
+    stiffness: AnyArray,
+    damping: AnyArray,
+    strength: AnyArray,
+    shape: AnyArray,
+    habits: AnyArray,
+    spread: AnyArray,
+    ringing: AnyArray,
 ) -> None:
     """Gives the engine's actuators the intention of the coming period, and the added torque."""
     last, delay = angle.shape[1] - 1, past.shape[1]
@@ -118,9 +118,9 @@ def most(
     joint: int,
     angle: float,
     speed: float,
-    strength: Array,
-    fatigued: Array,
-    shape: Array,
+    strength: AnyArray,
+    fatigued: AnyArray,
+    shape: AnyArray,
 ) -> float:
     """Returns the greatest torque that fatigue has left to a muscle group [N·m]."""
     return group_torque(
@@ -139,19 +139,19 @@ def most(
 @njit(cache=True)
 def tire(
     row: int,
-    qpos: Array,
-    qvel: Array,
-    actuator_force: Array,
-    fatigued: Array,
-    rested: Array,
-    joints: Array,
-    human: Array,
-    strength: Array,
-    shape: Array,
-    tiring: Array,
-    recovery: Array,
-    multiplier: Array,
-    resting: Array,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    actuator_force: AnyArray,
+    fatigued: AnyArray,
+    rested: AnyArray,
+    joints: AnyArray,
+    human: AnyArray,
+    strength: AnyArray,
+    shape: AnyArray,
+    tiring: AnyArray,
+    recovery: AnyArray,
+    multiplier: AnyArray,
+    resting: AnyArray,
     dt: float,
 ) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
@@ -174,42 +174,42 @@ def tire(
 
 @njit(cache=True, nogil=True)
 def before(
-    rows: Array,
-    action: Array,
-    command: Array,
-    change: Array,
-    clipped: Array,
-    diverged: Array,
-    mean_square: Array,
-    qpos: Array,
-    qvel: Array,
-    ctrl: Array,
-    step: Array,
-    angle: Array,
-    rate: Array,
-    acceleration: Array,
-    resistance: Array,
-    past: Array,
-    variation: Array,
-    fresh: Array,
-    fatigued: Array,
-    links: Array,
-    gravity: Array,
-    scratch: Array,
-    own: Array,
-    joints: Array,
-    motors: Array,
-    intention: Array,
-    stiffness: Array,
-    damping: Array,
-    strength: Array,
-    shape: Array,
-    habits: Array,
-    spread: Array,
-    ringing: Array,
-    peak: Array,
-    continuous: Array,
-    time_constant: Array,
+    rows: AnyArray,
+    action: AnyArray,
+    command: AnyArray,
+    change: AnyArray,
+    clipped: AnyArray,
+    diverged: AnyArray,
+    mean_square: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    ctrl: AnyArray,
+    step: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    acceleration: AnyArray,
+    resistance: AnyArray,
+    past: AnyArray,
+    variation: AnyArray,
+    fresh: AnyArray,
+    fatigued: AnyArray,
+    links: AnyArray,
+    gravity: AnyArray,
+    scratch: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    motors: AnyArray,
+    intention: AnyArray,
+    stiffness: AnyArray,
+    damping: AnyArray,
+    strength: AnyArray,
+    shape: AnyArray,
+    habits: AnyArray,
+    spread: AnyArray,
+    ringing: AnyArray,
+    peak: AnyArray,
+    continuous: AnyArray,
+    time_constant: AnyArray,
     dt: float,
 ) -> int:
     """Takes the actions of some rows, and lets motors and wearers act on them.
@@ -235,7 +235,7 @@ def before(
         if diverged[row]:
             continue
         drive(row, command, mean_square, ctrl, motors, peak, continuous, time_constant, dt)
-        i = min(step[row] + 1, angle.shape[1] - 1)
+        i = int(min(step[row] + 1, angle.shape[1] - 1))
         arm_torque(row, links, gravity, angle, rate, acceleration, i, scratch, own)
         act(
             row,
@@ -266,57 +266,57 @@ def before(
 
 @njit(cache=True, nogil=True)
 def after(
-    rows: Array,
-    measured: Array,
-    time: Array,
-    qpos: Array,
-    qvel: Array,
-    sensordata: Array,
-    actuator_force: Array,
-    warning: Array,
-    angle: Array,
-    step: Array,
-    diverged: Array,
-    command: Array,
-    mean_square: Array,
-    fatigued: Array,
-    rested: Array,
-    counts: Array,
-    dissipated_before: Array,
-    joints: Array,
-    driven: Array,
-    assisted: Array,
-    human: Array,
-    assist: Array,
-    encoders: Array,
-    cuffs: Array,
-    suited: Array,
-    suit_torque: Array,
-    dissipated: Array,
-    strength: Array,
-    shape: Array,
-    tiring: Array,
-    recovery: Array,
-    multiplier: Array,
-    resting: Array,
-    peak: Array,
-    continuous: Array,
-    time_constant: Array,
-    ahead: Array,
+    rows: AnyArray,
+    moved: bool,
+    measured: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    sensordata: AnyArray,
+    actuator_force: AnyArray,
+    warning: AnyArray,
+    angle: AnyArray,
+    step: AnyArray,
+    diverged: AnyArray,
+    command: AnyArray,
+    mean_square: AnyArray,
+    fatigued: AnyArray,
+    rested: AnyArray,
+    counts: AnyArray,
+    dissipated_before: AnyArray,
+    joints: AnyArray,
+    driven: AnyArray,
+    assisted: AnyArray,
+    human: AnyArray,
+    assist: AnyArray,
+    encoders: AnyArray,
+    cuffs: AnyArray,
+    suited: AnyArray,
+    suit_torque: AnyArray,
+    dissipated: AnyArray,
+    strength: AnyArray,
+    shape: AnyArray,
+    tiring: AnyArray,
+    recovery: AnyArray,
+    multiplier: AnyArray,
+    resting: AnyArray,
+    peak: AnyArray,
+    continuous: AnyArray,
+    time_constant: AnyArray,
+    ahead: AnyArray,
     count: float,
     smoothing: float,
     dt: float,
     tires: bool,
-    moved: bool,
 ) -> None:
     """Measures some rows; if they have `moved`, heats motors and tires wearers before.
 
-    A row that has diverged keeps its last valid measurements.
+    A row that has diverged keeps its last valid measurements, but the time.
     """
     for k in range(rows.shape[0]):
         row = rows[k]
         if moved:
             step[row] += 1
+        measured[row, TIME] = step[row] * dt
         warned = 0
         for j in range(warning.shape[1]):
             warned += warning[row, j]
@@ -327,7 +327,7 @@ def after(
             continue
         if moved:
             for j in range(assist.shape[0]):
-                torque = actuator_force[row, assist[j]]
+                torque = float(actuator_force[row, assist[j]])
                 mean_square[row, j] = heated(mean_square[row, j], torque, time_constant[j], dt)
             if tires:
                 tire(
@@ -350,7 +350,6 @@ def after(
         measure(
             row,
             measured,
-            time,
             qpos,
             qvel,
             sensordata,

@@ -1,4 +1,4 @@
-"""Intended motions: minimum-jerk moves between random targets, and the suit's resistance to them."""
+"""Intended motions: minimum-jerk moves between random targets, and the suit's resistance."""
 
 import math
 from collections.abc import Mapping

@@ -13,13 +13,23 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from ...arrays import Array
+from ...arrays import AnyArray, Array
 from ...assets import JOINTS
 from ...errors import InputError
 
 # Columns of a link: position and axis of its joint in the frame above, mass, center of mass,
 # inertia about it (xx, yy, zz, xy, xz, yz) in its own axes, stiffness, rest angle and damping.
-POSITION, AXIS, MASS, CENTER, INERTIA, STIFFNESS, REST, DAMPING, LINK = 0, 3, 6, 7, 10, 16, 17, 18, 19
+POSITION, AXIS, MASS, CENTER, INERTIA, STIFFNESS, REST, DAMPING, LINK = (
+    0,
+    3,
+    6,
+    7,
+    10,
+    16,
+    17,
+    18,
+    19,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +57,11 @@ class Chain:
         joints = [arm.joint(joint).id for joint in JOINTS]
         bodies = arm.jnt_bodyid[joints]
         turned = np.abs(arm.body_quat[bodies] - [1, 0, 0, 0]).max() > 1e-12
-        if turned or arm.jnt_pos[joints].any() or (arm.body_parentid[bodies[1:]] != bodies[:-1]).any():
+        if (
+            turned
+            or arm.jnt_pos[joints].any()
+            or (arm.body_parentid[bodies[1:]] != bodies[:-1]).any()
+        ):
             raise InputError("the bare arm is no chain of four hinges: compose it anew")
         links = np.zeros((len(JOINTS), LINK))
         for link, joint, body in zip(links, joints, bodies, strict=True):
@@ -71,16 +85,16 @@ class Chain:
 
 
 @njit(cache=True)
-def arm_torque(
+def arm_torque(  # noqa: PLR0915 (one pass out and one back, in scalars)
     row: int,
-    links: Array,
-    gravity: Array,
-    angle: Array,
-    rate: Array,
-    acceleration: Array,
+    links: AnyArray,
+    gravity: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    acceleration: AnyArray,
     sample: int,
-    scratch: Array,
-    torque: Array,
+    scratch: AnyArray,
+    torque: AnyArray,
 ) -> None:
     """Computes the torque [N·m] that moves a bare arm.
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ...arrays import Array
+from ...arrays import AnyArray
 
 # Name and size of each measurement, in the order of their columns.
 _SIZES = (
@@ -73,7 +73,7 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vecto
 ) = (columns.start for columns in COLUMNS.values())
 
 
-def snapshot(measured: Array, columns: dict[str, slice]) -> dict[str, Any]:
+def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
     """Returns what no sensor measures, by name: numbers, or new arrays; `measured` is one row."""
     found: dict[str, Any] = {}
     for name, part in columns.items():
@@ -88,7 +88,12 @@ def snapshot(measured: Array, columns: dict[str, slice]) -> dict[str, Any]:
 
 @njit(cache=True)
 def is_finite(
-    row: int, qpos: Array, qvel: Array, sensordata: Array, suit_torque: Array, dissipated: Array
+    row: int,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    sensordata: AnyArray,
+    suit_torque: AnyArray,
+    dissipated: AnyArray,
 ) -> bool:
     """Returns whether motion, suit torque and dissipated energy of a row are finite."""
     total = 0.0
@@ -100,34 +105,33 @@ def is_finite(
 
 
 @njit(cache=True)
-def measure(
+def measure(  # noqa: PLR0912 (a loop for each measurement)
     row: int,
-    measured: Array,
-    time: Array,
-    qpos: Array,
-    qvel: Array,
-    sensordata: Array,
-    actuator_force: Array,
-    angle: Array,
-    step: Array,
-    command: Array,
-    mean_square: Array,
-    fatigued: Array,
-    counts: Array,
-    dissipated_before: Array,
-    joints: Array,
-    driven: Array,
-    assisted: Array,
-    human: Array,
-    assist: Array,
-    encoders: Array,
-    cuffs: Array,
-    suited: Array,
-    suit_torque: Array,
-    dissipated: Array,
-    peak: Array,
-    continuous: Array,
-    ahead: Array,
+    measured: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    sensordata: AnyArray,
+    actuator_force: AnyArray,
+    angle: AnyArray,
+    step: AnyArray,
+    command: AnyArray,
+    mean_square: AnyArray,
+    fatigued: AnyArray,
+    counts: AnyArray,
+    dissipated_before: AnyArray,
+    joints: AnyArray,
+    driven: AnyArray,
+    assisted: AnyArray,
+    human: AnyArray,
+    assist: AnyArray,
+    encoders: AnyArray,
+    cuffs: AnyArray,
+    suited: AnyArray,
+    suit_torque: AnyArray,
+    dissipated: AnyArray,
+    peak: AnyArray,
+    continuous: AnyArray,
+    ahead: AnyArray,
     count: float,
     smoothing: float,
     dt: float,
@@ -136,7 +140,6 @@ def measure(
     """Reads all measurements of a row; after motion, also adds the energies of the period."""
     last = angle.shape[1] - 1
     now = min(step[row], last)
-    measured[row, TIME] = time[row]
     for j in range(4):
         measured[row, ANGLE + j] = qpos[row, joints[j]]
         measured[row, RATE + j] = qvel[row, joints[j]]

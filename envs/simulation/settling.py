@@ -4,7 +4,7 @@
 
 from numba import njit
 
-from ...arrays import Array
+from ...arrays import AnyArray
 from .cycle import FEEDBACK, LEARNING
 from .inverse_dynamics import arm_torque
 
@@ -16,19 +16,19 @@ FRESH, MOVED, SETTLED = range(3)
 
 @njit(cache=True)
 def begin(
-    rows: Array,
-    qpos: Array,
-    angle: Array,
-    rate: Array,
-    acceleration: Array,
-    resistance: Array,
-    links: Array,
-    gravity: Array,
-    scratch: Array,
-    own: Array,
-    joints: Array,
-    exo_joints: Array,
-    habits: Array,
+    rows: AnyArray,
+    qpos: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    acceleration: AnyArray,
+    resistance: AnyArray,
+    links: AnyArray,
+    gravity: AnyArray,
+    scratch: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    exo_joints: AnyArray,
+    habits: AnyArray,
 ) -> None:
     """Puts some arms at their first intention, and computes the torque that wearers foresee."""
     for k in range(rows.shape[0]):
@@ -43,16 +43,16 @@ def begin(
 
 @njit(cache=True)
 def imbalance(
-    rows: Array,
-    torque: Array,
-    qpos: Array,
-    qfrc_passive: Array,
-    qfrc_bias: Array,
-    angle: Array,
-    own: Array,
-    joints: Array,
-    stiffness: Array,
-    habits: Array,
+    rows: AnyArray,
+    torque: AnyArray,
+    qpos: AnyArray,
+    qfrc_passive: AnyArray,
+    qfrc_bias: AnyArray,
+    angle: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    stiffness: AnyArray,
+    habits: AnyArray,
 ) -> None:
     """Computes the torque that is left on some arms at rest [N·m], shape (n, dofs)."""
     for k in range(rows.shape[0]):
@@ -67,7 +67,12 @@ def imbalance(
 
 @njit(cache=True)
 def correct(
-    rows: Array, torque: Array, inverse: Array, qpos: Array, moves: Array, status: Array
+    rows: AnyArray,
+    torque: AnyArray,
+    inverse: AnyArray,
+    qpos: AnyArray,
+    moves: AnyArray,
+    status: AnyArray,
 ) -> int:
     """Moves arms that have not settled by the inverse slope; returns how many there are.
 
@@ -108,7 +113,9 @@ def correct(
 
 
 @njit(cache=True)
-def _improve(k: int, row: int, torque: Array, inverse: Array, moves: Array, n: int) -> None:
+def _improve(
+    k: int, row: int, torque: AnyArray, inverse: AnyArray, moves: AnyArray, n: int
+) -> None:
     """Broyden's good update: the inverse B then maps the last change y of torque to the move s.
 
     B += (s - B y) (s' B) / (s' B y), Broyden 1965, Math. Comp. 19(92).
@@ -134,16 +141,16 @@ def _improve(k: int, row: int, torque: Array, inverse: Array, moves: Array, n: i
 
 @njit(cache=True)
 def hold(
-    rows: Array,
-    qpos: Array,
-    ctrl: Array,
-    past: Array,
-    angle: Array,
-    own: Array,
-    joints: Array,
-    intention: Array,
-    stiffness: Array,
-    habits: Array,
+    rows: AnyArray,
+    qpos: AnyArray,
+    ctrl: AnyArray,
+    past: AnyArray,
+    angle: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    intention: AnyArray,
+    stiffness: AnyArray,
+    habits: AnyArray,
 ) -> None:
     """Lets wearers hold still where their arms have settled, as they have done for a while."""
     for k in range(rows.shape[0]):

@@ -10,7 +10,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from ...arrays import Array
+from ...arrays import AnyArray, Array
 from ...assets import JOINTS
 from ...errors import InputError
 from ..model import ArmConfig, bare_arm, compose, resisting_joints, start_encoders
@@ -125,7 +125,7 @@ class Simulation:
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
-        after(rows, *self._after, False)
+        after(rows, False, *self._after)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
         """Moves some rows by one control period.
@@ -144,11 +144,9 @@ class Simulation:
         bad = before(moving, action, *self._before)
         if bad >= 0:
             place = f"action of row {bad}" if self.n > 1 else "action"
-            raise InputError(
-                f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1"
-            )
+            raise InputError(f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1")
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
-        after(moving, *self._after, True)
+        after(moving, True, *self._after)
 
     def measured(self, name: str) -> Array:
         """Returns a view of one measurement of all rows, shape (n, size)."""
@@ -209,7 +207,7 @@ class Simulation:
         self._balancing = _arguments(settling.imbalance, names, first=2)
         self._holding = _arguments(settling.hold, names, first=1)
         self._before = _arguments(before, names, first=2)
-        self._after = _arguments(after, names, first=1, last=1)
+        self._after = _arguments(after, names, first=2)
 
     def _constants(self) -> dict[str, Any]:
         n, config, dt = self.n, self.config, self.control_dt
@@ -250,7 +248,7 @@ class Simulation:
             self._qpos[rows, j] = angle + settling.NUDGE
             slope[:, :, j] = (self._torque_left(rows) - torque) / settling.NUDGE
             self._qpos[rows, j] = angle
-        inverse = np.linalg.inv(slope)
+        inverse: AnyArray = np.linalg.inv(slope)
         moves = np.zeros((len(rows), 4, self.model.nq))
         status = np.full(len(rows), settling.FRESH)
         self._left[rows] = torque
@@ -284,9 +282,7 @@ class Simulation:
             rng.standard_normal(out=memory.fresh[row])
 
 
-def _arguments(
-    kernel: Callable[..., Any], names: dict[str, Any], *, first: int, last: int = 0
-) -> tuple[Any, ...]:
-    """Returns the arguments of a kernel by their names, without its first and last ones."""
-    wanted = list(inspect.signature(kernel.py_func).parameters)  # type: ignore[attr-defined]
-    return tuple(names[name] for name in wanted[first : len(wanted) - last])
+def _arguments(kernel: Any, names: dict[str, Any], *, first: int, last: int = 0) -> tuple[Any, ...]:
+    """Returns the arguments of a kernel by their names, from number `first` on."""
+    wanted = list(inspect.signature(kernel.py_func).parameters)
+    return tuple(names[name] for name in wanted[first:])

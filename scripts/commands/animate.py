@@ -94,7 +94,7 @@ class _Reaching(Task):
 
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         del rng
-        time = dt * np.arange(samples)
+        time = dt * np.arange(samples, dtype=np.float64)
         motion = np.zeros((3, samples, len(JOINTS)))
         for joint, turns in TURNS.items():
             motion[:, :, JOINTS.index(joint)] = _periodic(time, turns)

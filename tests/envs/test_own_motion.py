@@ -3,24 +3,22 @@
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs import ArmEnv
+from activesuit.envs import ArmEnv, Task
 from activesuit.errors import InputError
 
 
-class Raise(ArmEnv):
+class Raise(Task):
     """The straight arm is raised for a second."""
 
-    duration = 1.0
-
-    def intended_motion(self, rng):
-        time = np.linspace(0, self.duration, 101)
-        motion = np.zeros((3, 101, 4))
-        motion[:2, :, JOINTS.index("shoulder_flexion")] = 0.4 + 0.3 * time, np.full(101, 0.3)
+    def motion(self, rng, samples, dt):
+        time = dt * np.arange(samples)
+        motion = np.zeros((3, samples, 4))
+        motion[:2, :, JOINTS.index("shoulder_flexion")] = 0.4 + 0.3 * time, np.full(samples, 0.3)
         return tuple(motion)
 
 
 def test_the_wearer_follows_it():
-    env = Raise(gravity="moon")
+    env = ArmEnv(Raise(name="Raise", duration=1.0), gravity="moon")
     _, info = env.reset(seed=0)
     steps, truncated = 0, False
     while not truncated:
@@ -41,10 +39,10 @@ def test_the_wearer_follows_it():
     ],
 )
 def test_what_no_arm_can_do_is_refused(angle, message):
-    class Impossible(ArmEnv):
-        def intended_motion(self, rng):
+    class Impossible(Task):
+        def motion(self, rng, samples, dt):
             return angle, np.zeros_like(angle), np.zeros_like(angle)
 
-    env = Impossible()
+    env = ArmEnv(Impossible(name="Impossible"))
     with pytest.raises(InputError, match=message):
         env.reset(seed=0)

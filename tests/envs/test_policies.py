@@ -4,9 +4,12 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit, save_suit
-from activesuit.envs.evaluation import evaluate, run_episode, score
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate, score
+from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED
-from activesuit.envs.policies import POLICIES, NoAssist, make_policy
+from activesuit.envs.policies import POLICIES, NoAssist, make_policy, sensors_of
+from activesuit.envs.rollout import rollout
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
 
@@ -30,7 +33,7 @@ def test_feedforward_reaches_60_percent_of_the_oracle(task, gravity, identified)
     scores = evaluate(
         f"ActiveSuit/{task}-v0",
         ("none", "feedforward", "oracle"),
-        episodes=1,
+        episodes=3,
         gravity=gravity,
         believed_suit=str(identified),
     )
@@ -53,28 +56,75 @@ def test_gravity_compensation_carries_the_weight():
 
 @pytest.mark.parametrize("name", POLICIES)
 def test_policies_repeat_after_a_reset(name):
-    env = gymnasium.make("ActiveSuit/ArmTracking-v0", max_episode_steps=200)
-    policy = make_policy(name, env.unwrapped)
-    first, again = (run_episode(env, policy, seed=4) for _ in range(2))
-    np.testing.assert_array_equal(first.human_torque, again.human_torque)
-    assert first.time[-1] == pytest.approx(2.0)
+    arms = ArmEnv(sensors=sensors_of(name)).rows(2, max_episode_steps=200)
+    policy = make_policy(name, arms)
+    first, again = (rollout(arms, policy, [4, 5]) for _ in range(2))
+    for one, other in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one.human_torque, other.human_torque)
+        assert one.time[-1] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_rows_are_acted_on_as_single_arms_are(name):
+    arm = ArmEnv(sensors=sensors_of(name))
+    many, one = arm.rows(3, max_episode_steps=100), arm.rows(1, max_episode_steps=100)
+    together = rollout(many, make_policy(name, many), [4, 5, 6])
+    policy = make_policy(name, one)
+    for seed, trace in zip((4, 5, 6), together, strict=True):
+        (alone,) = rollout(one, policy, [seed])
+        np.testing.assert_array_equal(trace.human_torque, alone.human_torque)
+        np.testing.assert_array_equal(trace.rewards, alone.rewards)
+    # The single environment shows the same, and the policy takes one observation as well.
+    policy = make_policy(name, arm)
+    observation, info = arm.reset(seed=4)
+    policy.reset()
+    for period in range(100):
+        *_, info = step = arm.step(policy.act(observation))
+        observation = step[0]
+        np.testing.assert_array_equal(info["human_torque"], together[0].human_torque[period])
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_a_policy_sees_nothing_but_the_observation(name):
+    arm = ArmEnv(sensors=sensors_of(name))
+    policy = make_policy(name, arm)
+    policy.reset()
+    observation = np.random.default_rng(0).uniform(0, 0.5, arm.observation_space.shape)
+    first = policy.act(observation.astype(np.float32))
+    arm.reset(seed=1)  # whatever happens in the environment
+    arm.step(np.ones(2))
+    policy.reset()
+    np.testing.assert_array_equal(policy.act(observation.astype(np.float32)), first)
+
+
+def test_feedforward_of_other_arms_than_at_its_reset():
+    arm = ArmEnv()
+    policy = make_policy("feedforward", arm)
+    policy.act(np.zeros((2, 12), np.float32))
+    with pytest.raises(InputError, match="the policy sees 3 arms, and 2 since its reset: reset it"):
+        policy.act(np.zeros((3, 12), np.float32))
+
+
+def test_a_policy_without_its_sensors():
+    with pytest.raises(InputError, match=r"'oracle' needs the sensors encoders, privileged, and"):
+        make_policy("oracle", ArmEnv())
 
 
 def test_a_policy_of_your_own():
     class Push:
-        def __init__(self, env):
-            self.action = np.full(env.action_space.shape, 0.2)
+        def __init__(self, arms):
+            self.action = np.full(arms.action_space.shape, 0.2)
 
         def reset(self):
             self.steps = 0
 
-        def act(self, observation, info):
+        def act(self, observation):
             self.steps += 1
             return self.action
 
     none, push = evaluate(
         "ActiveSuit/ElbowFlexion-v0",
-        {"none": lambda env: make_policy("none", env), "push": Push},
+        {"none": lambda arms: make_policy("none", arms), "push": Push},
         episodes=1,
     )
     assert push.policy == "push"
@@ -97,8 +147,8 @@ def test_a_wrong_belief_helps_less(tmp_path):
 
 
 def test_scores_are_what_they_say():
-    env = gymnasium.make("ActiveSuit/ArmTracking-v0", max_episode_steps=300)
-    trace = run_episode(env, make_policy("none", env.unwrapped), seed=0)
+    arms = make_arms("ActiveSuit/ArmTracking-v0", 1)
+    (trace,) = rollout(arms, make_policy("none", arms), [0])
     result = score("none", [trace, trace])
     late = trace.time > 0.5
     for column, joint in ((1, "shoulder_flexion"), (2, "elbow_flexion")):
@@ -143,13 +193,9 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     suit = load_suit("mock-suit")
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     save_suit(suit.model_copy(update={"joints": elbow}), tmp_path / "half.json")
-    half = make_policy(
-        "feedforward",
-        gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped,
-        believed_suit=str(tmp_path / "half.json"),
-    )
-    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", max_episode_steps=100)
-    trace = run_episode(env, half, seed=0)
+    arms = ArmEnv("ElbowFlexion").rows(1, max_episode_steps=100)
+    half = make_policy("feedforward", arms, believed_suit=str(tmp_path / "half.json"))
+    (trace,) = rollout(arms, half, [0])
     greatest = np.abs(trace.assist_torque).max(axis=0)
     assert greatest[0] < 1e-9
     assert greatest[1] > 0.1

@@ -6,6 +6,7 @@ import pickle
 import gymnasium
 import numpy as np
 import pytest
+from activesuit.envs.model import ArmConfig, compose
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
 from activesuit.errors import InputError
 
@@ -62,18 +63,18 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
 
     monkeypatch.setattr(mujoco, "Renderer", fail)
     monkeypatch.setattr(Renderer, "_unavailable", None)
-    arm = env.unwrapped
-    renderer = Renderer(camera="front", width=64, height=48)
+    model = compose(ArmConfig())
+    data, renderer = mujoco.MjData(model), Renderer(camera="front", width=64, height=48)
     with pytest.raises(RenderingUnavailableError, match="MUJOCO_GL=egl"):
-        renderer.picture(arm.model, arm.data)
+        renderer.picture(model, data)
     with pytest.raises(RenderingUnavailableError, match="no display"):
-        renderer.picture(arm.model, arm.data)  # no second attempt: it could abort the process
+        renderer.picture(model, data)  # no second attempt: it could abort the process
     renderer.close()
     monkeypatch.setattr(Renderer, "_unavailable", None)
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(RenderingUnavailableError, match="rgb_array"):
-        renderer.show(arm.model, arm.data, 0.01)
+        renderer.show(model, data, 0.01)
 
 
 def test_usual_pictures_have_neither_shadows_nor_samples():
@@ -82,9 +83,9 @@ def test_usual_pictures_have_neither_shadows_nor_samples():
     usual, fine = arm_env(**small), arm_env(**small, render_quality="fine")
     pictures = [arm.render().astype(int) for arm in (usual, fine)]
     assert np.abs(pictures[0] - pictures[1]).mean() > 0.1
-    context = usual.renderer._offscreen._mjr_context
+    context = usual.renderer.renderer._offscreen._mjr_context
     assert (context.shadowSize, context.offSamples) == (0, 0)
-    context = fine.renderer._offscreen._mjr_context
+    context = fine.renderer.renderer._offscreen._mjr_context
     assert context.shadowSize == 4096
     assert context.offSamples > 0
     usual.close()

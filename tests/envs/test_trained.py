@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.envs.evaluation import make_env
+from activesuit.envs import ArmEnv
 from activesuit.envs.policies import TrainedPolicy
 from activesuit.envs.policies.network import algorithm_class
 from activesuit.errors import InputError
@@ -14,19 +14,19 @@ pytest.importorskip("stable_baselines3")
 @pytest.mark.parametrize("algo", ["ppo", "sac"])
 def test_acts_as_the_learner(tmp_path, algo):
     run = make_run(tmp_path / "run", algo)
-    env, arm = make_env("ActiveSuit/ElbowFlexion-v0", gravity="moon")
-    policy = TrainedPolicy(run, arm)
+    env = ArmEnv("ElbowFlexion", gravity="moon")
+    policy = TrainedPolicy(run, env.episodes)
     whole = algorithm_class(algo).load(run / "model.zip", device="cpu")
-    observation, info = env.reset(seed=3)
+    observation, _ = env.reset(seed=3)
     for _ in range(20):
-        action = policy.act(observation, info)
+        action = policy.act(observation)
         expected, _ = whole.predict(observation, deterministic=True)
         np.testing.assert_array_equal(action, expected)
-        observation, *_, info = env.step(action)
+        observation, *_ = env.step(action)
 
 
 def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
-    arm = make_env("ActiveSuit/ElbowFlexion-v0", observe="oracle")[1]
-    with pytest.raises(InputError, match=r"observes 18 numbers .* shows 22: .*config\.json"):
-        TrainedPolicy(run, arm)
+    arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
+    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: .*config\.json"):
+        TrainedPolicy(run, arm.episodes)

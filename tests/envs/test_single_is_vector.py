@@ -1,0 +1,263 @@
+"""Row i of a vector environment is the single environment with that seed, to the last bit."""
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.vector_env import ArmVectorEnv
+from activesuit.errors import InputError
+from gymnasium.vector import AutoresetMode
+
+VARIED = {"fatigue": True, "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3}}
+SUITES = ["encoders", "preview", "privileged"]
+MODES = ["NextStep", "SameStep", "Disabled"]
+SHORT = 13  # control periods of an episode
+
+
+def make(n, threads=1, mode="NextStep", coupling="rigid", **options):
+    sensors = [*SUITES, "cuffs"] if coupling == "cuffs" else SUITES
+    options = {**VARIED, "coupling": coupling, "sensors": sensors, **options}
+    singles = [ArmEnv("ElbowFlexion", **options) for _ in range(n)]
+    limit = {"max_episode_steps": SHORT, "threads": threads, "autoreset_mode": mode}
+    arms = ArmVectorEnv(n, "ElbowFlexion", info="full", **limit, **options)
+    return arms, [gymnasium.wrappers.TimeLimit(single, SHORT) for single in singles]
+
+
+def assert_same(info, told, row):
+    for name, value in info.items():
+        if name == "reward_terms":
+            assert value == {term: told[name][term][row] for term in value}
+        else:
+            np.testing.assert_array_equal(np.ravel(value), np.ravel(told[name][row]), name)
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(("n", "threads"), [(1, 1), (3, 1), (3, 2), (8, 2)])
+def test_through_resets(n, threads, mode, coupling):
+    arms, singles = make(n, threads, mode, coupling)
+    rng, over = np.random.default_rng(0), np.zeros(n, bool)
+    shown, told = arms.reset(seed=5)
+    for row, single in enumerate(singles):
+        observation, info = single.reset(seed=5 + row)
+        np.testing.assert_array_equal(observation, shown[row])
+        assert_same(info, told, row)
+    lost = 0
+    for period in range(3 * SHORT):
+        if mode == "Disabled" and over.any():
+            shown, told = arms.reset(options={"reset_mask": over})
+            for row in np.flatnonzero(over):
+                observation, info = singles[row].reset()
+                np.testing.assert_array_equal(observation, shown[row])
+                assert_same(info, told, row)
+            over[:] = False
+        # Rows end at different times: some are thrown about.
+        actions = rng.uniform(-1, 1, (n, 2)) * (3.0 if period > SHORT else 0.3)
+        if period == 5:
+            arms.episodes.simulation.batch.bind("qvel")[0] = 500.0
+            singles[0].unwrapped.episodes.simulation.batch.bind("qvel")[0] = 500.0
+        shown, rewards, terminated, truncated, told = arms.step(actions)
+        for row, single in enumerate(singles):
+            if mode == "NextStep" and over[row]:
+                observation, info = single.reset()
+                reward, ended, late = 0.0, False, False
+            else:
+                observation, reward, ended, late, info = single.step(actions[row])
+            assert (reward, ended, late) == (rewards[row], terminated[row], truncated[row])
+            lost += ended
+            if mode == "SameStep" and (ended or late):
+                np.testing.assert_array_equal(observation, told["final_obs"][row])
+                assert_same(info, told["final_info"], row)
+                observation, info = single.reset()
+            np.testing.assert_array_equal(observation, shown[row])
+            assert_same(info, told, row)
+        over = terminated | truncated
+    assert lost > 0
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+def test_any_row_continues_from_any_state(coupling):
+    arms, (single, *_) = make(3, coupling=coupling)
+    rng = np.random.default_rng(1)
+    single.reset(seed=9)
+    for _ in range(4):
+        single.step(rng.uniform(-0.5, 0.5, 2))
+    state = single.unwrapped.get_state()
+    arms.reset(seed=0)
+    arms.step(np.zeros((3, 2)))
+    shown, _ = arms.set_state(state, rows=[2])
+    for _ in range(SHORT - 5):
+        action = rng.uniform(-1, 1, 2)
+        observation, reward, *_ = single.step(action)
+        shown, rewards, *_ = arms.step(np.array([[0.1, 0.1], [0.0, 0.2], action]))
+        np.testing.assert_array_equal(observation, shown[2])
+        assert reward == rewards[2]
+    # And a state of two rows goes into two others.
+    both = arms.get_state(rows=[1, 2])
+    first = [arms.step(np.full((3, 2), 0.1))[0] for _ in range(2)]
+    arms.reset(seed=4)
+    arms.set_state(both, rows=[0, 1])
+    again = [arms.step(np.full((3, 2), 0.1))[0] for _ in range(2)]
+    for one, other in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one[1:], other[:2])
+
+
+def test_answers_are_new_arrays():
+    arms, _ = make(2)
+    first, _ = arms.reset(seed=0)
+    kept = first.copy()
+    second, reward, terminated, *_, info = arms.step(np.zeros((2, 2)))
+    np.testing.assert_array_equal(first, kept)
+    kept = [second.copy(), reward.copy(), info["angle"].copy()]
+    arms.step(np.ones((2, 2)))
+    for one, other in zip((second, reward, info["angle"]), kept, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert not terminated.any()
+
+
+def test_made_by_gymnasium():
+    arms = gymnasium.make_vec("ActiveSuit/ElbowFlexion-v0", num_envs=3, gravity="moon")
+    assert isinstance(arms, ArmVectorEnv)
+    assert arms.metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+    single = gymnasium.make("ActiveSuit/ElbowFlexion-v0", gravity="moon")
+    shown, info = arms.reset(seed=[3, 1, None])
+    assert info == {}
+    np.testing.assert_array_equal(shown[0], single.reset(seed=3)[0])
+    np.testing.assert_array_equal(shown[1], single.reset(seed=1)[0])
+    assert shown in arms.observation_space
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_wrappers_of_gymnasium(mode):
+    arms, _ = make(2, mode=mode)
+    wrapped = gymnasium.wrappers.vector.RecordEpisodeStatistics(arms)
+    if mode == "NextStep":  # Gymnasium's own limit
+        wrapped = gymnasium.wrappers.vector.NormalizeObservation(wrapped)
+    wrapped.reset(seed=0)
+    lengths = []
+    for _ in range(2 * SHORT):
+        *_, terminated, truncated, info = wrapped.step(np.zeros((2, 2)))
+        if "episode" in info:
+            lengths += info["episode"]["l"][info["_episode"]].tolist()
+        if mode == "Disabled" and (terminated | truncated).any():
+            wrapped.reset(options={"reset_mask": terminated | truncated})
+    assert set(lengths) == {SHORT}
+
+
+def test_a_staggered_start_spreads_the_resets():
+    arms = ArmVectorEnv(32, stagger=True, max_episode_steps=20)
+    arms.reset(seed=0)
+    ends = [arms.step(np.zeros((32, 2)))[3].sum() for _ in range(20)]
+    assert max(ends) < 10
+    assert sum(ends) >= 32
+    again = ArmVectorEnv(8, stagger=True, max_episode_steps=20)
+    again.reset(seed=0)
+    limit = again.episodes.simulation.memory.limit
+    arms.reset(seed=0)
+    np.testing.assert_array_equal(limit, arms.episodes.simulation.memory.limit[:8])
+
+
+def test_metrics_are_some_of_the_info():
+    arms = ArmVectorEnv(2, info="metrics")
+    _, info = arms.reset(seed=0)
+    assert set(info) == {
+        *("human_energy", "_human_energy", "assist_energy", "_assist_energy"),
+        *("dissipated_energy", "_dissipated_energy", "motor_load", "_motor_load"),
+        *("reward_terms", "_reward_terms"),
+    }
+
+
+def test_random_numbers_of_one_purpose_do_not_depend_on_another():
+    calm = ArmEnv()
+    shaken = ArmEnv(control={"noise": 1.0})
+    for env in (calm, shaken):
+        env.reset(seed=3)
+        for _ in range(5):
+            env.step(np.zeros(2))
+        env.reset()
+    np.testing.assert_array_equal(calm.get_state()["angle"], shaken.get_state()["angle"])
+
+
+def test_the_default_observation_knows_nothing_of_what_comes():
+    """Two intentions that part after half a second are the same to a controller until then."""
+    envs = [ArmEnv() for _ in range(2)]
+    states = []
+    for env in envs:
+        env.reset(seed=1)
+        states.append(env.get_state())
+    for name in ("angle", "rate", "acceleration"):
+        states[1][name][:, 51:] = states[1][name][:, 50:51]
+    envs[1].set_state(states[1])
+    seen = []
+    for _ in range(80):
+        pair = [env.step(np.array([0.2, 0.1])) for env in envs]
+        moved = not np.array_equal(*(step[-1]["angle"] for step in pair))
+        seen.append((moved, not np.array_equal(*(step[0] for step in pair))))
+    assert [differs for moved, differs in seen if not moved] == [False] * 50
+    assert seen[-1] == (True, True)
+    shown = [ArmEnv(sensors=["preview"]) for _ in range(2)]
+    for env, state in zip(shown, states, strict=True):
+        env.set_state(state)
+    pairs = [[env.step(np.zeros(2))[0] for env in shown] for _ in range(40)]
+    assert not np.array_equal(*pairs[-1])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"num_envs": 0}, "num_envs is 0: use at least 1"),
+        ({"num_envs": 2.5}, "num_envs is 2.5"),
+        ({"threads": -1}, "threads is -1: use at least 0"),
+        ({"autoreset_mode": "Later"}, "unknown autoreset_mode 'Later': use one of"),
+        ({"info": "some"}, "unknown info 'some': use one of full, metrics, none"),
+        ({"stagger": 1}, "stagger is 1: use True or False"),
+        ({"max_episode_steps": 0}, "max_episode_steps is 0: use at least 1"),
+        ({"sensors": ["radar"]}, "unknown sensor suite 'radar'"),
+        ({"render_mode": "human"}, "render_mode is 'human': use None or 'rgb_array'"),
+        ({"speed": 1}, "unknown field of config 'speed'"),
+    ],
+)
+def test_mistakes_in_options(options, message):
+    with pytest.raises(InputError, match=message):
+        ArmVectorEnv(**options)
+
+
+def test_mistakes_in_calls():
+    arms = ArmVectorEnv(3, autoreset_mode="Disabled", max_episode_steps=2)
+    with pytest.raises(InputError, match="step before the first reset: call reset"):
+        arms.step(np.zeros((3, 2)))
+    for mask in ([True] * 3, np.ones(2, bool), np.ones(3), "all"):
+        with pytest.raises(InputError, match=r"reset_mask is .*: give an array of 3 booleans"):
+            arms.reset(options={"reset_mask": mask})
+    with pytest.raises(InputError, match="reset_mask names no row: set at least one"):
+        arms.reset(options={"reset_mask": np.zeros(3, bool)})
+    with pytest.raises(
+        InputError, match=r"reset got the options \['mask'\]: it knows 'reset_mask'"
+    ):
+        arms.reset(options={"mask": None})
+    with pytest.raises(InputError, match="seed has 2 numbers: give one for each of 3 rows"):
+        arms.reset(seed=[1, 2])
+    with pytest.raises(InputError, match="seed is -1: use 0 to"):
+        arms.reset(seed=-1)
+    with pytest.raises(InputError, match="seed is 'one': give a whole number"):
+        arms.reset(seed="one")
+    arms.reset(seed=0)
+    before = arms.get_state()["physics"]
+    for actions, message in (
+        (np.zeros((2, 2)), r"action has shape \(2, 2\): give \(3, 2\)"),
+        ([[0, 0], [0, np.nan], [0, 0]], r"action of row 1 is \[0.0, nan\]: give finite numbers"),
+        ("push", "action is 'push': give 2 numbers"),
+    ):
+        with pytest.raises(InputError, match=message):
+            arms.step(actions)
+    np.testing.assert_array_equal(arms.get_state()["physics"], before)
+    state = arms.get_state(rows=[0, 1])
+    with pytest.raises(InputError, match="the state is of 2 rows, and 3 are to be restored"):
+        arms.set_state(state)
+    for rows in ([3], [0, 0], [0.5], [[1]], "all"):
+        with pytest.raises(InputError, match=r"rows is .*: give different whole numbers"):
+            arms.get_state(rows=rows)
+    for _ in range(2):
+        arms.step(np.zeros((3, 2)))
+    with pytest.raises(InputError, match=r"the episodes of rows \[0, 1, 2\] are over: reset them"):
+        arms.step(np.zeros((3, 2)))
