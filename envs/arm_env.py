@@ -13,6 +13,7 @@ from .episodes import Episodes, checked_seed
 from .info import Info
 from .model import ArmConfig
 from .person import VoluntaryControl
+from .randomization import Randomization
 from .rendering import ArmRenderer, RenderQuality
 from .simulation import Simulation
 from .tasks import ARM_TRACKING, Task, task_of
@@ -70,6 +71,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
+            dict of its terms: suit, pressure, encoder_offset.
         render_mode: Render mode of Gymnasium: None, "rgb_array" or "human".
         camera: Name of the camera to render from.
         width: Width of the picture [pixels].
@@ -101,6 +104,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
+        randomize: Randomization | Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         camera: str = "overview",
         width: int = 640,
@@ -119,6 +123,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             control_dt=control_dt,
             control=control,
             fatigue=fatigue,
+            randomize=randomize,
             **arm,
         )
         self._options = {
@@ -127,6 +132,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             "control_dt": control_dt,
             "control": control,
             "fatigue": fatigue,
+            "randomize": randomize,
             **arm,
         }
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.

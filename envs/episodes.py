@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,12 @@ from .model import ArmConfig
 from .model.config import nested
 from .observation import Observer
 from .person import VoluntaryControl
+from .randomization import Randomization
 from .reward import TERMS, judge
 from .simulation import Simulation
 from .simulation.measurements import snapshot
 from .simulation.saving import check_state
-from .simulation.simulation import PREVIEW
+from .simulation.simulation import PREVIEW, Start
 from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .tasks import Task
 
@@ -41,6 +43,7 @@ class Episodes:
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        randomize: What differs from episode to episode beside the motion, or a dict of the terms.
         **arm: Fields of `ArmConfig`.
 
     Attributes:
@@ -67,12 +70,13 @@ class Episodes:
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
+        randomize: Randomization | Mapping[str, Any] | None = None,
         **arm: Any,
     ) -> None:
         self._options = {
             **{"threads": threads, "max_periods": max_periods, "sensors": sensors},
             **{"normalize": normalize, "control_dt": control_dt, "control": control},
-            **{"fatigue": fatigue, **arm},
+            **{"fatigue": fatigue, "randomize": randomize, **arm},
         }
         config = ArmConfig.from_dict(arm)
         _check_period(control_dt, config.timestep)
@@ -82,6 +86,9 @@ class Episodes:
         usual = replace(usual, delay=round(usual.delay / control_dt) * control_dt)
         settings = nested("control", {} if control is None else control, usual)
         settings.periods(control_dt)
+        self.randomization = nested(
+            "randomize", {} if randomize is None else randomize, Randomization()
+        )
         self.task, self.n = task, n
         samples = round(task.duration / control_dt) + 1
         self._periods = min(samples - 1, max_periods or samples)
@@ -94,6 +101,7 @@ class Episodes:
             fatigue=fatigue,
             threads=threads,
         )
+        self.randomization.check(self.simulation.suit)
         self.observer = Observer(sensors, self.simulation.columns, normalize=normalize)
         self.motors = self.simulation.addresses.motors.size
         self.terms, self.reward = np.zeros((n, len(TERMS))), np.zeros(n)
@@ -134,15 +142,12 @@ class Episodes:
                 memory.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
                 memory.episode[row] = -1
         memory.episode[rows] += 1
-        samples, dt = self.simulation.samples, self.simulation.control_dt
         memory.limit[rows] = self._periods
         if stagger:
             memory.limit[rows] = [
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
-        self.simulation.begin(
-            rows, lambda row: self.task.motion(self._stream(row, "motion"), samples, dt)
-        )
+        self.simulation.begin(rows, self._start)
         self._judge(rows)
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
@@ -194,6 +199,7 @@ class Episodes:
             "control_dt": simulation.control_dt,
             "control": asdict(simulation.control),
             "fatigue": simulation.fatigue,
+            "randomize": asdict(self.randomization),
         }
 
     def state(self, rows: Rows) -> dict[str, Any]:
@@ -224,6 +230,16 @@ class Episodes:
     def _stream(self, row: int, purpose: str) -> np.random.Generator:
         memory = self.simulation.memory
         return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
+
+    def _start(self, row: int) -> Start:
+        samples, dt = self.simulation.samples, self.simulation.control_dt
+        streams, terms = partial(self._stream, row), self.randomization
+        suit = terms.worn(self.simulation.suit, streams) if terms.changes_suit else None
+        return Start(
+            motion=self.task.motion(streams("motion"), samples, dt),
+            suit=suit,
+            encoder_offset=terms.offsets(streams),
+        )
 
     def _judge(self, rows: Rows) -> None:
         judge(rows, *self._judged)

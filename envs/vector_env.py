@@ -49,8 +49,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        **options: Further options of `ArmEnv`: sensors, normalize, control_dt, control, fatigue and
-            the fields of `ArmConfig`.
+        **options: Further options of `ArmEnv`: sensors, normalize, control_dt, control, fatigue,
+            randomize and the fields of `ArmConfig`. What `randomize` draws differs between rows.
 
     Raises:
         InputError: An argument is out of its range; the message names it.

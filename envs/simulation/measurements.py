@@ -118,6 +118,7 @@ def measure(  # noqa: PLR0912 (a loop for each measurement)
     mean_square: AnyArray,
     fatigued: AnyArray,
     counts: AnyArray,
+    offset: AnyArray,
     dissipated_before: AnyArray,
     joints: AnyArray,
     driven: AnyArray,
@@ -173,7 +174,7 @@ def measure(  # noqa: PLR0912 (a loop for each measurement)
     for j in range(cuffs.shape[0]):
         measured[row, CUFFS + j] = sensordata[row, cuffs[j]]
     for j in range(4):
-        shown = np.rint(sensordata[row, encoders[j]] / count)
+        shown = np.rint((sensordata[row, encoders[j]] + offset[row, j]) / count)
         if moved:
             turned = (shown - counts[row, j]) * count / dt
             slow = measured[row, ENCODER_RATE + j]

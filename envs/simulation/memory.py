@@ -41,6 +41,7 @@ class Memory:
         fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
+        offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         measured: Last valid measurements, shape (n, WIDTH).
     """
@@ -63,6 +64,7 @@ class Memory:
     fresh: Array
     fatigued: Array
     counts: Array
+    offset: Array
     dissipated_before: Array
     measured: Array
 
@@ -101,6 +103,7 @@ class Memory:
             fresh=np.zeros((n, STRETCH if noisy else 0, 3, joints)),
             fatigued=np.zeros((n, 2, joints)),
             counts=np.zeros((n, joints)),
+            offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
             measured=np.zeros((n, WIDTH)),
         )

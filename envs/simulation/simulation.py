@@ -2,7 +2,8 @@
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -11,8 +12,9 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ...arrays import AnyArray, Array
-from ...assets import JOINTS
+from ...assets import JOINTS, SuitJoint
 from ...errors import InputError
+from ...hysteresis.engine import replace_model
 from ..model import ArmConfig, bare_arm, compose, resisting_joints, start_encoders
 from ..person import VoluntaryControl, isometric_strength
 from ..person.control import NOISE_SIZE, noise_constants
@@ -41,6 +43,21 @@ _CUTOFF = Quantity(
 PROVENANCE: tuple[Quantity, ...] = (_CUTOFF,)
 
 
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What an episode of one row begins with.
+
+    Attributes:
+        motion: Intended motion.
+        suit: Joints of the suit that is worn; None is the compiled one.
+        encoder_offset: Error of the encoders' zeros [rad], shape (4,).
+    """
+
+    motion: Motion
+    suit: Mapping[str, SuitJoint] | None
+    encoder_offset: Array
+
+
 class Simulation:
     """Simulates rows of arms; it knows no task and no reward.
 
@@ -61,6 +78,7 @@ class Simulation:
         model: MuJoCo model of a row, without drawings.
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
+        suit: Joints that the compiled suit resists, at the pressure at which it is worn.
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
@@ -83,7 +101,7 @@ class Simulation:
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
         self._arm = bare_arm(config)
-        self._known_suit = resisting_joints(config) if control.suit_learning > 0 else {}
+        self.suit = resisting_joints(config)
         self.memory = Memory.empty(
             n,
             samples=samples,
@@ -98,7 +116,7 @@ class Simulation:
 
     # --- Episodes -----------------------------------------------------------------------------
 
-    def begin(self, rows: Rows, motion_of: Callable[[int], Motion]) -> None:
+    def begin(self, rows: Rows, start_of: Callable[[int], Start]) -> None:
         """Begins an episode in some rows: rested wearers hold still at their first intention.
 
         Their feedback holds torque that they do not foresee. Strength does not limit that torque: a
@@ -107,7 +125,7 @@ class Simulation:
 
         Args:
             rows: The rows, shape (k,).
-            motion_of: Function that returns the intended motion of a row.
+            start_of: Function that returns what an episode of a row begins with.
 
         Raises:
             InputError: A motion has other shapes, is not finite or leaves the range of a joint; the
@@ -115,12 +133,17 @@ class Simulation:
         """
         memory = self.memory
         memory.clear(rows)
-        for row in rows.tolist():
-            motion = valid_motion(motion_of(row), self.samples, self._arm.jnt_range)
-            memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
-            if memory.resistance.size:
-                memory.resistance[row] = resistance(self._known_suit, motion[0])
         self.batch.reset(self._ids(rows), stage=NOTHING)
+        for row in rows.tolist():
+            start = start_of(row)
+            motion = valid_motion(start.motion, self.samples, self._arm.jnt_range)
+            memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
+            memory.offset[row] = start.encoder_offset
+            if start.suit is not None:
+                self._put_on(row, start.suit)
+            if memory.resistance.size:
+                known = self.suit if start.suit is None else start.suit
+                memory.resistance[row] = resistance(known, motion[0])
         self._settle(rows)
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
@@ -265,6 +288,18 @@ class Simulation:
 
     def _ids(self, rows: Rows) -> Rows | None:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
+
+    def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:
+        for joint, entry in suit.items():
+            replace_model(
+                self.model,
+                self.plugin_state[row],
+                joint,
+                entry.model,
+                start_angle=entry.start_angle,
+                start_torque=entry.start_torque,
+                allow_uncertified=True,  # `SuitJoint` has checked it
+            )
 
     def _fill_encoders(self, rows: Rows) -> None:
         data, history = mujoco.MjData(self.model), self.batch.bind("history")

@@ -1,0 +1,102 @@
+"""What differs from episode to episode beside the motion: a suit, its pressure, how it is worn."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from ..arrays import Array
+from ..assets import JOINTS, SuitJoint
+from ..checks import within
+from ..errors import InputError, unknown_name
+
+SuitChoice = Literal["nominal", "samples"]
+LARGEST_PRESSURE_SHARE = 0.5
+LARGEST_OFFSET = 0.2  # rad
+
+Streams = Callable[[str], np.random.Generator]
+"""The random generator of each purpose in one episode."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Randomization:
+    """Terms that are drawn anew in every episode of every row; plain values, as JSON has them.
+
+    Each term has random numbers of its own: one that is added leaves the draws of the others alone.
+
+    Attributes:
+        suit: Choice of the suit's models: "nominal" (those of the suit) or "samples" (each joint's
+            own or one of its `samples`, which the identification found possible too).
+        pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque is
+            multiplied by a number between 1 - pressure and 1 + pressure.
+        encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
+            encoder's is between minus and plus that.
+
+    Raises:
+        InputError: A value is outside its range or unknown.
+    """
+
+    suit: SuitChoice = "nominal"
+    pressure: float = 0.0
+    encoder_offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.suit not in get_args(SuitChoice):
+            raise unknown_name("choice of randomize.suit", self.suit, get_args(SuitChoice))
+        within("randomize.pressure", self.pressure, 0, LARGEST_PRESSURE_SHARE, "")
+        within("randomize.encoder_offset", self.encoder_offset, 0, LARGEST_OFFSET, " rad")
+
+    @property
+    def changes_suit(self) -> bool:
+        """Whether rows may wear other suits than the compiled one."""
+        return self.suit != "nominal" or self.pressure > 0
+
+    def check(self, joints: Mapping[str, SuitJoint]) -> None:
+        """Checks that a suit has what is drawn from it.
+
+        Raises:
+            InputError: It has no joints, or no samples where they are asked for.
+        """
+        if self.changes_suit and not joints:
+            raise InputError(
+                "randomize has a suit or its pressure, and suit is 'none': name a suit"
+            )
+        if self.suit == "samples" and not any(entry.samples for entry in joints.values()):
+            raise InputError(
+                "randomize.suit is 'samples', and the suit has none: make a suit file with "
+                "`activesuit identify --samples`, or use 'nominal'"
+            )
+
+    def worn(self, joints: Mapping[str, SuitJoint], streams: Streams) -> dict[str, SuitJoint]:
+        """Returns the suit of an episode, by joint.
+
+        Args:
+            joints: Joints of the suit.
+            streams: Random generators of the episode.
+        """
+        found = dict(joints)
+        if self.suit == "samples":
+            rng = streams("suit")
+            for joint in JOINTS:  # also where there is no choice, so that joints are independent
+                draw = rng.random()
+                if joint in found:
+                    entry = found[joint]
+                    models = (entry.model, *entry.samples)
+                    model = models[int(draw * len(models))]
+                    found[joint] = entry.model_copy(update={"model": model})
+        if self.pressure > 0:
+            factor = 1 + self.pressure * streams("pressure").uniform(-1, 1)
+            found = {joint: _scaled(entry, factor) for joint, entry in found.items()}
+        return found
+
+    def offsets(self, streams: Streams) -> Array:
+        """Returns the error of every encoder's zero in an episode [rad], shape (4,)."""
+        if self.encoder_offset == 0:
+            return np.zeros(len(JOINTS))
+        return self.encoder_offset * streams("encoder offset").uniform(-1, 1, len(JOINTS))
+
+
+def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:
+    model, start = entry.model.scaled(torque=factor), factor * entry.start_torque
+    return entry.model_copy(update={"model": model, "start_torque": start})

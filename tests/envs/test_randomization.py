@@ -1,0 +1,146 @@
+"""What differs from episode to episode: drawn by seed, and each term for itself."""
+
+import json
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS, Suit, load_suit
+from activesuit.envs import ArmEnv
+from activesuit.envs.randomization import Randomization
+from activesuit.errors import InputError
+
+ELBOW = JOINTS.index("elbow_flexion")
+ENTRY = load_suit("mock-suit").joints["elbow_flexion"]
+MODEL = ENTRY.model
+SAMPLES = tuple(MODEL.scaled(torque=factor) for factor in (0.5, 0.8, 1.6))
+
+
+@pytest.fixture(scope="module")
+def sampled(tmp_path_factory):
+    """A suit file of one joint, with samples that cannot be mistaken for each other."""
+    joint = ENTRY.model_copy(update={"samples": SAMPLES})
+    path = tmp_path_factory.mktemp("suit") / "sampled.json"
+    Suit(name="sampled", description="of a test", joints={"elbow_flexion": joint}).save(path)
+    return str(path)
+
+
+def test_drawn_suits_appear_in_the_torque_of_their_rows(sampled):
+    arms = ArmEnv(
+        suit=sampled, sensors=["encoders", "privileged"], randomize={"suit": "samples"}
+    ).rows(24, info="full")
+    observation, info = arms.reset(seed=0)
+    angles = [info["angle"][:, ELBOW]]
+    torques = [info["suit_torque"][:, ELBOW]]
+    shown = observation[:, arms.layout["suit_torque"]][:, ELBOW]
+    np.testing.assert_allclose(shown, torques[0], rtol=1e-6)
+    for _ in range(60):
+        *_, info = arms.step(np.zeros((24, 2)))
+        angles.append(info["angle"][:, ELBOW])
+        torques.append(info["suit_torque"][:, ELBOW])
+    angles, torques = np.array(angles).T, np.array(torques).T
+    worn = set()
+    for angle, torque in zip(angles, torques, strict=True):
+        errors = [
+            np.abs(torque + model.response(np.append(ENTRY.start_angle, angle))[1:]).max()
+            for model in (MODEL, *SAMPLES)
+        ]
+        # The physics sees five positions per sample, so that reversals differ a little.
+        assert min(errors) < 0.02
+        assert sorted(errors)[1] > 0.1
+        assert abs(errors[np.argmin(errors)]) < 0.02
+        assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
+        worn.add(int(np.argmin(errors)))
+    assert worn == {0, 1, 2, 3}
+
+
+def test_pressure_scales_the_whole_torque():
+    nominal, pressed = ArmEnv(), ArmEnv(randomize={"pressure": 0.3})
+    factors = []
+    for seed in range(12):
+        torque = []
+        for env in (nominal, pressed):
+            env.reset(seed=seed)
+            state = env.get_state()
+            suit = env.episodes._start(0).suit
+            torque.append(state["measured"])
+            if suit is not None:
+                factors.append(
+                    suit["elbow_flexion"].model.Ms
+                    / load_suit("mock-suit").joints["elbow_flexion"].model.Ms
+                )
+        assert not np.array_equal(*torque)
+    assert 0.7 <= min(factors) < 0.85
+    assert 1.15 < max(factors) <= 1.3
+
+
+def test_encoder_offsets_are_seen_by_the_controller_only():
+    exact, off = ArmEnv(), ArmEnv(randomize={"encoder_offset": 0.05})
+    errors = []
+    for seed in range(10):
+        (seen, info), (wrong, told) = exact.reset(seed=seed), off.reset(seed=seed)
+        np.testing.assert_array_equal(info["angle"], told["angle"])
+        errors.append((wrong - seen)[exact.layout["angle"]])
+    assert np.abs(errors).max() <= 0.05 + 2 * np.pi / 2**14
+    assert np.ptp(errors, axis=0).min() > 0.03
+
+
+@pytest.mark.parametrize("n", [1, 3, 8])
+def test_the_same_seed_gives_the_same_episodes_whatever_n(n, sampled):
+    terms = {"suit": "samples", "pressure": 0.2, "encoder_offset": 0.02}
+    single = ArmEnv(suit=sampled, randomize=terms)
+    arms = single.rows(n, max_episode_steps=5, autoreset_mode="SameStep")
+    rows, _ = arms.reset(seed=20)
+    alone = [single.reset(seed=20 + n - 1)[0]]
+    seen = [rows[-1]]
+    for period in range(11):
+        rows, *_ = arms.step(np.full((n, 2), 0.1))
+        seen.append(rows[-1])
+        shown = single.step(np.full(2, 0.1))[0]
+        alone.append(single.reset()[0] if period % 5 == 4 else shown)
+    np.testing.assert_array_equal(seen, alone)
+
+
+def test_a_term_that_is_added_leaves_the_others_alone(sampled):
+    few = ArmEnv(suit=sampled, randomize={"suit": "samples"})
+    many = ArmEnv(suit=sampled, randomize={"suit": "samples", "encoder_offset": 0.1})
+    for seed in range(6):
+        few.reset(seed=seed)
+        many.reset(seed=seed)
+        one, other = few.get_state(), many.get_state()
+        np.testing.assert_array_equal(one["angle"], other["angle"])
+        np.testing.assert_array_equal(one["physics"], other["physics"])
+        assert not np.array_equal(one["offset"], other["offset"])
+
+
+def test_it_is_plain_data_and_part_of_the_identity():
+    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", randomize={"pressure": 0.1})
+    spec = gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json())
+    again = gymnasium.make(spec).unwrapped
+    assert again.episodes.randomization == Randomization(pressure=0.1)
+    assert json.loads(env.spec.to_json())["kwargs"]["randomize"] == {"pressure": 0.1}
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=r"randomize=.*0\.1.* and this one has randomize="):
+        gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped.set_state(env.unwrapped.get_state())
+
+
+@pytest.mark.parametrize(
+    ("terms", "options", "message"),
+    [
+        ({"gravity": "moon"}, {}, "unknown field of randomize 'gravity'"),
+        ({"pressure": 0.9}, {}, "randomize.pressure is 0.9: use a number from 0 to 0.5"),
+        ({"pressure": "much"}, {}, "randomize.pressure is 'much'"),
+        ({"encoder_offset": -0.1}, {}, "randomize.encoder_offset is -0.1: use a number from 0 to"),
+        ({"suit": "any"}, {}, "unknown choice of randomize.suit 'any': use one of"),
+        (
+            {"suit": "samples"},
+            {},
+            "randomize.suit is 'samples', and the suit has none",
+        ),
+        ({"pressure": 0.1}, {"suit": "none"}, "and suit is 'none': name a suit"),
+        (0.1, {}, r"randomize is 0\.1: give Randomization\(...\) or a dict"),
+    ],
+)
+def test_mistakes(terms, options, message):
+    with pytest.raises(InputError, match=message):
+        ArmEnv(randomize=terms, **options)
