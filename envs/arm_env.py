@@ -40,7 +40,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     - encoders: angles [rad] of the exoskeleton's four encoders, rates [rad/s] from their counts
       (differences, low-pass of 20 Hz), motor torque over peak, previous action;
     - cuffs: forces on upper arm, forearm and hand [N];
-    - preview: angles that the wearer intends at shoulder and elbow in 0.02, 0.1 and 0.24 s [rad];
+    - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1
+      and 0.24 s [rad];
     - privileged: the suit's torque on the four joints [N·m], which no real device can measure.
 
     Angles, cuff forces and suit torques are those of this instant; the torques of motors and wearer
@@ -66,6 +67,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         task: Task, or the name of a shipped one.
         sensors: Names of the sensor suites that make up the observation.
         normalize: Whether observations are divided by constants, to the size of 1.
+        history: Number of observations, of now and the control periods before, newest first, that
+            make up one.
         control_dt: Time between actions [s]; it is a multiple of the physics step and divides
             0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
@@ -101,6 +104,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         *,
         sensors: Sequence[str] = ("encoders",),
         normalize: bool = False,
+        history: int = 1,
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
@@ -120,6 +124,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             1,
             sensors=sensors,
             normalize=normalize,
+            history=history,
             control_dt=control_dt,
             control=control,
             fatigue=fatigue,
@@ -129,6 +134,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self._options = {
             "sensors": sensors,
             "normalize": normalize,
+            "history": history,
             "control_dt": control_dt,
             "control": control,
             "fatigue": fatigue,

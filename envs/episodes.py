@@ -39,6 +39,8 @@ class Episodes:
             before the end of the intention.
         sensors: Names of the sensor suites that a controller sees.
         normalize: Whether observations are scaled to the size of 1.
+        history: Number of observations, of this control period and those before it, that make up
+            one; before the reset there were only first ones.
         control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default.
@@ -67,6 +69,7 @@ class Episodes:
         max_periods: int | None = None,
         sensors: Sequence[str] = ("encoders",),
         normalize: bool = False,
+        history: int = 1,
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
@@ -75,7 +78,8 @@ class Episodes:
     ) -> None:
         self._options = {
             **{"threads": threads, "max_periods": max_periods, "sensors": sensors},
-            **{"normalize": normalize, "control_dt": control_dt, "control": control},
+            **{"normalize": normalize, "history": history},
+            **{"control_dt": control_dt, "control": control},
             **{"fatigue": fatigue, "randomize": randomize, **arm},
         }
         config = ArmConfig.from_dict(arm)
@@ -102,7 +106,11 @@ class Episodes:
             threads=threads,
         )
         self.randomization.check(self.simulation.suit)
-        self.observer = Observer(sensors, self.simulation.columns, normalize=normalize)
+        self.observer = Observer(
+            sensors, self.simulation.columns, normalize=normalize, history=history
+        )
+        size = self.observer.space.shape[0] // history if history > 1 else 0
+        self.simulation.memory.seen = np.zeros((n, history - 1, size), np.float32)
         self.motors = self.simulation.addresses.motors.size
         self.terms, self.reward = np.zeros((n, len(TERMS))), np.zeros(n)
         self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
@@ -148,6 +156,8 @@ class Episodes:
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
         self.simulation.begin(rows, self._start)
+        if memory.seen.shape[1]:
+            memory.seen[rows] = self.observer(memory.measured)[rows, None]
         self._judge(rows)
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
@@ -160,17 +170,25 @@ class Episodes:
         Raises:
             InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
         """
-        self.simulation.step(checked(action, (self.n, self.motors)), rows)
+        given = checked(action, (self.n, self.motors))
+        self._remember(self._all if rows is None else rows)
+        self.simulation.step(given, rows)
         self._judge(self._all if rows is None else rows)
 
     def step_one(self, action: ArrayLike) -> None:
         """Applies an action, shape (motors,), in the only row."""
-        self.simulation.step(checked(action, (self.motors,))[None])
+        given = checked(action, (self.motors,))[None]
+        self._remember(self._all)
+        self.simulation.step(given)
         self._judge(self._all)
 
     def observe(self) -> NDArray[np.float32]:
         """Returns a new array of the observations of all rows, shape (n, size)."""
-        return self.observer(self.simulation.memory.measured)
+        memory = self.simulation.memory
+        now = self.observer(memory.measured)
+        if not memory.seen.shape[1]:
+            return now
+        return np.concatenate([now, memory.seen.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int, *, with_terms: bool = True) -> "Info":
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
@@ -195,6 +213,7 @@ class Episodes:
         simulation = self.simulation
         return {
             "task": self.task.name,
+            **{name: value for name, value in asdict(self.task).items() if name != "name"},
             **simulation.config.to_dict(),
             "control_dt": simulation.control_dt,
             "control": asdict(simulation.control),
@@ -230,6 +249,14 @@ class Episodes:
     def _stream(self, row: int, purpose: str) -> np.random.Generator:
         memory = self.simulation.memory
         return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
+
+    def _remember(self, rows: Rows) -> None:
+        """Moves the last observation of some rows among those before."""
+        seen = self.simulation.memory.seen
+        if seen.shape[1]:
+            last = self.observer(self.simulation.memory.measured)[rows]
+            seen[rows, 1:] = seen[rows, :-1]
+            seen[rows, 0] = last
 
     def _start(self, row: int) -> Start:
         samples, dt = self.simulation.samples, self.simulation.control_dt

@@ -135,7 +135,8 @@ def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
     """Returns the reduction by feed-forward, divided by the oracle's, at each joint of `suit`.
 
     Only assisted joints count. The oracle knows the torque of this instant, but its motors lag;
-    feed-forward looks ahead, so that a good model can reach a little more than 1. Where the oracle
+    feed-forward allows for that lag by the measured rate, so that a good model can reach a little
+    more than 1. Where the oracle
     reduces nothing, the share is NaN.
     """
     reductions = {score.policy: score.reduction or {} for score in scores}

@@ -50,6 +50,12 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
     return env, env.unwrapped
 
 
+def _overridden(kind: type[ArmEnv]) -> set[str]:
+    """Returns what a class and its parents define anew, down to `ArmEnv`."""
+    own = kind.__mro__[: kind.__mro__.index(ArmEnv)]
+    return {name for one in own for name in vars(one)}
+
+
 @contextmanager
 def _own_code(env_id: str) -> Iterator[None]:
     try:
@@ -71,8 +77,8 @@ def _maker(name: str) -> Any:
 
 def _no_arm(env_id: str) -> InputError:
     return InputError(
-        f"the environment {env_id!r} is no arm of ActiveSuit: give one whose class is a subclass "
-        "of activesuit.envs.arm_env.ArmEnv"
+        f"the environment {env_id!r} is no arm of ActiveSuit: register one that makes an "
+        "activesuit.envs.ArmEnv"
     )
 
 
@@ -100,4 +106,10 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
                 "arms cannot have: register it without, and change the task or the options instead"
             )
         layer = layer.env
+    own_code = [name for name in ("reset", "step") if name in _overridden(type(arm))]
+    if own_code:
+        raise InputError(
+            f"the class of {env_id!r} has its own {' and '.join(own_code)}, which rows of arms "
+            "cannot have: change the task or the options instead"
+        )
     return arm.rows(rows, max_episode_steps=limit, **own)

@@ -52,10 +52,12 @@ class Observer:
         sensors: Names of suites, in the order of the observation.
         columns: Columns of the measurements that there are, by name.
         normalize: Whether to divide each part by its scale, so that it is of the size of 1.
+        history: Number of observations that make up one.
 
     Attributes:
         sensors: Names of the suites.
-        layout: Slice of the observation that holds each part, by the name of the part.
+        layout: Slice of the observation that holds each part, by the name of the part; with a
+            history the newest comes first, and the layout is that of the newest.
         space: Observation space of one row.
 
     Raises:
@@ -63,8 +65,10 @@ class Observer:
     """
 
     def __init__(
-        self, sensors: Sequence[str], columns: dict[str, slice], *, normalize: bool
+        self, sensors: Sequence[str], columns: dict[str, slice], *, normalize: bool, history: int
     ) -> None:
+        if isinstance(history, bool) or not isinstance(history, int) or not 1 <= history <= 1000:
+            raise InputError(f"history is {shown(history)}: use a whole number from 1 to 1000")
         parts = _parts(sensors, columns)
         self.sensors = tuple(sensors)
         self.layout: dict[str, slice] = {}
@@ -79,10 +83,11 @@ class Observer:
             limits += [part.limit * factors[-1]] * size if size else []
         self._index = np.array(index, np.int64)
         self._factor, self._limit = np.array(factors), np.array(limits, np.float32)
-        self.space = Box(-self._limit, self._limit, dtype=np.float32)
+        limit = np.tile(self._limit, history)
+        self.space = Box(-limit, limit, dtype=np.float32)
 
     def __call__(self, measured: Array) -> NDArray[np.float32]:
-        """Returns new observations, clipped to their limits, shape (n, size).
+        """Returns new observations without history, clipped to their limits, shape (n, size).
 
         Args:
             measured: Measurements of n rows, shape (n, columns).

@@ -20,14 +20,21 @@ class ArmVecEnv(VecEnv):
     an episode has ended it holds `terminal_observation` and `TimeLimit.truncated`.
 
     Args:
-        arms: Vector environment; this one resets rows in the step that ends their episode.
+        arms: Vector environment with `autoreset_mode="SameStep"`.
+
+    Raises:
+        InputError: The vector environment has another mode.
     """
 
     def __init__(self, arms: ArmVectorEnv) -> None:
-        arms.autoreset_mode = AutoresetMode.SAME_STEP
+        if arms.autoreset_mode is not AutoresetMode.SAME_STEP:
+            raise InputError(
+                f"autoreset_mode is {arms.autoreset_mode.value!r}: Stable-Baselines3 needs "
+                "autoreset_mode='SameStep'"
+            )
         self.arms, self.render_mode = arms, arms.render_mode
         super().__init__(arms.num_envs, arms.single_observation_space, arms.single_action_space)
-        self.metadata = {**arms.metadata, "autoreset_mode": AutoresetMode.SAME_STEP}
+        self.metadata = arms.metadata
         self._actions = np.zeros(arms.action_space.shape or (), np.float32)
 
     def reset(self) -> NDArray[np.float32]:

@@ -49,8 +49,9 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        **options: Further options of `ArmEnv`: sensors, normalize, control_dt, control, fatigue,
-            randomize and the fields of `ArmConfig`. What `randomize` draws differs between rows.
+        **options: Further options of `ArmEnv`: sensors, normalize, history, control_dt, control,
+            fatigue, randomize and the fields of `ArmConfig`. What `randomize` draws differs between
+            rows.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -113,6 +114,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._rows, self._over = np.arange(num_envs), np.zeros(num_envs, np.bool_)
+        self._every = np.ones(num_envs, np.bool_)
 
     # --- Gymnasium ----------------------------------------------------------------------------
 
@@ -136,12 +138,15 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         rows = self._rows if options is None else self._masked(options)
         seeds = _seeds(seed, self.num_envs)
         self.episodes.reset(
-            rows, None if seeds is None else [seeds[row] for row in rows], stagger=self._stagger
+            rows,
+            None if seeds is None else [seeds[row] for row in rows],
+            stagger=self._stagger and options is None,
         )
         self._over[rows] = False
         if options is None:
             self._renderer.forget()
-        return self.episodes.observe(), self._infos()
+        begun = np.isin(self._rows, rows)
+        return self.episodes.observe(), self._infos(begun)
 
     def step(
         self, actions: NDArray[np.floating[Any]]
@@ -178,7 +183,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             self._over[:] = False
         else:
             self._over = ended
-        infos = {**self._infos(), **last}
+        infos = {**self._infos(self._every), **last}
         return episodes.observe(), reward, terminated, truncated, infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
@@ -254,7 +259,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
         self._over[chosen] = False
-        return self.episodes.observe(), self._infos()
+        return self.episodes.observe(), self._infos(self._every)
 
     # --- Parts --------------------------------------------------------------------------------
 
@@ -292,10 +297,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if (self.episodes.simulation.memory.episode < 0).any():
             raise InputError(f"{what} before the first reset: call reset() first")
 
-    def _infos(self) -> dict[str, Any]:
-        if self._info == "none":
-            return {}
-        return self._read(np.ones(self.num_envs, np.bool_))
+    def _infos(self, mask: Bools) -> dict[str, Any]:
+        return {} if self._info == "none" else self._read(mask)
 
     def _read(self, mask: Bools) -> dict[str, Any]:
         """Returns what the rows of a mask measure, arrays as Gymnasium wants them."""
@@ -324,11 +327,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         last = np.full(self.num_envs, None, dtype=object)
         for row in self._rows[ended].tolist():
             last[row] = observation[row]
-        info = {} if self._info == "none" else self._read(ended)
         return {
             "final_obs": last,
             "_final_obs": ended.copy(),
-            "final_info": info,
+            "final_info": self._infos(ended),
             "_final_info": ended.copy(),
         }
 

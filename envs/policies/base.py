@@ -5,6 +5,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..episodes import Episodes
+
+
+class Arms(Protocol):
+    """An environment that policies are made for: `ArmEnv` or `ArmVectorEnv`."""
+
+    episodes: Episodes
+
 
 class Policy(Protocol):
     """A controller of the motors, for one arm or for rows of arms at once.

@@ -65,12 +65,12 @@ def make_policy(
             f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(needed)}"
         )
     if name in SIMPLE:
-        return SIMPLE[name](episodes)
+        return SIMPLE[name](arm)
     if name == "feedforward":
         if believed_suit is None:
-            return HysteresisFeedforward(episodes, resisting_joints(episodes.simulation.config))
-        return HysteresisFeedforward(episodes, load_suit(believed_suit).joints)
-    return TrainedPolicy(name, episodes)
+            return HysteresisFeedforward(arm, resisting_joints(episodes.simulation.config))
+        return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
+    return TrainedPolicy(name, arm)
 
 
 def _check_folder(name: str) -> None:

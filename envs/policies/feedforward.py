@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from ...assets import SuitJoint
 from ...errors import InputError
 from ...hysteresis.protocol import State
-from ..episodes import Episodes
 from ..model import ASSISTED
 from ..provenance import Quantity
+from .base import Arms
 
 _LEAD = Quantity(
     "feedforward.lead",
@@ -31,14 +31,15 @@ class HysteresisFeedforward:
     measured angle plus 0.02 s of the measured rate. It needs nothing of what the wearer intends.
 
     Args:
-        episodes: Episodes in which the policy acts.
+        env: Environment in which the policy acts, single or vector.
         joints: Joints of the suit that the controller believes in, which need not be the simulated
             suit; a joint that is missing gets no assist.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
-    def __init__(self, episodes: Episodes, joints: Mapping[str, SuitJoint]) -> None:
+    def __init__(self, env: Arms, joints: Mapping[str, SuitJoint]) -> None:
+        episodes = env.episodes
         addresses, layout = episodes.simulation.addresses, episodes.observer.layout
         entries = {i: joints[name] for i, name in enumerate(ASSISTED) if name in joints}
         self._models = {i: entry.model for i, entry in entries.items()}

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..episodes import Episodes
+from .base import Arms
 
 
 class GravityCompensation:
@@ -15,12 +15,13 @@ class GravityCompensation:
     With cuffs it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
 
     Args:
-        episodes: Episodes in which the policy acts.
+        env: Environment in which the policy acts, single or vector.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
-    def __init__(self, episodes: Episodes) -> None:
+    def __init__(self, env: Arms) -> None:
+        episodes = env.episodes
         addresses = episodes.simulation.addresses
         self._model = episodes.simulation.model
         self._data = mujoco.MjData(self._model)

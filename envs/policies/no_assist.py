@@ -5,20 +5,20 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..episodes import Episodes
+from .base import Arms
 
 
 class NoAssist:
     """Commands zero torque: the wearer alone works against suit, weight and motor friction.
 
     Args:
-        episodes: Episodes in which the policy acts.
+        env: Environment in which the policy acts, single or vector.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
-    def __init__(self, episodes: Episodes) -> None:
-        self._motors = episodes.motors
+    def __init__(self, env: Arms) -> None:
+        self._motors = env.episodes.motors
 
     def reset(self) -> None:
         """Does nothing, because the policy has no memory."""

@@ -5,21 +5,21 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..episodes import Episodes
+from .base import Arms
 
 
 class Oracle:
     """Commands the opposite of the present suit torque; only the delay of the motors remains.
 
     Args:
-        episodes: Episodes in which the policy acts.
+        env: Environment in which the policy acts, single or vector.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "privileged")
 
-    def __init__(self, episodes: Episodes) -> None:
-        addresses = episodes.simulation.addresses
-        begin = episodes.observer.layout["suit_torque"].start
+    def __init__(self, env: Arms) -> None:
+        addresses = env.episodes.simulation.addresses
+        begin = env.episodes.observer.layout["suit_torque"].start
         self._assisted, self._peak = begin + addresses.assisted, addresses.peak_torque
 
     def reset(self) -> None:

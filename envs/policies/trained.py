@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
-from ..episodes import Episodes
 from ..model import ArmConfig
+from .base import Arms
 from .network import ARCHITECTURES, load_actor
 
 CONFIG, CHECKPOINT = "config.json", "model.zip"
@@ -77,7 +77,7 @@ class TrainedPolicy:
 
     Args:
         folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
-        episodes: Episodes in which the policy acts.
+        env: Environment in which the policy acts, single or vector.
 
     Raises:
         InputError: The folder holds no finished checkpoint, or the network does not fit.
@@ -85,15 +85,15 @@ class TrainedPolicy:
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
-    def __init__(self, folder: str | os.PathLike[str], episodes: Episodes) -> None:
+    def __init__(self, folder: str | os.PathLike[str], env: Arms) -> None:
         folder, algorithm = Path(folder), training_config(folder)["algo"]
         path = folder / CHECKPOINT
         if not path.is_file():
             raise InputError(
                 f"{str(folder)!r} has no {CHECKPOINT}: train it first, or with --resume"
             )
-        actions = Box(-1.0, 1.0, (episodes.motors,), np.float32)
-        self._actor = load_actor(algorithm, path, episodes.observer.space, actions)
+        actions = Box(-1.0, 1.0, (env.episodes.motors,), np.float32)
+        self._actor = load_actor(algorithm, path, env.episodes.observer.space, actions)
 
     def reset(self) -> None:
         """Does nothing, because the network has no memory."""

@@ -44,6 +44,8 @@ class Memory:
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         measured: Last valid measurements, shape (n, WIDTH).
+        seen: Observations before the last one, newest first, shape (n, count, size); whoever makes
+            observations gives it its size.
     """
 
     seed: NDArray[np.int64]
@@ -67,6 +69,7 @@ class Memory:
     offset: Array
     dissipated_before: Array
     measured: Array
+    seen: NDArray[np.float32]
 
     @classmethod
     def empty(
@@ -106,6 +109,7 @@ class Memory:
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
             measured=np.zeros((n, WIDTH)),
+            seen=np.zeros((n, 0, 0), np.float32),
         )
 
     def arrays(self) -> dict[str, NDArray]:

@@ -209,6 +209,8 @@ def test_the_array_of_an_action_may_be_reused():
         ({"sensors": ["encoders", "encoders"]}, "sensors has 'encoders' twice"),
         ({"sensors": ["cuffs"]}, "sensors has 'cuffs', and this coupling has none"),
         ({"normalize": 1}, "normalize is 1: use True or False"),
+        ({"history": 0}, "history is 0: use a whole number from 1 to 1000"),
+        ({"history": True}, "history is True: use a whole number"),
         ({"task": "Knee"}, "unknown task 'Knee'"),
         ({"task": 3}, "task is a int: give a Task, or the name of one"),
         ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
@@ -301,3 +303,44 @@ def test_control_rate_and_gravity_options(gravity):
     assert info["time"] == pytest.approx(10.0)
     assert math.isfinite(info["human_energy"])
     assert len(info["assist_torque"]) == len(ASSISTED)
+
+
+def test_a_history_holds_the_last_observations():
+    plain, stacked = make(), make(history=3)
+    assert stacked.observation_space.shape == (36,)
+    first, shown = plain.reset(seed=2)[0], stacked.reset(seed=2)[0]
+    np.testing.assert_array_equal(shown, np.tile(first, 3))
+    seen = [first, first, first]
+    for value in (0.1, -0.2, 0.3, 0.4):
+        action = np.full(2, value)
+        seen.append(plain.step(action)[0])
+        shown = stacked.step(action)[0]
+        np.testing.assert_array_equal(shown, np.concatenate(seen[:-4:-1]))
+    state = stacked.get_state()
+    stacked.reset(seed=5)
+    np.testing.assert_array_equal(stacked.set_state(state)[0], shown)
+
+
+def test_normalized_observations_are_of_the_size_of_one():
+    plain, scaled = (
+        make(
+            normalize=normalize,
+            coupling="cuffs",
+            sensors=["encoders", "cuffs", "preview", "privileged"],
+        )
+        for normalize in (False, True)
+    )
+    sizes = []
+    for env in (plain, scaled):
+        env.reset(seed=1)
+        rng = np.random.default_rng(0)
+        sizes.append([env.step(rng.uniform(-0.5, 0.5, 2))[0] for _ in range(200)])
+    plain_size, scaled_size = (np.abs(np.array(size)).max(axis=0) for size in sizes)
+    assert plain_size.max() > 10
+    assert scaled_size.max() < 3
+    layout = plain.layout
+    np.testing.assert_allclose(
+        np.array(sizes[0])[:, layout["cuff_force"]],
+        100 * np.array(sizes[1])[:, layout["cuff_force"]],
+        rtol=1e-5,
+    )

@@ -24,7 +24,8 @@ ROWS, SHORT = 3, 11
 
 def pair():
     """Returns the same rows twice: as one environment, and as single ones one after the other."""
-    ours = ArmVecEnv(ArmVectorEnv(ROWS, "ElbowFlexion", max_episode_steps=SHORT, threads=1))
+    options = {"max_episode_steps": SHORT, "autoreset_mode": "SameStep"}
+    ours = ArmVecEnv(ArmVectorEnv(ROWS, "ElbowFlexion", threads=1, **options))
     theirs = DummyVecEnv([lambda: TimeLimit(ArmEnv("ElbowFlexion"), SHORT)] * ROWS)
     for env in (ours, theirs):
         env.seed(4)
@@ -76,7 +77,10 @@ def test_rows_that_go_on_share_one_info():
 
 def test_ppo_learns_and_is_evaluated_in_it(tmp_path):
     ours, _ = pair()
-    check = ArmVecEnv(ArmVectorEnv(2, "ElbowFlexion", max_episode_steps=SHORT))
+    with pytest.raises(InputError, match="autoreset_mode is 'NextStep': Stable-Baselines3 needs"):
+        ArmVecEnv(ArmVectorEnv(2))
+    options = {"max_episode_steps": SHORT, "autoreset_mode": "SameStep"}
+    check = ArmVecEnv(ArmVectorEnv(2, "ElbowFlexion", **options))
     learner = PPO("MlpPolicy", VecMonitor(ours), n_steps=16, batch_size=48, device="cpu", seed=0)
     callback = EvalCallback(VecMonitor(check), n_eval_episodes=3, eval_freq=16, verbose=0)
     learner.learn(96, callback=callback)

@@ -15,7 +15,7 @@ pytest.importorskip("stable_baselines3")
 def test_acts_as_the_learner(tmp_path, algo):
     run = make_run(tmp_path / "run", algo)
     env = ArmEnv("ElbowFlexion", gravity="moon")
-    policy = TrainedPolicy(run, env.episodes)
+    policy = TrainedPolicy(run, env)
     whole = algorithm_class(algo).load(run / "model.zip", device="cpu")
     observation, _ = env.reset(seed=3)
     for _ in range(20):
@@ -29,4 +29,4 @@ def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
     arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
     with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: .*config\.json"):
-        TrainedPolicy(run, arm.episodes)
+        TrainedPolicy(run, arm)
