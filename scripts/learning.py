@@ -86,7 +86,9 @@ def training_environments(env: str, algo: str, seed: int, options: dict[str, Any
 
     from ..envs.sb3 import ArmVecEnv
 
-    environments = VecMonitor(ArmVecEnv(make_arms(env, PARALLEL[algo], **options)))
+    environments = VecMonitor(
+        ArmVecEnv(make_arms(env, PARALLEL[algo], **options, autoreset_mode="SameStep"))
+    )
     environments.seed(seed)
     return environments
 

@@ -1,5 +1,6 @@
 """The time of an environment's step, single and in rows, against the physics inside it."""
 
+import importlib.util
 import multiprocessing
 import os
 import re
@@ -15,6 +16,7 @@ import numpy as np
 from ...envs.making import make_arms, make_env
 from ...envs.model import compose
 from ...envs.vector_env import ArmVectorEnv
+from ..output import messages
 from .timing import Row, compare, measure
 
 ENV = "ActiveSuit/ArmTracking-v0"
@@ -34,7 +36,7 @@ def rows(repeats: int) -> list[Row]:
         *_some_rows(repeats),
         _many_rows(repeats),
         *_resets(repeats),
-        _stable_baselines(repeats),
+        *_stable_baselines(repeats),
         *_memory(),
     ]
 
@@ -153,12 +155,15 @@ def _resets(repeats: int) -> list[Row]:
     ]
 
 
-def _stable_baselines(repeats: int) -> Row:
+def _stable_baselines(repeats: int) -> list[Row]:
+    if importlib.util.find_spec("stable_baselines3") is None:
+        messages.print("Stable-Baselines3 is left out: the extra train is not installed")
+        return []
     from stable_baselines3.common.vec_env import DummyVecEnv
 
     from ...envs.sb3 import ArmVecEnv
 
-    steps, ours = 20, ArmVecEnv(make_arms(ENV, SOME, threads=1))
+    steps, ours = 20, ArmVecEnv(make_arms(ENV, SOME, threads=1, autoreset_mode="SameStep"))
     dummy = DummyVecEnv([lambda: gymnasium.make(ENV)] * SOME)
     action = np.zeros((SOME, 2), np.float32)
 
@@ -171,7 +176,7 @@ def _stable_baselines(repeats: int) -> Row:
 
         return run
 
-    return compare(
+    row = compare(
         f"Stable-Baselines3, {SOME} rows, one thread",
         stepper(ours),
         f"its DummyVecEnv of {SOME} single ones",
@@ -181,6 +186,7 @@ def _stable_baselines(repeats: int) -> Row:
         count=SOME * steps,
         target=2.0,
     )
+    return [row]
 
 
 def _memory() -> list[Row]:
