@@ -20,6 +20,8 @@ class Row:
         unit: Unit of the times, for example "ns/sample".
         ours: Median time of the work.
         reference: Median time of the other work.
+        cpu: Median processor time of the work in this process, of all its threads.
+        reference_cpu: Median processor time of the other work in this process.
         ratio: Median of the paired ratios, reference / ours; above 1 the work is faster.
         lowest: Smallest ratio.
         highest: Largest ratio.
@@ -32,6 +34,8 @@ class Row:
     unit: str
     ours: float
     reference: float | None = None
+    cpu: float | None = None
+    reference_cpu: float | None = None
     ratio: float | None = None
     lowest: float | None = None
     highest: float | None = None
@@ -65,15 +69,19 @@ def compare(
     ours()
     reference()
     other = reference_count or count
-    pairs = [(seconds(ours) / count, seconds(reference) / other) for _ in range(repeats)]
-    ratios = [b / a for a, b in pairs]
+    pairs = [(times(ours), times(reference)) for _ in range(repeats)]
+    mine, theirs = zip(*pairs, strict=True)
+    (own, own_cpu), (others, others_cpu) = zip(*mine, strict=True), zip(*theirs, strict=True)
+    ratios = [(b / other) / (a / count) for a, b in zip(own, others, strict=True)]
     scale = UNITS[unit.partition("/")[0]]
     return Row(
         what=what,
         against=against,
         unit=unit,
-        ours=statistics.median(a for a, _ in pairs) * scale,
-        reference=statistics.median(b for _, b in pairs) * scale,
+        ours=statistics.median(own) / count * scale,
+        reference=statistics.median(others) / other * scale,
+        cpu=statistics.median(own_cpu) / count * scale,
+        reference_cpu=statistics.median(others_cpu) / other * scale,
         ratio=statistics.median(ratios),
         lowest=min(ratios),
         highest=max(ratios),
@@ -87,12 +95,18 @@ def measure(
     """Times one piece of work against a limit of its own."""
     work()
     scale = UNITS[unit.partition("/")[0]] / count
-    ours = statistics.median(seconds(work) for _ in range(repeats)) * scale
-    return Row(what=what, unit=unit, ours=ours, limit=limit)
+    all_times = [times(work) for _ in range(repeats)]
+    ours, cpu = (statistics.median(part) * scale for part in zip(*all_times, strict=True))
+    return Row(what=what, unit=unit, ours=ours, cpu=cpu, limit=limit)
 
 
 def seconds(work: Work) -> float:
     """Returns the time of one call [s]."""
-    start = time.perf_counter()
+    return times(work)[0]
+
+
+def times(work: Work) -> tuple[float, float]:
+    """Returns the time of one call, and the processor time of this process [s]."""
+    start, before = time.perf_counter(), time.process_time()
     work()
-    return time.perf_counter() - start
+    return time.perf_counter() - start, time.process_time() - before

@@ -67,7 +67,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         return
     table(
         f"medians of {repeats} pairs; {machine}",
-        ["ours\nagainst", "time", "ratio", "lowest\nhighest", "target"],
+        ["ours\nagainst", "time", "processor\ntime", "ratio", "lowest\nhighest", "target"],
         map(_cells, rows),
         left=1,
     )
@@ -84,11 +84,16 @@ def _cells(row: "Row") -> Sequence[str]:
     verdict = "met" if row.met else "NOT met"
     if row.ratio is None:
         goal = "-" if row.limit is None else f"<= {row.limit:g} {verdict}"
-        return row.what, f"{row.ours:.3g} {row.unit}", "", "", goal
+        return row.what, f"{row.ours:.3g} {row.unit}", _cpu(row.cpu), "", "", goal
     return (
         f"{row.what}\n{row.against}",
         f"{row.ours:.3g} {row.unit}\n{row.reference:.3g} {row.unit}",
+        f"{_cpu(row.cpu)}\n{_cpu(row.reference_cpu)}",
         f"{row.ratio:.3g}",
         f"{row.lowest:.3g}\n{row.highest:.3g}",
         f">= {row.target:g} {verdict}" if row.target else "-",
     )
+
+
+def _cpu(time: float | None) -> str:
+    return "" if time is None else f"{time:.3g}"
