@@ -15,7 +15,7 @@ from .making import make_arms
 from .model import ASSISTED
 from .model.cuffs import CUFFS
 from .person import EffortMetrics, effort_metrics
-from .policies import Policy, make_policy, sensors_of
+from .policies import Policy, make_policy, needed_options
 from .rollout import Trace, rollout
 from .vector_env import ArmVectorEnv
 
@@ -121,7 +121,7 @@ def evaluate(
             arms = make_arms(env_id, episodes, **env_options)
             policy = _checked(name, policies[name](arms))
         else:
-            arms = make_arms(env_id, episodes, **env_options, sensors=sensors_of(name))
+            arms = make_arms(env_id, episodes, **{**env_options, **needed_options(name)})
             policy = make_policy(name, arms, believed_suit=believed_suit)
         traces = rollout(arms, policy, range(seed, seed + episodes))
         arms.close()

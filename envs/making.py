@@ -50,10 +50,11 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
     return env, env.unwrapped
 
 
-def _overridden(kind: type[ArmEnv]) -> set[str]:
-    """Returns what a class and its parents define anew, down to `ArmEnv`."""
-    own = kind.__mro__[: kind.__mro__.index(ArmEnv)]
-    return {name for one in own for name in vars(one)}
+def _overridden(kind: type[ArmEnv]) -> list[str]:
+    """Returns what a class and its parents define anew of `ArmEnv`, but the metadata."""
+    parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
+    own = {name for one in parents for name in vars(one) if not name.startswith("_")}
+    return sorted(own & {*dir(ArmEnv)} - {"metadata"})
 
 
 @contextmanager
@@ -93,7 +94,7 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     Raises:
         InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
     """
-    own = {name: options.pop(name) for name in ROWS_ONLY if name in options}
+    of_rows = {name: options.pop(name) for name in ROWS_ONLY if name in options}
     made, arm = make_env(env_id, **options)
     made.close()
     limit, layer = None, made
@@ -106,10 +107,10 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
                 "arms cannot have: register it without, and change the task or the options instead"
             )
         layer = layer.env
-    own_code = [name for name in ("reset", "step") if name in _overridden(type(arm))]
-    if own_code:
+    own = _overridden(type(arm))
+    if own:
         raise InputError(
-            f"the class of {env_id!r} has its own {' and '.join(own_code)}, which rows of arms "
-            "cannot have: change the task or the options instead"
+            f"the class of {env_id!r} has its own {', '.join(own)}, which rows of arms cannot "
+            "have: change the task or the options instead"
         )
-    return arm.rows(rows, max_episode_steps=limit, **own)
+    return arm.rows(rows, max_episode_steps=limit, **of_rows)

@@ -1,7 +1,7 @@
 """Assist policies: each turns an observation into an action."""
 
 from .base import Policy
-from .build import POLICIES, make_policy, sensors_of
+from .build import POLICIES, make_policy, needed_options
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
 from .no_assist import NoAssist
@@ -17,5 +17,5 @@ __all__ = [
     "Policy",
     "TrainedPolicy",
     "make_policy",
-    "sensors_of",
+    "needed_options",
 ]

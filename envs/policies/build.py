@@ -1,6 +1,7 @@
 """Makes policies by name."""
 
 import os
+from typing import Any
 
 from ...assets import AnySuit, load_suit
 from ...errors import InputError, unknown_name
@@ -19,19 +20,20 @@ SHIPPED = {**SIMPLE, "feedforward": HysteresisFeedforward}
 POLICIES = ("none", "gravity", "feedforward", "oracle")
 
 
-def sensors_of(name: str) -> tuple[str, ...]:
-    """Returns the sensor suites that a policy needs.
+def needed_options(name: str) -> dict[str, Any]:
+    """Returns the options of an environment in which a policy can act.
 
     Args:
-        name: Name of a policy, or the folder of a training run.
+        name: Name of a policy, which needs its sensor suites; or the folder of a training run,
+            which was trained with those that its environment has by itself.
 
     Raises:
         InputError: There is no such policy or folder.
     """
     if name in SHIPPED:
-        return SHIPPED[name].sensors
+        return {"sensors": SHIPPED[name].sensors}
     _check_folder(name)
-    return TrainedPolicy.sensors
+    return {}
 
 
 def make_policy(
@@ -53,7 +55,7 @@ def make_policy(
     arm = env.unwrapped
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
-    episodes, needed = arm.episodes, sensors_of(name)
+    episodes, needed = arm.episodes, needed_options(name).get("sensors", ())
     if name != "none" and not episodes.motors:
         raise InputError(
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "

@@ -69,7 +69,7 @@ def load_actor(
     if observed != size:
         raise InputError(
             f"the policy in {str(path.parent)!r} observes {observed} numbers and the environment "
-            f"shows {size}: make it with the options of {path.parent / 'config.json'}"
+            f"shows {size}: give it the sensors that it was trained with, or train again"
         )
     check_finite(actor, path)
     return actor

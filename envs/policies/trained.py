@@ -2,7 +2,7 @@
 
 import os
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -82,8 +82,6 @@ class TrainedPolicy:
     Raises:
         InputError: The folder holds no finished checkpoint, or the network does not fit.
     """
-
-    sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
     def __init__(self, folder: str | os.PathLike[str], env: Arms) -> None:
         folder, algorithm = Path(folder), training_config(folder)["algo"]

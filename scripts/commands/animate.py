@@ -12,7 +12,7 @@ from ...assets import JOINTS
 from ...checks import at_least
 from ...envs.animation import LoopPanel
 from ...envs.making import make_arms
-from ...envs.policies import Policy, make_policy, sensors_of
+from ...envs.policies import Policy, make_policy, needed_options
 from ...envs.rollout import rollout
 from ...envs.simulation.intention import Motion, minimum_jerk
 from ...envs.tasks import Task
@@ -75,7 +75,7 @@ def animate(
         "width": width - panel_width,
         "height": height,
         "render_quality": quality,
-        "sensors": sensors_of(policy),
+        **needed_options(policy),
     }
     if chosen.env == REACH:
         arms = ArmVectorEnv(1, _Reaching(name="Reaching", duration=CYCLES * PERIOD), **options)

@@ -6,7 +6,7 @@ from ...checks import at_least
 from ...envs.evaluation import Score
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.making import make_arms
-from ...envs.policies import POLICIES, make_policy, sensors_of
+from ...envs.policies import POLICIES, make_policy, needed_options
 from ...envs.rollout import Trace
 from ..arm_options import USUAL, ArmOptions
 from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
@@ -40,7 +40,7 @@ def evaluate(
     at_least("seed", seed, 0)
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=policies)
     for policy in policies:  # reports a mistake before the folder is made
-        make_policy(policy, make_arms(chosen.env, 1, **chosen.options, sensors=sensors_of(policy)))
+        make_policy(policy, make_arms(chosen.env, 1, **chosen.options, **needed_options(policy)))
     folder = RunFolder(out, "evaluate", force=force) if out else None
     scores = run(chosen.env, policies, episodes, seed, **chosen.options)
     result = {

@@ -14,7 +14,7 @@ from ...envs.figures import (
     trajectory_figure,
 )
 from ...envs.making import make_arms
-from ...envs.policies import make_policy, sensors_of
+from ...envs.policies import make_policy, needed_options
 from ...envs.rollout import Trace, rollout
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
@@ -46,7 +46,7 @@ def simulate(
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    arms = make_arms(chosen.env, 1, **chosen.options, sensors=sensors_of(policy), render_mode=mode)
+    arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(policy), render_mode=mode)
     actor = make_policy(policy, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []

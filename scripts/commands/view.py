@@ -13,7 +13,7 @@ from ...checks import at_least
 from ...envs.arm_env import ArmEnv
 from ...envs.making import make_env
 from ...envs.model import ArmConfig, arm_spec, compose
-from ...envs.policies import Policy, make_policy, sensors_of
+from ...envs.policies import Policy, make_policy, needed_options
 from ...envs.rendering import Renderer, RenderingUnavailableError
 from ...errors import InputError, unknown_name
 from ...files import check_target, replacing
@@ -77,7 +77,7 @@ def view(
     made, simulated = make_env(
         chosen.env,
         **chosen.options,
-        sensors=sensors_of(policy),
+        **needed_options(policy),
         render_mode=mode,
         render_quality=quality,
     )

@@ -8,7 +8,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate, score
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED
-from activesuit.envs.policies import POLICIES, NoAssist, make_policy, sensors_of
+from activesuit.envs.policies import POLICIES, NoAssist, make_policy, needed_options
 from activesuit.envs.rollout import rollout
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
@@ -56,7 +56,7 @@ def test_gravity_compensation_carries_the_weight():
 
 @pytest.mark.parametrize("name", POLICIES)
 def test_policies_repeat_after_a_reset(name):
-    arms = ArmEnv(sensors=sensors_of(name)).rows(2, max_episode_steps=200)
+    arms = ArmEnv(**needed_options(name)).rows(2, max_episode_steps=200)
     policy = make_policy(name, arms)
     first, again = (rollout(arms, policy, [4, 5]) for _ in range(2))
     for one, other in zip(first, again, strict=True):
@@ -66,7 +66,7 @@ def test_policies_repeat_after_a_reset(name):
 
 @pytest.mark.parametrize("name", POLICIES)
 def test_rows_are_acted_on_as_single_arms_are(name):
-    arm = ArmEnv(sensors=sensors_of(name))
+    arm = ArmEnv(**needed_options(name))
     many, one = arm.rows(3, max_episode_steps=100), arm.rows(1, max_episode_steps=100)
     together = rollout(many, make_policy(name, many), [4, 5, 6])
     policy = make_policy(name, one)
@@ -86,7 +86,7 @@ def test_rows_are_acted_on_as_single_arms_are(name):
 
 @pytest.mark.parametrize("name", POLICIES)
 def test_a_policy_sees_nothing_but_the_observation(name):
-    arm = ArmEnv(sensors=sensors_of(name))
+    arm = ArmEnv(**needed_options(name))
     policy = make_policy(name, arm)
     policy.reset()
     observation = np.random.default_rng(0).uniform(0, 0.5, arm.observation_space.shape)
@@ -208,3 +208,20 @@ def test_folder_that_is_no_training_run(tmp_path):
     (tmp_path / "config.json").write_text('{"algo": "ppo", "env": "e"}')
     with pytest.raises(InputError, match=r"has no model\.zip"):
         make_policy(str(tmp_path), env)
+
+
+def test_rows_refuse_what_a_class_of_your_own_does_anew():
+    class Slow(ArmEnv):
+        duration = 0.5
+
+        def step(self, action):
+            return super().step(0.5 * action)
+
+    gymnasium.register("Mine/Slow-v0", entry_point=Slow)
+    try:
+        with pytest.raises(
+            InputError, match="'Mine/Slow-v0' has its own duration, step, which rows"
+        ):
+            make_arms("Mine/Slow-v0", 2)
+    finally:
+        del gymnasium.registry["Mine/Slow-v0"]

@@ -28,5 +28,5 @@ def test_acts_as_the_learner(tmp_path, algo):
 def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
     arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
-    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: .*config\.json"):
+    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: give it the sensors"):
         TrainedPolicy(run, arm)

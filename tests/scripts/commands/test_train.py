@@ -104,7 +104,7 @@ def test_a_policy_of_other_sensors(run):
     from activesuit.errors import InputError
 
     arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, sensors=("encoders", "preview"))
-    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: .*config\.json"):
+    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: give it the sensors"):
         make_policy(str(run), arms)
 
 
