@@ -202,7 +202,7 @@ def _memory() -> list[Row]:
         return []
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    process = context.Process(target=_measure_memory, args=(theirs,))
+    process = context.Process(target=_measure_memory, args=(theirs, MANY, LONG))
     process.start()
     theirs.close()
     resident, reserved, growth, forked = ours.recv()
@@ -215,12 +215,12 @@ def _memory() -> list[Row]:
     ]
 
 
-def _measure_memory(pipe: Any) -> None:
-    arms = ArmVectorEnv(MANY)
+def _measure_memory(pipe: Any, rows: int, row_steps: int) -> None:
+    arms = ArmVectorEnv(rows)
     run = _stepper(arms, 10)
     run()
     resident, reserved = _in_use("VmRSS"), _in_use("VmSize")
-    for _ in range(LONG // (10 * MANY)):
+    for _ in range(row_steps // (10 * rows)):
         run()
     growth = _in_use("VmRSS") - resident
     child = os.fork()

@@ -11,6 +11,7 @@ from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import identify, load_curves
 from activesuit.scripts.benchmarks import engine as engine_bench
+from activesuit.scripts.benchmarks import env as env_bench
 from activesuit.scripts.benchmarks import identify as identify_bench
 from activesuit.scripts.benchmarks import starts
 from activesuit.scripts.commands import study
@@ -168,6 +169,8 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
     monkeypatch.setattr(identify_bench, "sa_pso", partial(identify_bench.sa_pso, max_iterations=5))
     for name, few in (("STEPS", 100), ("CALLBACK_STEPS", 50), ("SIMULATIONS", 64)):
         monkeypatch.setattr(engine_bench, name, few)
+    for name, few in (("STEPS", 50), ("SOME", 8), ("MANY", 32), ("WORKERS", 2), ("LONG", 640)):
+        monkeypatch.setattr(env_bench, name, few)
     result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
     assert any(row["ratio"] for row in result["rows"])
     for row in result["rows"]:

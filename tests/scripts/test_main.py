@@ -49,7 +49,7 @@ def test_an_interrupt_that_became_another_exception_is_one(monkeypatch, capsys, 
     # As in the loading of a compiled module: "ImportError: initialization failed".
     def load(arguments):
         try:
-            os.kill(os.getpid(), sign)
+            signal.raise_signal(sign)
         except KeyboardInterrupt as interrupt:
             raise ImportError("initialization failed") from interrupt
 
