@@ -16,6 +16,7 @@ from .person import VoluntaryControl
 from .randomization import Randomization
 from .rendering import ArmRenderer, RenderQuality
 from .simulation import Simulation
+from .simulation.sensing import Sensing
 from .tasks import ARM_TRACKING, Task, task_of
 from .vector_env import ArmVectorEnv
 
@@ -40,6 +41,10 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     - encoders: angles [rad] of the exoskeleton's four encoders, rates [rad/s] from their counts
       (differences, low-pass of 20 Hz), motor torque over peak, previous action;
     - cuffs: forces on upper arm, forearm and hand [N];
+    - interaction: torque between person and suit at the four joints [N·m], as pads would tell it,
+      noisy and 0.05 s old: the wearer's torque without what his own arm needs;
+    - emg: the wearer's voluntary torque at the four joints [N·m], 0.05 s ahead, noisy, through a
+      low-pass of 6 Hz;
     - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1
       and 0.24 s [rad];
     - privileged: the suit's torque on the four joints [N·m], which no real device can measure.
@@ -76,6 +81,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
         randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
             dict of its terms: suit, pressure, encoder_offset.
+        sensing: Noise, delay and bandwidth of sensors, as a `Sensing` or a dict of the fields that
+            differ from the default.
         render_mode: Render mode of Gymnasium: None, "rgb_array" or "human".
         camera: Name of the camera to render from.
         width: Width of the picture [pixels].
@@ -109,6 +116,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
         randomize: Randomization | Mapping[str, Any] | None = None,
+        sensing: Sensing | Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         camera: str = "overview",
         width: int = 640,
@@ -129,6 +137,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             control=control,
             fatigue=fatigue,
             randomize=randomize,
+            sensing=sensing,
             **arm,
         )
         self._options = {
@@ -139,6 +148,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             "control": control,
             "fatigue": fatigue,
             "randomize": randomize,
+            "sensing": sensing,
             **arm,
         }
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.

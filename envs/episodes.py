@@ -14,13 +14,14 @@ from ..errors import InputError, shown
 from .info import Info
 from .model import ArmConfig
 from .model.config import nested
-from .observation import Observer
+from .observation import ON_PERSON, Observer, checked_sensors
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .reward import TERMS, judge
 from .simulation import Simulation
 from .simulation.measurements import snapshot
 from .simulation.saving import check_state
+from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW, Start
 from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .tasks import Task
@@ -46,6 +47,8 @@ class Episodes:
             default.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
         randomize: What differs from episode to episode beside the motion, or a dict of the terms.
+        sensing: Noise, delay and bandwidth of sensors, or a dict of the fields that differ from the
+            default.
         **arm: Fields of `ArmConfig`.
 
     Attributes:
@@ -74,15 +77,16 @@ class Episodes:
         control: VoluntaryControl | Mapping[str, Any] | None = None,
         fatigue: bool = False,
         randomize: Randomization | Mapping[str, Any] | None = None,
+        sensing: Sensing | Mapping[str, Any] | None = None,
         **arm: Any,
     ) -> None:
         self._options = {
             **{"threads": threads, "max_periods": max_periods, "sensors": sensors},
             **{"normalize": normalize, "history": history},
             **{"control_dt": control_dt, "control": control},
-            **{"fatigue": fatigue, "randomize": randomize, **arm},
+            **{"fatigue": fatigue, "randomize": randomize, "sensing": sensing, **arm},
         }
-        config = ArmConfig.from_dict(arm)
+        config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
         _check_period(control_dt, config.timestep)
         flag("fatigue", fatigue)
         flag("normalize", normalize)
@@ -103,6 +107,8 @@ class Episodes:
             control_dt=control_dt,
             control=settings,
             fatigue=fatigue,
+            sensing=nested("sensing", {} if sensing is None else sensing, Sensing()),
+            on_person=any(suite in sensors for suite in ON_PERSON),
             threads=threads,
         )
         self.randomization.check(self.simulation.suit)
@@ -219,6 +225,7 @@ class Episodes:
             "control": asdict(simulation.control),
             "fatigue": simulation.fatigue,
             "randomize": asdict(self.randomization),
+            "sensing": asdict(simulation.sensing),
         }
 
     def state(self, rows: Rows) -> dict[str, Any]:

@@ -40,16 +40,21 @@ SUITES: dict[str, tuple[Part, ...]] = {
         Part("previous_action", "previous_action", 1.0, 1.0),
     ),
     "cuffs": (Part("cuff_force", "cuff_force", 1000.0, 100.0),),  # N
+    "interaction": (Part("interaction_torque", "interaction_torque", 200.0, 20.0),),  # N·m
+    "emg": (Part("emg", "emg", 200.0, 20.0),),  # N·m
     "preview": (Part("target", "preview", math.pi, math.pi),),  # rad
     "privileged": (Part("suit_torque", "suit_torque", 100.0, 20.0),),  # N·m
 }
+
+
+ON_PERSON = ("interaction", "emg")  # suites whose sensors are on the person
 
 
 class Observer:
     """Picks observations out of measurements.
 
     Args:
-        sensors: Names of suites, in the order of the observation.
+        sensors: Names of suites from `checked_sensors`, in the order of the observation.
         columns: Columns of the measurements that there are, by name.
         normalize: Whether to divide each part by its scale, so that it is of the size of 1.
         history: Number of observations that make up one.
@@ -61,7 +66,7 @@ class Observer:
         space: Observation space of one row.
 
     Raises:
-        InputError: A suite is unknown, named twice, or not there with these arms.
+        InputError: A suite is not there with these arms, or `history` is out of its range.
     """
 
     def __init__(
@@ -69,11 +74,15 @@ class Observer:
     ) -> None:
         if isinstance(history, bool) or not isinstance(history, int) or not 1 <= history <= 1000:
             raise InputError(f"history is {shown(history)}: use a whole number from 1 to 1000")
-        parts = _parts(sensors, columns)
+        if "cuffs" in sensors and "cuff_force" not in columns:
+            raise InputError(
+                "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave "
+                "the suite out"
+            )
         self.sensors = tuple(sensors)
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []
-        for part in parts:
+        for part in (part for name in sensors for part in SUITES[name]):
             place = columns.get(part.measurement, slice(0, 0))
             begin, size = len(index), place.stop - place.start
             if size:
@@ -105,21 +114,19 @@ def _pick(measured, index, factor, limit, observation) -> None:
             observation[row, j] = max(-limit[j], min(value, limit[j]))
 
 
-def _parts(sensors: Sequence[str], columns: dict[str, slice]) -> list[Part]:
-    if isinstance(sensors, str) or not isinstance(sensors, Sequence):
-        raise InputError(
-            f"sensors is {shown(sensors)}: give a list of suites, such as ['encoders']"
-        )
-    for name in sensors:
+def checked_sensors(given: Sequence[str]) -> tuple[str, ...]:
+    """Returns the names of sensor suites.
+
+    Raises:
+        InputError: They are no list of known names, each of them once.
+    """
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        raise InputError(f"sensors is {shown(given)}: give a list of suites, such as ['encoders']")
+    for name in given:
         if name not in SUITES:
             raise unknown_name("sensor suite", name, SUITES)
-        if list(sensors).count(name) > 1:
+        if list(given).count(name) > 1:
             raise InputError(f"sensors has {name!r} twice: name each suite once")
-    if not sensors:
+    if not given:
         raise InputError(f"sensors is empty: name at least one of {', '.join(SUITES)}")
-    if "cuffs" in sensors and "cuff_force" not in columns:
-        raise InputError(
-            "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave the "
-            "suite out"
-        )
-    return [part for name in sensors for part in SUITES[name]]
+    return tuple(given)

@@ -50,8 +50,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
         **options: Further options of `ArmEnv`: sensors, normalize, history, control_dt, control,
-            fatigue, randomize and the fields of `ArmConfig`. What `randomize` draws differs between
-            rows.
+            fatigue, randomize, sensing and the fields of `ArmConfig`. What `randomize` draws
+            differs between rows.
 
     Raises:
         InputError: An argument is out of its range; the message names it.

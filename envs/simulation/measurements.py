@@ -30,6 +30,8 @@ _SIZES = (
     ("motor_torque", 2),  # over peak
     ("previous_action", 2),  # 1
     ("preview", 6),  # rad
+    ("interaction_torque", 4),  # N·m
+    ("emg", 4),  # N·m
 )
 
 
@@ -46,7 +48,10 @@ COLUMNS, WIDTH = _columns()
 
 STILL = 1e-9  # rad/s, below which an encoder's rate is zero
 
-SENSED = ("encoder_angle", "encoder_rate", "motor_torque", "previous_action", "preview")
+SENSED = (
+    *("encoder_angle", "encoder_rate", "motor_torque", "previous_action", "preview"),
+    *("interaction_torque", "emg"),
+)
 """Measurements of sensors; the others are of the simulation itself."""
 
 SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vectors
@@ -70,6 +75,8 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vecto
     MOTOR,
     PREVIOUS,
     PREVIEW,
+    INTERACTION,
+    EMG,
 ) = (columns.start for columns in COLUMNS.values())
 
 

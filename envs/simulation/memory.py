@@ -39,6 +39,9 @@ class Memory:
         variation: Slow noise of the muscles, tremor, and tremor a quarter period later, each with
             variance 1 in the long run, shape (n, 3, 4).
         fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
+        felt: Torque between person and suit [N·m], a ring with the step as its place, shape
+            (n, delay + 1, 4); one place that is not used without sensors on the person.
+        shaken: Random numbers of the sensors on the person, shape (n, STRETCH, 2, 4); none without.
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
@@ -64,6 +67,8 @@ class Memory:
     past: Array
     variation: Array
     fresh: Array
+    felt: Array
+    shaken: Array
     fatigued: Array
     counts: Array
     offset: Array
@@ -73,7 +78,15 @@ class Memory:
 
     @classmethod
     def empty(
-        cls, n: int, *, samples: int, motors: int, delay: int, foresees: bool, noisy: bool
+        cls,
+        n: int,
+        *,
+        samples: int,
+        motors: int,
+        delay: int,
+        foresees: bool,
+        noisy: bool,
+        felt: int | None,
     ) -> "Memory":
         """Returns the memory of `n` rows before their first reset.
 
@@ -84,6 +97,8 @@ class Memory:
             delay: Delay of the wearer's feedback [control periods].
             foresees: Whether the wearer foresees some of the suit's resistance.
             noisy: Whether the wearer's muscles have noise or tremor.
+            felt: Delay of the torque between person and suit [control periods]; None without
+                sensors on the person.
         """
         joints = len(JOINTS)
         motion = (n, samples, joints)
@@ -104,6 +119,8 @@ class Memory:
             past=np.zeros((n, delay, joints)),
             variation=np.zeros((n, 3, joints)),
             fresh=np.zeros((n, STRETCH if noisy else 0, 3, joints)),
+            felt=np.zeros((n, 1 if felt is None else felt + 1, joints)),
+            shaken=np.zeros((n, 0 if felt is None else STRETCH, 2, joints)),
             fatigued=np.zeros((n, 2, joints)),
             counts=np.zeros((n, joints)),
             offset=np.zeros((n, joints)),

@@ -20,7 +20,6 @@ from ..person import VoluntaryControl, isometric_strength
 from ..person.control import NOISE_SIZE, noise_constants
 from ..person.fatigue import RATES
 from ..person.strength import SHAPE
-from ..provenance import Quantity
 from . import settling
 from .addresses import Addresses
 from .cycle import after, before
@@ -28,6 +27,7 @@ from .intention import Motion, resistance, valid_motion
 from .inverse_dynamics import Chain
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
+from .sensing import Sensing, sense, smoothing
 from .streams import stream
 
 Rows = NDArray[np.int64]
@@ -36,11 +36,6 @@ VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
 NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 PREVIEW = (0.02, 0.1, 0.24)  # s ahead of now at which the target is shown, nearest first
-
-_CUTOFF = Quantity(
-    "encoder.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
-)
-PROVENANCE: tuple[Quantity, ...] = (_CUTOFF,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +67,15 @@ class Simulation:
         control_dt: Control period [s].
         control: The wearer's control of the arm.
         fatigue: Whether effort tires the wearers.
+        sensing: Noise, delay and bandwidth of sensors.
+        on_person: Whether the sensors on the persons are read, which takes time.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
         model: MuJoCo model of a row, without drawings.
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
+        chain: Inertia of the bare arm.
         suit: Joints that the compiled suit resists, at the pressure at which it is worn.
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
@@ -93,9 +91,12 @@ class Simulation:
         control_dt: float,
         control: VoluntaryControl,
         fatigue: bool,
+        sensing: Sensing,
+        on_person: bool,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
+        self.sensing, self._on_person = sensing, on_person
         self.model = compose(config, drawn=False)
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
@@ -109,6 +110,7 @@ class Simulation:
             delay=round(control.delay / control_dt),
             foresees=control.suit_learning > 0,
             noisy=control.noise > 0 or control.tremor > 0,
+            felt=round(sensing.interaction_delay / control_dt) if on_person else None,
         )
         self.columns = self._measured_columns()
         self._all = np.arange(n)
@@ -149,6 +151,8 @@ class Simulation:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
         after(rows, False, *self._after)
+        if self._on_person:
+            sense(rows, False, *self._sensed)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
         """Moves some rows by one control period.
@@ -162,7 +166,7 @@ class Simulation:
             InputError: An action is not of finite numbers; nothing has changed.
         """
         moving = self._all if rows is None else rows
-        if self.memory.fresh.size:
+        if self.memory.fresh.size or self._on_person:
             self._draw_noise(moving)
         bad = before(moving, action, *self._before)
         if bad >= 0:
@@ -170,6 +174,8 @@ class Simulation:
             raise InputError(f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1")
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         after(moving, True, *self._after)
+        if self._on_person:
+            sense(moving, True, *self._sensed)
 
     def measured(self, name: str) -> Array:
         """Returns a view of one measurement of all rows, shape (n, size)."""
@@ -205,6 +211,8 @@ class Simulation:
         absent = set() if at.cuffs.size else {"cuff_force"}
         if not self.fatigue:
             absent.add("fatigue")
+        if not self._on_person:
+            absent |= {"interaction_torque", "emg"}
         if not at.motors.size:
             absent |= {"motor_load", "motor_torque", "previous_action"}
         return {name: part for name, part in COLUMNS.items() if name not in absent}
@@ -217,9 +225,9 @@ class Simulation:
         physics = {name: batch.bind(name) for name in bound}
         self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
         self.plugin_state = physics["plugin_state"]
-        physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias")}
+        physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias", "qacc")}
         physics["warning"] = batch.warning[:, DIVERGENCE, 1]
-        chain = Chain.of(self._arm)
+        chain = self.chain = Chain.of(self._arm)
         names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
         for name in ("links", "gravity"):
             names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
@@ -231,6 +239,7 @@ class Simulation:
         self._holding = _arguments(settling.hold, names, first=1)
         self._before = _arguments(before, names, first=2)
         self._after = _arguments(after, names, first=2)
+        self._sensed = _arguments(sense, names, first=2)
 
     def _constants(self) -> dict[str, Any]:
         n, config, dt = self.n, self.config, self.control_dt
@@ -256,7 +265,14 @@ class Simulation:
             "resting": resting,
             "ahead": np.array([round(ahead / dt) for ahead in PREVIEW]),
             "count": math.tau / 2**config.exo.encoder_bits,
-            "smoothing": 1 - math.exp(-math.tau * _CUTOFF.value * dt),
+            "smoothing": smoothing(self.sensing.rate_cutoff, dt),
+            "here_angle": np.zeros((n, 1, len(JOINTS))),
+            "here_rate": np.zeros((n, 1, len(JOINTS))),
+            "here_acceleration": np.zeros((n, 1, len(JOINTS))),
+            "interaction_noise": self.sensing.interaction_noise,
+            "emg_lead": round(self.sensing.emg_lead / dt),
+            "emg_noise": self.sensing.emg_noise,
+            "emg_smoothing": smoothing(self.sensing.emg_cutoff, dt),
             "dt": dt,
             "tires": self.fatigue,
         }
@@ -313,8 +329,13 @@ class Simulation:
         memory = self.memory
         for row in rows[memory.step[rows] % STRETCH == 0].tolist():
             part = int(memory.step[row]) // STRETCH
-            rng = stream(int(memory.seed[row]), int(memory.episode[row]), "muscle noise", part)
-            rng.standard_normal(out=memory.fresh[row])
+            key = int(memory.seed[row]), int(memory.episode[row])
+            for numbers, purpose in (
+                (memory.fresh[row], "muscle noise"),
+                (memory.shaken[row], "sensor noise"),
+            ):
+                if numbers.size:
+                    stream(*key, purpose, part).standard_normal(out=numbers)
 
 
 def _arguments(kernel: Any, names: dict[str, Any], *, first: int, last: int = 0) -> tuple[Any, ...]:

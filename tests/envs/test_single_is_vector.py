@@ -9,7 +9,7 @@ from activesuit.errors import InputError
 from gymnasium.vector import AutoresetMode
 
 VARIED = {"fatigue": True, "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3}}
-SUITES = ["encoders", "preview", "privileged"]
+SUITES = ["encoders", "interaction", "emg", "preview", "privileged"]
 MODES = ["NextStep", "SameStep", "Disabled"]
 SHORT = 13  # control periods of an episode
 

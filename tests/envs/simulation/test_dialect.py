@@ -11,16 +11,30 @@ import inspect
 import pytest
 from activesuit.envs.model import motor_kernels
 from activesuit.envs.person import control_kernels, fatigue_kernels, strength_kernels
-from activesuit.envs.simulation import cycle, inverse_dynamics, measurements, settling
+from activesuit.envs.simulation import (
+    cycle,
+    inverse_dynamics,
+    measurements,
+    sensing,
+    settling,
+)
 
 ROW_FUNCTIONS = [
     *(cycle.drive, cycle.vary, cycle.act, cycle.most, cycle.tire),
+    *(sensing.touch, sensing.listen),
     *(measurements.is_finite, measurements.measure, inverse_dynamics.arm_torque),
     *(motor_kernels.heated, motor_kernels.clipped, control_kernels.pulled),
     *(fatigue_kernels.loaded, fatigue_kernels.tired),
     *(strength_kernels.velocity_factor, strength_kernels.group_torque),
 ]
-LOOPS = [cycle.before, cycle.after, settling.begin, settling.imbalance, settling.hold]
+LOOPS = [
+    cycle.before,
+    cycle.after,
+    settling.begin,
+    settling.imbalance,
+    settling.hold,
+    sensing.sense,
+]
 KNOWN = {"min", "max", "abs", "range", "int", "float"}
 BANNED = (
     *(ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda, ast.List, ast.Dict),

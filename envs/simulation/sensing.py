@@ -1,0 +1,256 @@
+"""What sensors on a person measure, beside the exoskeleton's own: how noisy and how late."""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import math
+from dataclasses import dataclass
+
+from numba import njit
+
+from ...arrays import AnyArray
+from ...checks import within
+from ..provenance import Quantity
+from .cycle import FEEDBACK, LEARNING
+from .inverse_dynamics import arm_torque
+from .measurements import EMG, INTERACTION
+
+_PADS = "ours: pads between suit and skin yield and slip"
+_EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"
+_INTERACTION_NOISE = Quantity("sensing.interaction_noise", 0.10, "1", _PADS, "assumed")
+_INTERACTION_DELAY = Quantity("sensing.interaction_delay", 0.05, "s", _PADS, "assumed")
+_EMG_NOISE = Quantity(
+    "sensing.emg_noise", 0.20, "1", "ours: a smoothed EMG varies by some ten percent", "assumed"
+)
+_EMG_LEAD = Quantity("sensing.emg_lead", 0.05, "s", _EMG, "assumed")
+_EMG_CUTOFF = Quantity(
+    "sensing.emg_cutoff", 6.0, "Hz", "a usual low-pass of the rectified EMG", "assumed"
+)
+_RATE_CUTOFF = Quantity(
+    "sensing.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
+)
+
+PROVENANCE: tuple[Quantity, ...] = (
+    _INTERACTION_NOISE,
+    _INTERACTION_DELAY,
+    _EMG_NOISE,
+    _EMG_LEAD,
+    _EMG_CUTOFF,
+    _RATE_CUTOFF,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensing:
+    """Noise, delay and bandwidth of sensors. All fields are plain numbers.
+
+    Attributes:
+        rate_cutoff: Low-pass of the rates that follow from the encoders' counts [Hz].
+        interaction_noise: Standard deviation of the interaction torque's noise, over the torque.
+        interaction_delay: Age of the interaction torque [s].
+        emg_noise: Standard deviation of the EMG's noise, over its size, before the low-pass.
+        emg_lead: Time by which the EMG is ahead of the torque that it tells [s].
+        emg_cutoff: Low-pass of the EMG [Hz].
+
+    Raises:
+        InputError: A value is outside its range.
+    """
+
+    rate_cutoff: float = _RATE_CUTOFF.value
+    interaction_noise: float = _INTERACTION_NOISE.value
+    interaction_delay: float = _INTERACTION_DELAY.value
+    emg_noise: float = _EMG_NOISE.value
+    emg_lead: float = _EMG_LEAD.value
+    emg_cutoff: float = _EMG_CUTOFF.value
+
+    def __post_init__(self) -> None:
+        for name, low, high, unit in (
+            ("rate_cutoff", 0.1, 1000, " Hz"),
+            ("interaction_noise", 0, 1, ""),
+            ("interaction_delay", 0, 0.5, " s"),
+            ("emg_noise", 0, 1, ""),
+            ("emg_lead", 0, 0.2, " s"),
+            ("emg_cutoff", 0.1, 1000, " Hz"),
+        ):
+            within(f"sensing.{name}", getattr(self, name), low, high, unit)
+
+
+def smoothing(cutoff: float, dt: float) -> float:
+    """Returns how much of a change a first-order low-pass [Hz] follows in one period."""
+    return 1 - math.exp(-math.tau * cutoff * dt)
+
+
+@njit(cache=True)
+def touch(
+    row: int,
+    moved: bool,
+    measured: AnyArray,
+    felt: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    qacc: AnyArray,
+    actuator_force: AnyArray,
+    step: AnyArray,
+    shaken: AnyArray,
+    here_angle: AnyArray,
+    here_rate: AnyArray,
+    here_acceleration: AnyArray,
+    links: AnyArray,
+    gravity: AnyArray,
+    scratch: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    human: AnyArray,
+    interaction_noise: float,
+) -> None:
+    """Measures the torque between person and suit, late and noisy.
+
+    That is the wearer's torque without what his own arm needs for the present motion. `felt` is a
+    ring with the step as its place; the `here` arrays take the present motion of the arm.
+    """
+    for j in range(4):
+        here_angle[row, 0, j] = qpos[row, joints[j]]
+        here_rate[row, 0, j] = qvel[row, joints[j]]
+        here_acceleration[row, 0, j] = qacc[row, joints[j]]
+    arm_torque(row, links, gravity, here_angle, here_rate, here_acceleration, 0, scratch, own)
+    count = felt.shape[1]
+    place = step[row] % count
+    for j in range(4):
+        torque = actuator_force[row, human[j]] - own[row, j]
+        if moved:
+            noise = shaken[row, (step[row] - 1) % shaken.shape[1], 0, j]
+            felt[row, place, j] = torque * (1.0 + interaction_noise * noise)
+        else:
+            for i in range(count):
+                felt[row, i, j] = torque
+        measured[row, INTERACTION + j] = felt[row, (place + 1) % count, j]
+
+
+@njit(cache=True)
+def listen(
+    row: int,
+    moved: bool,
+    measured: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    step: AnyArray,
+    shaken: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    acceleration: AnyArray,
+    resistance: AnyArray,
+    links: AnyArray,
+    gravity: AnyArray,
+    scratch: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    stiffness: AnyArray,
+    damping: AnyArray,
+    habits: AnyArray,
+    emg_lead: int,
+    emg_noise: float,
+    emg_smoothing: float,
+) -> None:
+    """Measures the EMG: the voluntary torque that will act soon, noisy, through a low-pass."""
+    last = angle.shape[1] - 1
+    now = int(min(step[row], last))
+    soon = int(min(step[row] + emg_lead, last))
+    arm_torque(row, links, gravity, angle, rate, acceleration, soon, scratch, own)
+    for j in range(4):
+        error = stiffness[row, j] * (angle[row, now, j] - qpos[row, joints[j]])
+        error += damping[row, j] * (rate[row, now, j] - qvel[row, joints[j]])
+        voluntary = own[row, j] + habits[row, FEEDBACK] * error
+        if resistance.shape[1] > 0:
+            voluntary += habits[row, LEARNING] * resistance[row, soon, j]
+        if moved:
+            noise = shaken[row, (step[row] - 1) % shaken.shape[1], 1, j]
+            heard = voluntary * (1.0 + emg_noise * noise)
+            measured[row, EMG + j] += emg_smoothing * (heard - measured[row, EMG + j])
+        else:
+            measured[row, EMG + j] = voluntary
+
+
+@njit(cache=True, nogil=True)
+def sense(
+    rows: AnyArray,
+    moved: bool,
+    measured: AnyArray,
+    diverged: AnyArray,
+    felt: AnyArray,
+    qpos: AnyArray,
+    qvel: AnyArray,
+    qacc: AnyArray,
+    actuator_force: AnyArray,
+    step: AnyArray,
+    shaken: AnyArray,
+    here_angle: AnyArray,
+    here_rate: AnyArray,
+    here_acceleration: AnyArray,
+    angle: AnyArray,
+    rate: AnyArray,
+    acceleration: AnyArray,
+    resistance: AnyArray,
+    links: AnyArray,
+    gravity: AnyArray,
+    scratch: AnyArray,
+    own: AnyArray,
+    joints: AnyArray,
+    human: AnyArray,
+    stiffness: AnyArray,
+    damping: AnyArray,
+    habits: AnyArray,
+    interaction_noise: float,
+    emg_lead: int,
+    emg_noise: float,
+    emg_smoothing: float,
+) -> None:
+    """Reads the sensors on the persons of some rows, after the control period's measurements."""
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        if diverged[row]:
+            continue
+        touch(
+            row,
+            moved,
+            measured,
+            felt,
+            qpos,
+            qvel,
+            qacc,
+            actuator_force,
+            step,
+            shaken,
+            here_angle,
+            here_rate,
+            here_acceleration,
+            links,
+            gravity,
+            scratch,
+            own,
+            joints,
+            human,
+            interaction_noise,
+        )
+        listen(
+            row,
+            moved,
+            measured,
+            qpos,
+            qvel,
+            step,
+            shaken,
+            angle,
+            rate,
+            acceleration,
+            resistance,
+            links,
+            gravity,
+            scratch,
+            own,
+            joints,
+            stiffness,
+            damping,
+            habits,
+            emg_lead,
+            emg_noise,
+            emg_smoothing,
+        )

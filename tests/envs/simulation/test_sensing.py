@@ -1,0 +1,77 @@
+"""Sensors on the person: what they measure, how late, how noisy."""
+
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS
+from activesuit.envs import ArmEnv
+from activesuit.envs.simulation.inverse_dynamics import arm_torques
+
+EXACT = {"interaction_noise": 0.0, "interaction_delay": 0.0, "emg_noise": 0.0, "emg_cutoff": 1000.0}
+PERIODS = 200
+ACTIONS = 0.3 * np.random.default_rng(0).uniform(-1, 1, (PERIODS, 2))
+
+
+def series(sensing, **options):
+    """Returns interaction torque, EMG and info of a motion, by period."""
+    env = ArmEnv(sensors=["interaction", "emg"], sensing=sensing, **options)
+    env.reset(seed=3)
+    shown, infos = [], []
+    for action in ACTIONS[:, : env.action_space.shape[0]]:
+        observation, *_, info = env.step(action)
+        shown.append(observation)
+        infos.append(info)
+    parts = [np.array(shown)[:, env.layout[name]] for name in ("interaction_torque", "emg")]
+    told = {name: np.array([info[name] for info in infos]) for name in infos[0]}
+    return *parts, told, env
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
+def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
+    worn = "none" if coupling == "none" else "mock-suit"
+    interaction, *_ = series(EXACT, coupling=coupling, suit=worn)
+    largest = np.abs(interaction).max(axis=0)
+    if coupling == "none":
+        # What is left: the armature that keeps the integration stable, and the physics step.
+        assert largest.max() < 0.3
+    else:
+        assert largest[JOINTS.index("shoulder_flexion")] > 5
+
+
+def test_interaction_is_what_the_suit_resists_without_weight():
+    interaction, _, told, _ = series(
+        EXACT, gravity="microgravity", coupling="none", suit="emu-like"
+    )
+    column = JOINTS.index("elbow_flexion")
+    resisted, felt = -told["suit_torque"][:, column], interaction[:, column]
+    # The suit's arm has mass, too: its inertia is between person and suit as well.
+    assert np.abs(felt - resisted).max() < 0.15 * np.abs(resisted).max()
+
+
+def test_interaction_comes_late_and_noisy():
+    exact, *_ = series(EXACT)
+    late, *_ = series({**EXACT, "interaction_delay": 0.03})
+    np.testing.assert_array_equal(late[3:], exact[:-3])
+    noisy, *_ = series({**EXACT, "interaction_noise": 0.1})
+    error = (noisy - exact)[np.abs(exact) > 1] / exact[np.abs(exact) > 1]
+    assert error.std() == pytest.approx(0.1, rel=0.15)
+    usual, *_ = series({})
+    assert np.abs(usual[5:] - exact[:-5]).max() > 0.5
+
+
+def test_emg_tells_the_voluntary_torque_ahead_of_time():
+    _, emg, told, env = series(EXACT, control={"feedback": 0.0})
+    memory, simulation = env.episodes.simulation.memory, env.episodes.simulation
+    own = arm_torques(simulation.chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
+    np.testing.assert_allclose(emg, own[np.arange(1, PERIODS + 1) + 5], rtol=1e-5, atol=1e-5)
+    with_feedback, *_ = (series(EXACT)[1],)
+    assert np.abs(with_feedback - emg).max() > 0.5
+    assert told["time"][0] == pytest.approx(0.01)
+
+
+def test_emg_is_noisy_and_slow():
+    exact = series(EXACT)[1]
+    noisy = series({**EXACT, "emg_noise": 0.2})[1]
+    error = (noisy - exact)[np.abs(exact) > 1] / exact[np.abs(exact) > 1]
+    assert error.std() == pytest.approx(0.2, rel=0.15)
+    slow = series({**EXACT, "emg_cutoff": 2.0})[1]
+    assert np.abs(np.diff(slow, axis=0)).max() < np.abs(np.diff(exact, axis=0)).max()
