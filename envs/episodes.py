@@ -109,6 +109,8 @@ class Episodes:
             fatigue=fatigue,
             sensing=nested("sensing", {} if sensing is None else sensing, Sensing()),
             on_person=any(suite in sensors for suite in ON_PERSON),
+            loads=self.randomization.payload is not None,
+            places=bool(self.randomization.gravity),
             threads=threads,
         )
         self.randomization.check(self.simulation.suit)
@@ -273,6 +275,8 @@ class Episodes:
             motion=self.task.motion(streams("motion"), samples, dt),
             suit=suit,
             encoder_offset=terms.offsets(streams),
+            payload=terms.load(streams),
+            gravity=terms.place(streams),
         )
 
     def _judge(self, rows: Rows) -> None:

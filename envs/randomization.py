@@ -9,7 +9,9 @@ import numpy as np
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
 from ..checks import within
-from ..errors import InputError, unknown_name
+from ..errors import InputError, shown, unknown_name
+from .model import GRAVITY, Payload
+from .model.config import HEAVIEST_PAYLOAD
 
 SuitChoice = Literal["nominal", "samples"]
 LARGEST_PRESSURE_SHARE = 0.5
@@ -30,6 +32,9 @@ class Randomization:
             own or one of its `samples`, which the identification found possible too).
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque is
             multiplied by a number between 1 - pressure and 1 + pressure.
+        payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
+            configuration.
+        gravity: Names of places, of which one is drawn; none is the place of the configuration.
         encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
             encoder's is between minus and plus that.
 
@@ -39,12 +44,20 @@ class Randomization:
 
     suit: SuitChoice = "nominal"
     pressure: float = 0.0
+    payload: tuple[float, float] | None = None
+    gravity: tuple[str, ...] = ()
     encoder_offset: float = 0.0
 
     def __post_init__(self) -> None:
         if self.suit not in get_args(SuitChoice):
             raise unknown_name("choice of randomize.suit", self.suit, get_args(SuitChoice))
         within("randomize.pressure", self.pressure, 0, LARGEST_PRESSURE_SHARE, "")
+        if self.payload is not None:
+            object.__setattr__(self, "payload", _range("randomize.payload", self.payload))
+        for place in self.gravity:
+            if place not in GRAVITY:
+                raise unknown_name("place in randomize.gravity", place, GRAVITY)
+        object.__setattr__(self, "gravity", tuple(self.gravity))
         within("randomize.encoder_offset", self.encoder_offset, 0, LARGEST_OFFSET, " rad")
 
     @property
@@ -90,11 +103,34 @@ class Randomization:
             found = {joint: _scaled(entry, factor) for joint, entry in found.items()}
         return found
 
+    def load(self, streams: Streams) -> Payload | None:
+        """Returns the load of an episode; None is that of the configuration."""
+        if self.payload is None:
+            return None
+        return Payload(mass=float(streams("payload").uniform(*self.payload)))
+
+    def place(self, streams: Streams) -> str | None:
+        """Returns the place of an episode; None is that of the configuration."""
+        if not self.gravity:
+            return None
+        return self.gravity[int(streams("gravity").integers(len(self.gravity)))]
+
     def offsets(self, streams: Streams) -> Array:
         """Returns the error of every encoder's zero in an episode [rad], shape (4,)."""
         if self.encoder_offset == 0:
             return np.zeros(len(JOINTS))
         return self.encoder_offset * streams("encoder offset").uniform(-1, 1, len(JOINTS))
+
+
+def _range(name: str, given: object) -> tuple[float, float]:
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{name} is {shown(given)}: give the least and the greatest mass [kg]")
+    for value in given:
+        within(name, value, 0, HEAVIEST_PAYLOAD, " kg")
+    low, high = given
+    if low > high:
+        raise InputError(f"{name} is {list(given)}: give the smaller mass first")
+    return float(low), float(high)
 
 
 def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:

@@ -39,10 +39,12 @@ class Chain:
     Attributes:
         links: Numbers of every link, shape (arms, 4, 19), in the columns named above.
         gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3).
+        down: Unit vector down in that frame, shape (arms, 3).
     """
 
     links: Array
     gravity: Array
+    down: Array
 
     @classmethod
     def of(cls, arm: mujoco.MjModel) -> "Chain":
@@ -81,7 +83,8 @@ class Chain:
         data = mujoco.MjData(arm)
         mujoco.mj_kinematics(arm, data)
         torso = data.xmat[arm.body_parentid[bodies[0]]].reshape(3, 3)
-        return cls(links[None], (torso.T @ arm.opt.gravity)[None])
+        down = torso.T @ np.array([0.0, 0.0, -1.0])
+        return cls(links[None], (torso.T @ arm.opt.gravity)[None], down[None])
 
 
 @njit(cache=True)

@@ -44,6 +44,8 @@ class Memory:
         shaken: Random numbers of the sensors on the person, shape (n, STRETCH, 2, 4); none without.
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
+        load: Mass at the hand [kg], where rows have loads of their own, shape (n,).
+        fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         measured: Last valid measurements, shape (n, WIDTH).
@@ -71,6 +73,8 @@ class Memory:
     shaken: Array
     fatigued: Array
     counts: Array
+    load: Array
+    fall: Array
     offset: Array
     dissipated_before: Array
     measured: Array
@@ -123,6 +127,8 @@ class Memory:
             shaken=np.zeros((n, 0 if felt is None else STRETCH, 2, joints)),
             fatigued=np.zeros((n, 2, joints)),
             counts=np.zeros((n, joints)),
+            load=np.zeros(n),
+            fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
             measured=np.zeros((n, WIDTH)),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
+from ..model.config import HEAVIEST_PAYLOAD
 from .streams import HIGHEST_SEED
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
@@ -28,6 +29,8 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "command": (-1.0, 1.0),
     "change": (-2.0, 2.0),
     "mean_square": (0.0, LARGEST),
+    "load": (0.0, HEAVIEST_PAYLOAD),
+    "fall": (0.0, 1000.0),
     "fatigued": (-ROUNDING, 1.0 + ROUNDING),
 }
 

@@ -15,7 +15,7 @@ from ...arrays import AnyArray, Array
 from ...assets import JOINTS, SuitJoint
 from ...errors import InputError
 from ...hysteresis.engine import replace_model
-from ..model import ArmConfig, bare_arm, compose, resisting_joints, start_encoders
+from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
 from ..person import VoluntaryControl, isometric_strength
 from ..person.control import NOISE_SIZE, noise_constants
 from ..person.fatigue import RATES
@@ -23,6 +23,7 @@ from ..person.strength import SHAPE
 from . import settling
 from .addresses import Addresses
 from .cycle import after, before
+from .differing import Differing
 from .intention import Motion, resistance, valid_motion
 from .inverse_dynamics import Chain
 from .measurements import COLUMNS
@@ -46,11 +47,15 @@ class Start:
         motion: Intended motion.
         suit: Joints of the suit that is worn; None is the compiled one.
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
+        payload: Load at the hand; None is that of the configuration.
+        gravity: Name of the place; None is that of the configuration.
     """
 
     motion: Motion
     suit: Mapping[str, SuitJoint] | None
     encoder_offset: Array
+    payload: Payload | None
+    gravity: str | None
 
 
 class Simulation:
@@ -69,6 +74,8 @@ class Simulation:
         fatigue: Whether effort tires the wearers.
         sensing: Noise, delay and bandwidth of sensors.
         on_person: Whether the sensors on the persons are read, which takes time.
+        loads: Whether rows may have loads of their own.
+        places: Whether rows may have a gravity of their own.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
@@ -93,11 +100,15 @@ class Simulation:
         fatigue: bool,
         sensing: Sensing,
         on_person: bool,
+        loads: bool,
+        places: bool,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
         self.sensing, self._on_person = sensing, on_person
-        self.model = compose(config, drawn=False)
+        self._places = places
+        self._differing = Differing(config, loads=loads, places=places)
+        self.model = self._differing.model
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
@@ -141,11 +152,16 @@ class Simulation:
             motion = valid_motion(start.motion, self.samples, self._arm.jnt_range)
             memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
             memory.offset[row] = start.encoder_offset
+            if start.payload is not None:
+                memory.load[row] = start.payload.mass
+            if start.gravity is not None:
+                memory.fall[row] = GRAVITY[start.gravity]
             if start.suit is not None:
                 self._put_on(row, start.suit)
             if memory.resistance.size:
                 known = self.suit if start.suit is None else start.suit
                 memory.resistance[row] = resistance(known, motion[0])
+        self._write_differences(rows)
         self._settle(rows)
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
@@ -194,6 +210,7 @@ class Simulation:
         self.batch.state[rows] = state["physics"]
         for name, values in self.memory.arrays().items():
             values[rows] = state[name]
+        self._write_differences(rows)
         self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
@@ -221,6 +238,7 @@ class Simulation:
         # An MjData takes 165 KB whatever the model, so that rows share those of the threads.
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
+        self._differing.begin(batch)
         bound = ("time", "qpos", "qvel", "ctrl", "sensordata", "actuator_force", "plugin_state")
         physics = {name: batch.bind(name) for name in bound}
         self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
@@ -233,6 +251,7 @@ class Simulation:
             names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
         for name in ("stiffness", "damping"):
             names[name] = np.tile(getattr(self.addresses, name), (self.n, 1))
+        self._gravity = names["gravity"]
         self._left = np.zeros((self.n, self.model.nq))
         self._beginning = _arguments(settling.begin, names, first=1)
         self._balancing = _arguments(settling.imbalance, names, first=2)
@@ -304,6 +323,12 @@ class Simulation:
 
     def _ids(self, rows: Rows) -> Rows | None:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
+
+    def _write_differences(self, rows: Rows) -> None:
+        memory = self.memory
+        self._differing.write(rows, memory.load, memory.fall)
+        if self._places:
+            self._gravity[rows] = memory.fall[rows, None] * self.chain.down
 
     def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:
         for joint, entry in suit.items():

@@ -85,9 +85,36 @@ def test_encoder_offsets_are_seen_by_the_controller_only():
     assert np.ptp(errors, axis=0).min() > 0.03
 
 
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
+def test_a_drawn_load_or_place_is_that_of_an_environment_made_with_it(coupling):
+    terms = {"payload": [0.0, 4.0], "gravity": ["earth", "moon", "microgravity"]}
+    drawn = ArmEnv(coupling=coupling, randomize=terms, payload={"mass": 1.0})
+    met = set()
+    for seed in range(6):
+        drawn.reset(seed=seed)
+        start = drawn.episodes._start(0)
+        met.add(start.gravity)
+        payload = {"mass": start.payload.mass}
+        made = ArmEnv(coupling=coupling, gravity=start.gravity, payload=payload)
+        made.reset(seed=seed)
+        for _ in range(30):
+            one, other = drawn.step(np.full(2, 0.1)), made.step(np.full(2, 0.1))
+        for name in ("angle", "human_torque", "suit_torque"):
+            np.testing.assert_allclose(one[-1][name], other[-1][name], rtol=1e-9, atol=1e-9)
+    assert len(met) > 1
+
+
+def test_no_load_is_a_load_too():
+    drawn = ArmEnv(randomize={"payload": [0.0, 0.0]}, payload={"mass": 2.0})
+    made = ArmEnv()
+    one, other = drawn.reset(seed=0)[1], made.reset(seed=0)[1]
+    np.testing.assert_allclose(one["human_torque"], other["human_torque"], rtol=1e-9)
+
+
 @pytest.mark.parametrize("n", [1, 3, 8])
 def test_the_same_seed_gives_the_same_episodes_whatever_n(n, sampled):
     terms = {"suit": "samples", "pressure": 0.2, "encoder_offset": 0.02}
+    terms |= {"payload": [0.0, 3.0], "gravity": ["earth", "mars"]}
     single = ArmEnv(suit=sampled, randomize=terms)
     arms = single.rows(n, max_episode_steps=5, autoreset_mode="SameStep")
     rows, _ = arms.reset(seed=20)
@@ -127,7 +154,11 @@ def test_it_is_plain_data_and_part_of_the_identity():
 @pytest.mark.parametrize(
     ("terms", "options", "message"),
     [
-        ({"gravity": "moon"}, {}, "unknown field of randomize 'gravity'"),
+        ({"size": 2}, {}, "unknown field of randomize 'size'"),
+        ({"gravity": ["sun"]}, {}, "unknown place in randomize.gravity 'sun'"),
+        ({"payload": 3}, {}, "randomize.payload is 3: give the least and the greatest mass"),
+        ({"payload": [3, 1]}, {}, r"randomize.payload is \[3, 1\]: give the smaller mass first"),
+        ({"payload": [0, 99]}, {}, "randomize.payload is 99: use a number from 0 to 60 kg"),
         ({"pressure": 0.9}, {}, "randomize.pressure is 0.9: use a number from 0 to 0.5"),
         ({"pressure": "much"}, {}, "randomize.pressure is 'much'"),
         ({"encoder_offset": -0.1}, {}, "randomize.encoder_offset is -0.1: use a number from 0 to"),
@@ -144,3 +175,19 @@ def test_it_is_plain_data_and_part_of_the_identity():
 def test_mistakes(terms, options, message):
     with pytest.raises(InputError, match=message):
         ArmEnv(randomize=terms, **options)
+
+
+def test_any_row_continues_from_a_state_of_another_load_and_place(sampled):
+    terms = {"suit": "samples", "payload": [0.0, 5.0], "gravity": ["earth", "microgravity"]}
+    arms = ArmEnv(suit=sampled, randomize=terms).rows(4)
+    arms.reset(seed=1)
+    for _ in range(10):
+        arms.step(np.zeros((4, 2)))
+    state = arms.get_state()
+    assert len(set(state["load"].tolist())) == 4
+    first = [arms.step(np.full((4, 2), 0.1))[0] for _ in range(10)]
+    arms.reset(seed=50)
+    arms.set_state({**state, **{k: v[::-1].copy() for k, v in state.items() if k != "config"}})
+    again = [arms.step(np.full((4, 2), 0.1))[0] for _ in range(10)]
+    for one, other in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one, other[::-1])
