@@ -19,7 +19,7 @@ from .person import VoluntaryControl
 from .randomization import Randomization
 from .reward import TERMS, judge
 from .simulation import Simulation
-from .simulation.measurements import snapshot
+from .simulation.measurements import TIME, snapshot
 from .simulation.saving import check_state
 from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW, Start
@@ -163,7 +163,11 @@ class Episodes:
             memory.limit[rows] = [
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
-        self.simulation.begin(rows, self._start)
+        try:
+            self.simulation.begin(rows, self._start)
+        except BaseException:
+            memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
+            raise
         if memory.seen.shape[1]:
             memory.seen[rows] = self.observer(memory.measured)[rows, None]
         self._judge(rows)
@@ -178,16 +182,17 @@ class Episodes:
         Raises:
             InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
         """
-        given = checked(action, (self.n, self.motors))
-        self._remember(self._all if rows is None else rows)
+        moving = self._all if rows is None else rows
+        given, last = checked(action, (self.n, self.motors)), self._last(moving)
         self.simulation.step(given, rows)
-        self._judge(self._all if rows is None else rows)
+        self._remember(moving, last)
+        self._judge(moving)
 
     def step_one(self, action: ArrayLike) -> None:
         """Applies an action, shape (motors,), in the only row."""
-        given = checked(action, (self.motors,))[None]
-        self._remember(self._all)
+        given, last = checked(action, (self.motors,))[None], self._last(self._all)
         self.simulation.step(given)
+        self._remember(self._all, last)
         self._judge(self._all)
 
     def observe(self) -> NDArray[np.float32]:
@@ -212,7 +217,7 @@ class Episodes:
                 "reward_terms": dict(zip(TERMS, terms, strict=True)) if with_terms else {},
             }
 
-        return Info(read)
+        return Info(float(measured[TIME]), read)
 
     # --- State --------------------------------------------------------------------------------
 
@@ -221,6 +226,7 @@ class Episodes:
         simulation = self.simulation
         return {
             "task": self.task.name,
+            "task_class": f"{type(self.task).__module__}.{type(self.task).__qualname__}",
             **{name: value for name, value in asdict(self.task).items() if name != "name"},
             **simulation.config.to_dict(),
             "control_dt": simulation.control_dt,
@@ -242,6 +248,8 @@ class Episodes:
         """
         check_state(state, self.identity(), self.simulation.state(rows), self.simulation.model)
         self.simulation.restore(rows, state)
+        limit = self.simulation.memory.limit
+        limit[rows] = np.minimum(limit[rows], self._periods)
         self._judge(rows)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -259,11 +267,14 @@ class Episodes:
         memory = self.simulation.memory
         return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
 
-    def _remember(self, rows: Rows) -> None:
-        """Moves the last observation of some rows among those before."""
+    def _last(self, rows: Rows) -> NDArray[np.float32] | None:
+        """Returns the last observations of some rows, if those are to be remembered."""
+        memory = self.simulation.memory
+        return self.observer(memory.measured)[rows] if memory.seen.shape[1] else None
+
+    def _remember(self, rows: Rows, last: NDArray[np.float32] | None) -> None:
         seen = self.simulation.memory.seen
-        if seen.shape[1]:
-            last = self.observer(self.simulation.memory.measured)[rows]
+        if last is not None:
             seen[rows, 1:] = seen[rows, :-1]
             seen[rows, 0] = last
 

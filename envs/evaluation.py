@@ -151,6 +151,8 @@ def share_of_oracle(scores: Sequence[Score], suit: Suit) -> dict[str, float]:
 def _check_policies(policies: Policies, believed_suit: AnySuit | None) -> None:
     if isinstance(policies, str):
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
+    if not isinstance(policies, Mapping | Sequence):
+        raise InputError(f"policies is {shown(policies)}: give a list of names, such as ['none']")
     if not policies:
         raise InputError("no policy given: name at least one")
     if not isinstance(policies, Mapping):

@@ -8,11 +8,12 @@ class Info(dict[str, Any]):
     """A dict that is filled when it is read first; most are never read.
 
     Args:
+        time: The entry "time", which is there at once: `json` takes an empty dict as it is.
         read: Function that returns the content, as it was when the info was made.
     """
 
-    def __init__(self, read: Callable[[], dict[str, Any]]) -> None:
-        super().__init__()
+    def __init__(self, time: float, read: Callable[[], dict[str, Any]]) -> None:
+        super().__init__(time=time)
         self._read: Callable[[], dict[str, Any]] | None = read
 
     def _fill(self) -> None:

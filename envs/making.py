@@ -9,13 +9,13 @@ import gymnasium
 from gymnasium.envs.registration import load_env_creator
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError, shown, unknown_name
 from .arm_env import ArmEnv
 from .vector_env import ArmVectorEnv
 
 OURS = "ActiveSuit/"  # how the ids of our environments begin
 ROWS_ONLY = (
-    *("threads", "info", "stagger", "autoreset_mode"),
+    *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
     *("render_mode", "camera", "width", "height", "render_quality"),
 )
 
@@ -32,6 +32,8 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
         InputError: The id is unknown, its module cannot be imported, or what it makes is no
             `ArmEnv`.
     """
+    if not isinstance(env_id, str):
+        raise InputError(f"env_id is {shown(env_id)}: give the id of an environment")
     module, _, name = env_id.rpartition(":")
     with _own_code(env_id):
         if module:
@@ -113,4 +115,4 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
             f"the class of {env_id!r} has its own {', '.join(own)}, which rows of arms cannot "
             "have: change the task or the options instead"
         )
-    return arm.rows(rows, max_episode_steps=limit, **of_rows)
+    return arm.rows(rows, **{"max_episode_steps": limit, **of_rows})

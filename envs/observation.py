@@ -123,7 +123,7 @@ def checked_sensors(given: Sequence[str]) -> tuple[str, ...]:
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise InputError(f"sensors is {shown(given)}: give a list of suites, such as ['encoders']")
     for name in given:
-        if name not in SUITES:
+        if not isinstance(name, str) or name not in SUITES:
             raise unknown_name("sensor suite", name, SUITES)
         if list(given).count(name) > 1:
             raise InputError(f"sensors has {name!r} twice: name each suite once")

@@ -54,8 +54,13 @@ class Randomization:
         within("randomize.pressure", self.pressure, 0, LARGEST_PRESSURE_SHARE, "")
         if self.payload is not None:
             object.__setattr__(self, "payload", _range("randomize.payload", self.payload))
+        if isinstance(self.gravity, str) or not isinstance(self.gravity, list | tuple):
+            raise InputError(
+                f"randomize.gravity is {shown(self.gravity)}: give a list of places, such as "
+                "['earth', 'moon']"
+            )
         for place in self.gravity:
-            if place not in GRAVITY:
+            if not isinstance(place, str) or place not in GRAVITY:
                 raise unknown_name("place in randomize.gravity", place, GRAVITY)
         object.__setattr__(self, "gravity", tuple(self.gravity))
         within("randomize.encoder_offset", self.encoder_offset, 0, LARGEST_OFFSET, " rad")

@@ -84,7 +84,7 @@ class Renderer:
                 f"the picture size is {width!r} x {height!r}: use whole numbers, at least 1 x 1 "
                 "pixel"
             )
-        if quality not in QUALITIES:
+        if not isinstance(quality, str) or quality not in QUALITIES:
             raise unknown_name("render_quality", quality, list(QUALITIES))
         within("picture_dt", picture_dt, 0, LONGEST_BETWEEN, " s")
         self.camera, self.width, self.height = camera, width, height

@@ -4,8 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 
 from ..arrays import Array
+from ..errors import InputError
 from .policies.base import Policy
 from .simulation.measurements import COLUMNS
 from .vector_env import ArmVectorEnv
@@ -62,7 +64,15 @@ def rollout(
 
     Returns:
         The episode of every row; one that is lost ends earlier than the others.
+
+    Raises:
+        InputError: The rows have another `autoreset_mode` than "NextStep", or are staggered.
     """
+    if arms.autoreset_mode is not AutoresetMode.NEXT_STEP or arms.staggered:
+        raise InputError(
+            f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
+            "whole episodes need 'NextStep' without stagger, so leave both out"
+        )
     observation, _ = arms.reset(seed=list(seeds))
     policy.reset()
     measured, rewards = [], []

@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from .vector_env import ArmVectorEnv
 
 
@@ -27,6 +27,8 @@ class ArmVecEnv(VecEnv):
     """
 
     def __init__(self, arms: ArmVectorEnv) -> None:
+        if not isinstance(arms, ArmVectorEnv):
+            raise InputError(f"arms is {shown(arms)}: give an ArmVectorEnv")
         if arms.autoreset_mode is not AutoresetMode.SAME_STEP:
             raise InputError(
                 f"autoreset_mode is {arms.autoreset_mode.value!r}: Stable-Baselines3 needs "

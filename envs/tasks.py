@@ -2,14 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, unknown_name
+from ..assets import JOINTS
+from ..checks import within
+from ..errors import InputError, shown, unknown_name
 from ..published import LI_RANGES
 from .simulation.intention import Motion, random_motion
 
 SHOULDER_RANGE, ELBOW_RANGE = LI_RANGES["shoulder"], LI_RANGES["elbow"]  # rad
+
+SHORTEST, LONGEST = 0.02, 3600.0  # s, of an episode
+SHORTEST_MOVE = 0.01  # s
 
 Spans = Mapping[str, tuple[float, float]]
 
@@ -34,6 +40,21 @@ class Task:
     move_time: tuple[float, float] = (1.2, 2.4)
     dwell_time: tuple[float, float] = (0.0, 0.5)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError(f"the task's name is {shown(self.name)}: give it one")
+        for what in ("span", "hold"):
+            _check_spans(what, getattr(self, what))
+        within("the task's duration", self.duration, SHORTEST, LONGEST, " s")
+        for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
+            times = getattr(self, what)
+            _check_pair(f"the task's {what}", times, " s")
+            if not least <= times[0] <= times[1] <= LONGEST:
+                raise InputError(
+                    f"the task's {what} is {shown(times)}: give the shortest and the longest time, "
+                    f"from {least:g} to {LONGEST:g} s"
+                )
+
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         """Returns the intended angles [rad] of an episode and two derivatives, (samples, 4) each.
 
@@ -47,6 +68,26 @@ class Task:
         return random_motion(
             rng, self.span, self.hold, samples, dt, self.move_time, self.dwell_time
         )
+
+
+def _check_spans(what: str, given: Any) -> None:
+    if not isinstance(given, Mapping):
+        raise InputError(f"the task's {what} is {shown(given)}: give a dict of angles by joint")
+    for joint, angles in given.items():
+        if joint not in JOINTS:
+            raise unknown_name(f"joint in the task's {what}", joint, JOINTS)
+        _check_pair(f"the task's {what} of {joint}", angles, " rad")
+        if not angles[0] < angles[1]:
+            raise InputError(
+                f"the task's {what} of {joint} is {shown(angles)}: give the smaller angle first"
+            )
+
+
+def _check_pair(name: str, given: Any, unit: str) -> None:
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{name} is {shown(given)}: give two numbers")
+    for value in given:
+        within(name, value, -LONGEST, LONGEST, unit)
 
 
 SHOULDER_FLEXION = Task(

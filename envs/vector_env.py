@@ -9,7 +9,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..checks import at_least, flag
+from ..checks import at_least, flag, within
 from ..errors import InputError, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .person import VoluntaryControl
@@ -20,6 +20,7 @@ from .tasks import ARM_TRACKING, Task, task_of
 
 InfoKind = Literal["none", "metrics", "full"]
 METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
+MOST_THREADS = 1024
 MASK = "reset_mask"  # the only option of a reset
 Bools = NDArray[np.bool_]
 
@@ -40,8 +41,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             the row and ignores its action), "SameStep" (the step that ends an episode returns the
             first observation of the next one, and the last of the old in `info["final_obs"]`) or
             "Disabled" (`reset(options={"reset_mask": mask})` resets the rows that the mask names).
-        stagger: Whether the first episodes end at random times, so that later ones do not all
-            begin together.
+        stagger: Whether the episodes after a reset of all rows end at random times, so that later
+            ones do not all begin together.
         info: Content of `info`: "none"; "metrics" (energies, load of the motors, terms of the
             reward); or "full" (all that `ArmEnv` gives).
         render_mode: None or "rgb_array", a picture of each row.
@@ -79,6 +80,12 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     ) -> None:
         at_least("num_envs", num_envs, 1)
         at_least("threads", threads, 0)
+        within("threads", threads, 0, MOST_THREADS, "")
+        for name in ("n", "max_periods"):
+            if name in options:
+                raise InputError(
+                    f"ArmVectorEnv got {name}: use num_envs and max_episode_steps instead"
+                )
         flag("stagger", stagger)
         if max_episode_steps is not None:
             at_least("max_episode_steps", max_episode_steps, 1)
@@ -103,7 +110,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             "autoreset_mode": self.autoreset_mode,
         }
         self.render_mode, self.num_envs = render_mode, num_envs
-        self._info, self._stagger = info, stagger
+        self._info, self.staggered = info, stagger
         self._renderer = ArmRenderer(
             simulation.config, camera=camera, width=width, height=height, quality=render_quality
         )
@@ -140,10 +147,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.episodes.reset(
             rows,
             None if seeds is None else [seeds[row] for row in rows],
-            stagger=self._stagger and options is None,
+            stagger=self.staggered and rows is self._rows,
         )
         self._over[rows] = False
-        if options is None:
+        if rows is self._rows:
             self._renderer.forget()
         begun = np.isin(self._rows, rows)
         return self.episodes.observe(), self._infos(begun)
@@ -258,12 +265,18 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         """
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
-        self._over[chosen] = False
+        # A state may be of the end of an episode, whose reset is still to come.
+        ended = self.episodes.terminated | self.episodes.truncated
+        self._over[chosen] = ended[chosen]
         return self.episodes.observe(), self._infos(self._every)
 
     # --- Parts --------------------------------------------------------------------------------
 
     def _masked(self, options: dict[str, Any]) -> NDArray[np.int64]:
+        if not isinstance(options, dict):
+            raise InputError(
+                f"reset got the options {shown(options)}: give a dict with {MASK!r}, or None"
+            )
         unknown = [name for name in options if name != MASK]
         if unknown:
             raise InputError(
@@ -285,7 +298,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def _checked_rows(self, rows: Sequence[int] | None) -> NDArray[np.int64]:
         if rows is None:
             return self._rows
-        chosen = np.asarray(rows)
+        try:
+            chosen = np.asarray(rows)
+        except ValueError:  # lists of several lengths
+            chosen = np.empty((0, 0))
         inside = chosen.dtype.kind in "iu" and ((chosen >= 0) & (chosen < self.num_envs)).all()
         if chosen.ndim != 1 or not inside or len(set(chosen.tolist())) != chosen.size:
             raise InputError(
@@ -339,7 +355,7 @@ def _mode(given: AutoresetMode | str) -> AutoresetMode:
     modes = {mode.value: mode for mode in AutoresetMode}
     if isinstance(given, AutoresetMode):
         return given
-    if given not in modes:
+    if not isinstance(given, str) or given not in modes:
         raise unknown_name("autoreset_mode", given, modes)
     return modes[given]
 
@@ -348,9 +364,12 @@ def _seeds(given: Any, rows: int) -> list[int | None] | None:
     """Returns a seed for every row; None if none is given."""
     if given is None:
         return None
-    if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+    if isinstance(given, np.ndarray) and given.ndim == 1:
+        given = given.tolist()
+    if isinstance(given, list | tuple | range):
         if len(given) != rows:
             raise InputError(f"seed has {len(given)} numbers: give one for each of {rows} rows")
         return [None if seed is None else checked_seed(seed) for seed in given]
     first = checked_seed(given)
+    checked_seed(first + rows - 1)
     return [first + row for row in range(rows)]

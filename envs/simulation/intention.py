@@ -8,7 +8,7 @@ from numba import njit
 
 from ...arrays import Array
 from ...assets import JOINTS, SuitJoint
-from ...errors import InputError
+from ...errors import InputError, shown
 
 ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
 
@@ -108,6 +108,10 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
     Raises:
         InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
     """
+    if not isinstance(motion, list | tuple) or len(motion) != 3:
+        raise InputError(
+            f"the task's motion is {shown(motion)}: return angle, rate and acceleration"
+        )
     angle, rate, acceleration = (np.asarray(part, dtype=float) for part in motion)
     shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
     if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):

@@ -77,7 +77,7 @@ def check_state(
 def _check_config(saved: Any, own: dict[str, Any]) -> None:
     if not isinstance(saved, dict) or saved.keys() != own.keys():
         raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
-    differing = [name for name in own if saved[name] != own[name]]
+    differing = [name for name in own if not _same(saved[name], own[name])]
     if differing:
         there, here = (
             ", ".join(f"{name}={values[name]!r}" for name in differing) for values in (saved, own)
@@ -86,6 +86,12 @@ def _check_config(saved: Any, own: dict[str, Any]) -> None:
             f"the state is of an environment with {there}, and this one has {here}: make it with "
             "the same options"
         )
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return type(one) is type(other) and np.array_equal(one, other)
+    return bool(one == other)
 
 
 def _parts(
