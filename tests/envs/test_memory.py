@@ -14,7 +14,7 @@ from activesuit.envs.model import ArmConfig, bare_arm
 from activesuit.envs.rendering import RenderingUnavailableError
 
 STORED = 8  # compiled models, at most; see `envs/model/compose.py`
-ENVIRONMENTS, PICTURED = 12, 4
+ENVIRONMENTS, PICTURED = 12, 3
 linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 
 

@@ -38,7 +38,7 @@ MODELS = [
 ]
 # Of models that break at four or eight times their step all do within 0.4 s; at sixteen times some
 # take up to 10 s.
-NOISES = 100  # of 0.1 s
+NOISES = 50  # of 0.1 s
 CASES = [*FEW, *(pytest.param(fields, marks=pytest.mark.slow) for fields in MODELS)]
 
 
