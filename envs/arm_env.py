@@ -140,17 +140,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             sensing=sensing,
             **arm,
         )
-        self._options = {
-            "sensors": sensors,
-            "normalize": normalize,
-            "history": history,
-            "control_dt": control_dt,
-            "control": control,
-            "fatigue": fatigue,
-            "randomize": randomize,
-            "sensing": sensing,
-            **arm,
-        }
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
         self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
         self.render_mode = render_mode
@@ -226,7 +215,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             count: Number of rows.
             **options: Further options of `ArmVectorEnv`, such as `threads`.
         """
-        return ArmVectorEnv(count, self.episodes.task, **{**self._options, **options})
+        return ArmVectorEnv(count, self.episodes.task, **{**self.episodes.options, **options})
 
     # --- State --------------------------------------------------------------------------------
 

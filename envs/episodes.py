@@ -58,6 +58,7 @@ class Episodes:
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
         terms: Terms of the reward, shape (n, 3), in the order of `TERMS`.
+        options: The arguments that any number of rows may share, as they were given.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -80,11 +81,11 @@ class Episodes:
         sensing: Sensing | Mapping[str, Any] | None = None,
         **arm: Any,
     ) -> None:
-        self._options = {
-            **{"threads": threads, "max_periods": max_periods, "sensors": sensors},
-            **{"normalize": normalize, "history": history},
-            **{"control_dt": control_dt, "control": control},
-            **{"fatigue": fatigue, "randomize": randomize, "sensing": sensing, **arm},
+        self._of_rows = {"threads": threads, "max_periods": max_periods}
+        self.options = {
+            **{"sensors": sensors, "normalize": normalize, "history": history},
+            **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
+            **{"randomize": randomize, "sensing": sensing, **arm},
         }
         config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
         _check_period(control_dt, config.timestep)
@@ -182,18 +183,11 @@ class Episodes:
         Raises:
             InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
         """
-        moving = self._all if rows is None else rows
-        given, last = checked(action, (self.n, self.motors)), self._last(moving)
-        self.simulation.step(given, rows)
-        self._remember(moving, last)
-        self._judge(moving)
+        self._move(checked(action, (self.n, self.motors)), rows)
 
     def step_one(self, action: ArrayLike) -> None:
         """Applies an action, shape (motors,), in the only row."""
-        given, last = checked(action, (self.motors,))[None], self._last(self._all)
-        self.simulation.step(given)
-        self._remember(self._all, last)
-        self._judge(self._all)
+        self._move(checked(action, (self.motors,))[None], None)
 
     def observe(self) -> NDArray[np.float32]:
         """Returns a new array of the observations of all rows, shape (n, size)."""
@@ -203,7 +197,7 @@ class Episodes:
             return now
         return np.concatenate([now, memory.seen.reshape(self.n, -1)], axis=1)
 
-    def info(self, row: int, *, with_terms: bool = True) -> "Info":
+    def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
         memory, columns = self.simulation.memory, self.simulation.columns
         measured, terms = memory.measured[row].copy(), self.terms[row].tolist()
@@ -214,7 +208,7 @@ class Episodes:
                 **snapshot(measured, columns),
                 "clipped_actions": clipped,
                 "diverged": diverged,
-                "reward_terms": dict(zip(TERMS, terms, strict=True)) if with_terms else {},
+                "reward_terms": dict(zip(TERMS, terms, strict=True)),
             }
 
         return Info(float(measured[TIME]), read)
@@ -254,7 +248,8 @@ class Episodes:
 
     def __getstate__(self) -> dict[str, Any]:
         everything = self.simulation.state(self._all)
-        return {"task": self.task, "n": self.n, "options": self._options, "state": everything}
+        options = {**self._of_rows, **self.options}
+        return {"task": self.task, "n": self.n, "options": options, "state": everything}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
         self.__init__(saved["task"], saved["n"], **saved["options"])
@@ -267,16 +262,14 @@ class Episodes:
         memory = self.simulation.memory
         return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
 
-    def _last(self, rows: Rows) -> NDArray[np.float32] | None:
-        """Returns the last observations of some rows, if those are to be remembered."""
-        memory = self.simulation.memory
-        return self.observer(memory.measured)[rows] if memory.seen.shape[1] else None
-
-    def _remember(self, rows: Rows, last: NDArray[np.float32] | None) -> None:
-        seen = self.simulation.memory.seen
-        if last is not None:
-            seen[rows, 1:] = seen[rows, :-1]
-            seen[rows, 0] = last
+    def _move(self, action: Array, rows: Rows | None) -> None:
+        memory, moving = self.simulation.memory, self._all if rows is None else rows
+        last = self.observer(memory.measured) if memory.seen.shape[1] else None
+        self.simulation.step(action, rows)
+        if last is not None:  # only now: an action may have been refused
+            memory.seen[moving, 1:] = memory.seen[moving, :-1]
+            memory.seen[moving, 0] = last[moving]
+        self._judge(moving)
 
     def _start(self, row: int) -> Start:
         samples, dt = self.simulation.samples, self.simulation.control_dt

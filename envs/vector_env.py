@@ -1,6 +1,6 @@
 """Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 import gymnasium
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..checks import at_least, flag, within
 from ..errors import InputError, shown, unknown_name
 from .episodes import Episodes, checked_seed
-from .person import VoluntaryControl
 from .rendering import ArmRenderer, RenderQuality
 from .reward import TERMS
 from .simulation.measurements import SENSED
@@ -75,7 +74,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: int = 640,
         height: int = 480,
         render_quality: RenderQuality = "fast",
-        control: VoluntaryControl | Mapping[str, Any] | None = None,
         **options: Any,
     ) -> None:
         at_least("num_envs", num_envs, 1)
@@ -99,7 +97,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             num_envs,
             threads=threads,
             max_periods=max_episode_steps,
-            control=control,
             **options,
         )
         simulation = self.episodes.simulation

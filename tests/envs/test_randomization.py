@@ -48,7 +48,6 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(sampled):
         # The physics sees five positions per sample, so that reversals differ a little.
         assert min(errors) < 0.02
         assert sorted(errors)[1] > 0.1
-        assert abs(errors[np.argmin(errors)]) < 0.02
         assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
         worn.add(int(np.argmin(errors)))
     assert worn == {0, 1, 2, 3}

@@ -35,7 +35,6 @@ LOOPS = [
     settling.hold,
     sensing.sense,
 ]
-KNOWN = {"min", "max", "abs", "range", "int", "float"}
 BANNED = (
     *(ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda, ast.List, ast.Dict),
     *(ast.Set, ast.Slice, ast.Starred, ast.With, ast.Try, ast.Raise, ast.While, ast.JoinedStr),
