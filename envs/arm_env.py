@@ -40,13 +40,16 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     - encoders: angles [rad] of the exoskeleton's four encoders, rates [rad/s] from their counts
       (differences, low-pass of 20 Hz), motor torque over peak, previous action;
-    - cuffs: forces on upper arm, forearm and hand [N];
+    - cuffs: forces on upper arm, forearm and hand [N], noisy;
     - interaction: torque between person and suit at the four joints [N·m], as pads would tell it,
       noisy and 0.05 s old: the wearer's torque without what his own arm needs;
     - emg: the wearer's voluntary torque at the four joints [N·m], 0.05 s ahead, noisy, through a
       low-pass of 6 Hz;
     - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1
       and 0.24 s [rad];
+    - belief: what a believed model says of shoulder and elbow [N·m]: the suit's resistance, then
+      the torque that holds arm, suit, exoskeleton and load, both at the encoder's angle plus 0.02 s
+      of its rate, where the joint will be when the motors have answered;
     - privileged: the suit's torque on the four joints [N·m], which no real device can measure.
 
     Angles, cuff forces and suit torques are those of this instant; the torques of motors and wearer
@@ -80,9 +83,13 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
         randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
-            dict of its terms: suit, pressure, encoder_offset.
+            dict of its terms: suit, suits, pressure, payload, gravity, wearers, misalignment,
+            sensor_noise, encoder_offset.
         sensing: Noise, delay and bandwidth of sensors, as a `Sensing` or a dict of the fields that
             differ from the default.
+        belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
+            the simulated one, such as {"suit": "elbow.json"}; it never follows what `randomize`
+            draws.
         render_mode: Render mode of Gymnasium: None, "rgb_array" or "human".
         camera: Name of the camera to render from.
         width: Width of the picture [pixels].
@@ -117,6 +124,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         fatigue: bool = False,
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
+        belief: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         camera: str = "overview",
         width: int = 640,
@@ -138,6 +146,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             fatigue=fatigue,
             randomize=randomize,
             sensing=sensing,
+            belief=belief,
             **arm,
         )
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.

@@ -11,15 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import Array
 from ..checks import flag, within
 from ..errors import InputError, shown
+from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
 from .info import Info
-from .model import ArmConfig
+from .model import ArmConfig, compose, resisting_joints
 from .model.config import nested
-from .observation import ON_PERSON, Observer, checked_sensors
+from .observation import NOISY, Observer, checked_sensors
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .reward import TERMS, judge
 from .simulation import Simulation
-from .simulation.measurements import TIME, snapshot
+from .simulation.differing import Variety
+from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.saving import check_state
 from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW, Start
@@ -49,6 +51,8 @@ class Episodes:
         randomize: What differs from episode to episode beside the motion, or a dict of the terms.
         sensing: Noise, delay and bandwidth of sensors, or a dict of the fields that differ from the
             default.
+        belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
+            that of the configuration, such as {"suit": "elbow.json"}.
         **arm: Fields of `ArmConfig`.
 
     Attributes:
@@ -79,13 +83,14 @@ class Episodes:
         fatigue: bool = False,
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
+        belief: Mapping[str, Any] | None = None,
         **arm: Any,
     ) -> None:
         self._of_rows = {"threads": threads, "max_periods": max_periods}
         self.options = {
             **{"sensors": sensors, "normalize": normalize, "history": history},
             **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
-            **{"randomize": randomize, "sensing": sensing, **arm},
+            **{"randomize": randomize, "sensing": sensing, "belief": belief, **arm},
         }
         config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
         _check_period(control_dt, config.timestep)
@@ -98,6 +103,8 @@ class Episodes:
         self.randomization = nested(
             "randomize", {} if randomize is None else randomize, Randomization()
         )
+        self._believed: dict[str, Any] | None = None
+        self._wardrobe = self.randomization.wardrobe(config)
         self.task, self.n = task, n
         samples = round(task.duration / control_dt) + 1
         self._periods = min(samples - 1, max_periods or samples)
@@ -109,17 +116,27 @@ class Episodes:
             control=settings,
             fatigue=fatigue,
             sensing=nested("sensing", {} if sensing is None else sensing, Sensing()),
-            on_person=any(suite in sensors for suite in ON_PERSON),
-            loads=self.randomization.payload is not None,
-            places=bool(self.randomization.gravity),
+            noisy=any(suite in sensors for suite in NOISY),
+            variety=Variety(
+                wearers=self.randomization.wearers,
+                suits=self._wardrobe,
+                misalignments=self.randomization.misalignment > 0,
+                loads=self.randomization.payload is not None,
+                places=bool(self.randomization.gravity),
+            ),
             threads=threads,
         )
-        self.randomization.check(self.simulation.suit)
         self.observer = Observer(
             sensors, self.simulation.columns, normalize=normalize, history=history
         )
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self.simulation.memory.seen = np.zeros((n, history - 1, size), np.float32)
+        if belief is not None and "belief" not in sensors:
+            raise InputError(
+                f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
+            )
+        if "belief" in sensors:
+            self._believe(nested("belief", {} if belief is None else belief, config))
         self.motors = self.simulation.addresses.motors.size
         self.terms, self.reward = np.zeros((n, len(TERMS))), np.zeros(n)
         self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
@@ -169,6 +186,9 @@ class Episodes:
         except BaseException:
             memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
             raise
+        if memory.believed.shape[1]:
+            memory.believed[rows] = self._suit.begin(self._encoded(rows)[0][:, self._assisted])
+            self._write_belief(rows)
         if memory.seen.shape[1]:
             memory.seen[rows] = self.observer(memory.measured)[rows, None]
         self._judge(rows)
@@ -228,6 +248,7 @@ class Episodes:
             "fatigue": simulation.fatigue,
             "randomize": asdict(self.randomization),
             "sensing": asdict(simulation.sensing),
+            "belief": self._believed,
         }
 
     def state(self, rows: Rows) -> dict[str, Any]:
@@ -240,7 +261,8 @@ class Episodes:
         Raises:
             InputError: The state is not one of `state`, or of other arms; nothing has changed.
         """
-        check_state(state, self.identity(), self.simulation.state(rows), self.simulation.model)
+        present, wearers = self.simulation.state(rows), max(1, len(self.randomization.wearers))
+        check_state(state, self.identity(), present, self.simulation.model, wearers)
         self.simulation.restore(rows, state)
         limit = self.simulation.memory.limit
         limit[rows] = np.minimum(limit[rows], self._periods)
@@ -266,6 +288,8 @@ class Episodes:
         memory, moving = self.simulation.memory, self._all if rows is None else rows
         last = self.observer(memory.measured) if memory.seen.shape[1] else None
         self.simulation.step(action, rows)
+        if memory.believed.shape[1]:
+            self._write_belief(moving[~memory.diverged[moving]])
         if last is not None:  # only now: an action may have been refused
             memory.seen[moving, 1:] = memory.seen[moving, :-1]
             memory.seen[moving, 0] = last[moving]
@@ -274,14 +298,39 @@ class Episodes:
     def _start(self, row: int) -> Start:
         samples, dt = self.simulation.samples, self.simulation.control_dt
         streams, terms = partial(self._stream, row), self.randomization
-        suit = terms.worn(self.simulation.suit, streams) if terms.changes_suit else None
         return Start(
             motion=self.task.motion(streams("motion"), samples, dt),
-            suit=suit,
+            suit=terms.worn(self._wardrobe, streams),
             encoder_offset=terms.offsets(streams),
             payload=terms.load(streams),
             gravity=terms.place(streams),
+            wearer=terms.person(streams),
+            misalignment=terms.shift(streams),
+            loudness=terms.loudness(streams),
         )
+
+    def _believe(self, config: ArmConfig) -> None:
+        """Begins to follow a believed arm."""
+        simulation = self.simulation
+        self._believed = config.to_dict()
+        self._suit = BelievedSuit(resisting_joints(config), count_of(config.exo.encoder_bits))
+        self._weight = BelievedWeight(compose(config, drawn=False))
+        self._assisted = simulation.addresses.assisted
+        simulation.memory.believed = np.zeros((self.n, self._suit.size))
+
+    def _encoded(self, rows: Rows) -> tuple[Array, Array]:
+        measured = self.simulation.memory.measured[rows]
+        return measured[:, ENCODER : ENCODER + 4], measured[:, ENCODER_RATE : ENCODER_RATE + 4]
+
+    def _write_belief(self, rows: Rows) -> None:
+        """Writes the believed torques of suit and weight as measurements of some rows."""
+        memory, assisted = self.simulation.memory, self._assisted
+        angle, rate = self._encoded(rows)
+        believed = memory.believed[rows]
+        suit = self._suit.follow(believed, angle[:, assisted], rate[:, assisted])
+        memory.believed[rows] = believed
+        weight = self._weight(angle + LEAD * rate)
+        memory.measured[rows, BELIEF : BELIEF + 4] = np.concatenate([suit, weight], axis=1)
 
     def _judge(self, rows: Rows) -> None:
         judge(rows, *self._judged)

@@ -39,15 +39,16 @@ SUITES: dict[str, tuple[Part, ...]] = {
         Part("motor_torque", "motor_torque", 1.0, 1.0),  # over peak
         Part("previous_action", "previous_action", 1.0, 1.0),
     ),
-    "cuffs": (Part("cuff_force", "cuff_force", 1000.0, 100.0),),  # N
+    "cuffs": (Part("cuff_force", "cuff_sensor", 1000.0, 100.0),),  # N
     "interaction": (Part("interaction_torque", "interaction_torque", 200.0, 20.0),),  # N·m
     "emg": (Part("emg", "emg", 200.0, 20.0),),  # N·m
     "preview": (Part("target", "preview", math.pi, math.pi),),  # rad
+    "belief": (Part("belief", "belief", 200.0, 20.0),),  # N·m
     "privileged": (Part("suit_torque", "suit_torque", 100.0, 20.0),),  # N·m
 }
 
 
-ON_PERSON = ("interaction", "emg")  # suites whose sensors are on the person
+NOISY = ("cuffs", "interaction", "emg")  # suites whose sensors have random noise
 
 
 class Observer:
@@ -74,7 +75,7 @@ class Observer:
     ) -> None:
         if isinstance(history, bool) or not isinstance(history, int) or not 1 <= history <= 1000:
             raise InputError(f"history is {shown(history)}: use a whole number from 1 to 1000")
-        if "cuffs" in sensors and "cuff_force" not in columns:
+        if "cuffs" in sensors and "cuff_sensor" not in columns:
             raise InputError(
                 "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave "
                 "the suite out"

@@ -1,21 +1,23 @@
 """What differs from episode to episode beside the motion: a suit, its pressure, how it is worn."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
 from ..arrays import Array
-from ..assets import JOINTS, SuitJoint
+from ..assets import JOINTS, Suit, SuitJoint
 from ..checks import within
 from ..errors import InputError, shown, unknown_name
-from .model import GRAVITY, Payload
-from .model.config import HEAVIEST_PAYLOAD
+from .model import GRAVITY, ArmConfig, Payload, worn_suit
+from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested
+from .person import Person
 
 SuitChoice = Literal["nominal", "samples"]
 LARGEST_PRESSURE_SHARE = 0.5
 LARGEST_OFFSET = 0.2  # rad
+LOUDEST = 100.0  # times the usual noise of sensors
 
 Streams = Callable[[str], np.random.Generator]
 """The random generator of each purpose in one episode."""
@@ -30,11 +32,18 @@ class Randomization:
     Attributes:
         suit: Choice of the suit's models: "nominal" (those of the suit) or "samples" (each joint's
             own or one of its `samples`, which the identification found possible too).
+        suits: Names or files of suits, of which one is drawn, also of different models; none is the
+            suit of the configuration.
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque is
             multiplied by a number between 1 - pressure and 1 + pressure.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
             configuration.
         gravity: Names of places, of which one is drawn; none is the place of the configuration.
+        wearers: Persons, of whom one is drawn, or dicts of their fields; none is the wearer of the
+            configuration.
+        misalignment: Largest distance, forward, outward and up, by which the exoskeleton sits
+            differently than in the configuration [m], up to 0.05; it needs cuffs.
+        sensor_noise: Least and greatest factor of the noise of sensors, 0 to 100; None is 1.
         encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
             encoder's is between minus and plus that.
 
@@ -43,22 +52,48 @@ class Randomization:
     """
 
     suit: SuitChoice = "nominal"
+    suits: tuple[str, ...] = ()
     pressure: float = 0.0
     payload: tuple[float, float] | None = None
     gravity: tuple[str, ...] = ()
+    wearers: tuple[Person, ...] = ()
+    misalignment: float = 0.0
+    sensor_noise: tuple[float, float] | None = None
     encoder_offset: float = 0.0
 
     def __post_init__(self) -> None:
         if self.suit not in get_args(SuitChoice):
             raise unknown_name("choice of randomize.suit", self.suit, get_args(SuitChoice))
         within("randomize.pressure", self.pressure, 0, LARGEST_PRESSURE_SHARE, "")
-        if self.payload is not None:
-            object.__setattr__(self, "payload", _range("randomize.payload", self.payload))
-        if isinstance(self.gravity, str) or not isinstance(self.gravity, list | tuple):
-            raise InputError(
-                f"randomize.gravity is {shown(self.gravity)}: give a list of places, such as "
-                "['earth', 'moon']"
-            )
+        for name, most, unit in (
+            ("payload", HEAVIEST_PAYLOAD, " kg"),
+            ("sensor_noise", LOUDEST, ""),
+        ):
+            given = getattr(self, name)
+            if given is not None:
+                object.__setattr__(self, name, _range(f"randomize.{name}", given, most, unit))
+        for name, example in (
+            ("gravity", "of places, such as ['earth', 'moon']"),
+            ("suits", "of suits, such as ['mock-suit', 'emu-like']"),
+            ("wearers", "of persons, such as [{'sex': 'female'}]"),
+        ):
+            given = getattr(self, name)
+            if isinstance(given, str) or not isinstance(given, list | tuple):
+                raise InputError(f"randomize.{name} is {shown(given)}: give a list {example}")
+        for suit in self.suits:
+            if not isinstance(suit, str) or suit == NO_SUIT:
+                raise InputError(
+                    f"randomize.suits has {shown(suit)}: give names or files of suits; arms "
+                    "without one have other bodies, so make an environment with suit='none'"
+                )
+        object.__setattr__(self, "suits", tuple(self.suits))
+        wearers = [
+            nested(f"randomize.wearers[{i}]", given, Person())
+            for i, given in enumerate(self.wearers)
+        ]
+        object.__setattr__(self, "wearers", tuple(wearers))
+        limit = LARGEST_MISALIGNMENT
+        within("randomize.misalignment", self.misalignment, 0, limit, " m")
         for place in self.gravity:
             if not isinstance(place, str) or place not in GRAVITY:
                 raise unknown_name("place in randomize.gravity", place, GRAVITY)
@@ -68,32 +103,51 @@ class Randomization:
     @property
     def changes_suit(self) -> bool:
         """Whether rows may wear other suits than the compiled one."""
-        return self.suit != "nominal" or self.pressure > 0
+        return self.suit != "nominal" or self.pressure > 0 or bool(self.suits)
 
-    def check(self, joints: Mapping[str, SuitJoint]) -> None:
-        """Checks that a suit has what is drawn from it.
+    def wardrobe(self, config: ArmConfig) -> tuple[Suit, ...]:
+        """Returns the suits of which one is drawn in each episode, at their pressures.
+
+        Args:
+            config: Configuration of the arms.
 
         Raises:
-            InputError: It has no joints, or no samples where they are asked for.
+            InputError: There is none, none has samples where they are asked for, or the coupling
+                has no cuffs that a misalignment needs.
         """
-        if self.changes_suit and not joints:
+        if self.misalignment > 0 and config.coupling != "cuffs":
+            raise InputError(
+                f"randomize.misalignment is {self.misalignment:g} m, but coupling is "
+                f"{config.coupling!r}: only coupling='cuffs' lets exoskeleton and arm have "
+                "different axes"
+            )
+        if not self.changes_suit:
+            return ()
+        if config.suit == NO_SUIT:
             raise InputError(
                 "randomize has a suit or its pressure, and suit is 'none': name a suit"
             )
-        if self.suit == "samples" and not any(entry.samples for entry in joints.values()):
+        worn = [worn_suit(replace(config, suit=suit)) for suit in self.suits or (config.suit,)]
+        suits = tuple(suit for suit in worn if suit is not None)
+        entries = [entry for suit in suits for entry in suit.joints.values()]
+        if self.suit == "samples" and not any(entry.samples for entry in entries):
             raise InputError(
                 "randomize.suit is 'samples', and the suit has none: make a suit file with "
                 "`activesuit identify --samples`, or use 'nominal'"
             )
+        return suits
 
-    def worn(self, joints: Mapping[str, SuitJoint], streams: Streams) -> dict[str, SuitJoint]:
-        """Returns the suit of an episode, by joint.
+    def worn(self, wardrobe: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
+        """Returns the suit of an episode, by joint; None is that of the configuration.
 
         Args:
-            joints: Joints of the suit.
+            wardrobe: Suits of which one is drawn.
             streams: Random generators of the episode.
         """
-        found = dict(joints)
+        if not wardrobe:
+            return None
+        number = int(streams("suits").integers(len(wardrobe))) if self.suits else 0
+        found: dict[str, SuitJoint] = dict(wardrobe[number].joints)
         if self.suit == "samples":
             rng = streams("suit")
             for joint in JOINTS:  # also where there is no choice, so that joints are independent
@@ -120,6 +174,22 @@ class Randomization:
             return None
         return self.gravity[int(streams("gravity").integers(len(self.gravity)))]
 
+    def person(self, streams: Streams) -> int:
+        """Returns the number of the wearer of an episode."""
+        return int(streams("wearers").integers(len(self.wearers))) if self.wearers else 0
+
+    def shift(self, streams: Streams) -> Array:
+        """Returns by how much the exoskeleton is off in an episode [m], shape (3,)."""
+        if self.misalignment == 0:
+            return np.zeros(3)
+        return self.misalignment * streams("misalignment").uniform(-1, 1, 3)
+
+    def loudness(self, streams: Streams) -> float:
+        """Returns the factor of the noise of sensors in an episode."""
+        if self.sensor_noise is None:
+            return 1.0
+        return float(streams("sensor noise factor").uniform(*self.sensor_noise))
+
     def offsets(self, streams: Streams) -> Array:
         """Returns the error of every encoder's zero in an episode [rad], shape (4,)."""
         if self.encoder_offset == 0:
@@ -127,14 +197,14 @@ class Randomization:
         return self.encoder_offset * streams("encoder offset").uniform(-1, 1, len(JOINTS))
 
 
-def _range(name: str, given: object) -> tuple[float, float]:
+def _range(name: str, given: object, most: float, unit: str) -> tuple[float, float]:
     if not isinstance(given, list | tuple) or len(given) != 2:
-        raise InputError(f"{name} is {shown(given)}: give the least and the greatest mass [kg]")
+        raise InputError(f"{name} is {shown(given)}: give the least and the greatest, two numbers")
     for value in given:
-        within(name, value, 0, HEAVIEST_PAYLOAD, " kg")
+        within(name, value, 0, most, unit)
     low, high = given
     if low > high:
-        raise InputError(f"{name} is {list(given)}: give the smaller mass first")
+        raise InputError(f"{name} is {list(given)}: give the smaller number first")
     return float(low), float(high)
 
 

@@ -60,6 +60,6 @@ def judge(
         reward[row] = terms[row, 0] + terms[row, 1] + terms[row, 2]
         ended = worst > LOST or diverged[row]
         for j in range(faults.shape[0]):
-            ended = ended or plugin_state[row, faults[j]] != 0.0
+            ended = ended or plugin_state[row, faults[j]] == 1.0
         terminated[row] = ended
         truncated[row] = step[row] >= limit[row]

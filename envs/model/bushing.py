@@ -26,6 +26,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...errors import InputError, unknown_name
 from ...hysteresis.engine.native import STAGE_VEL, compile_plugin, layout, register_plugin
 from ._bushing_callbacks import build
@@ -143,6 +144,31 @@ def replace_bushing(
     Raises:
         InputError: There is no such bushing, or the state belongs to another model.
     """
+    _parameters(mj_model, plugin_state, name)[:] = bushing.parameter_vector
+
+
+def move_bushing(
+    mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str, by: Array
+) -> None:
+    """Moves the position of one simulation's bushing at rest.
+
+    Args:
+        mj_model: Compiled model.
+        plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
+            in place.
+        name: Name of the bushing.
+        by: What is added to its `offset` [m], shape (3,).
+
+    Raises:
+        InputError: There is no such bushing, or the state belongs to another model.
+    """
+    _parameters(mj_model, plugin_state, name)[-3:] += by
+
+
+def _parameters(
+    mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str
+) -> NDArray[np.float64]:
+    """Returns a view of the parameters of a bushing."""
     ours = np.flatnonzero(mj_model.plugin == register())
     kind = mujoco.mjtObj.mjOBJ_PLUGIN
     names = {mujoco.mj_id2name(mj_model, kind, i): i for i in ours}
@@ -154,7 +180,7 @@ def replace_bushing(
             f"({mj_model.npluginstate},); give data.plugin_state or a row of a batch"
         )
     address = mj_model.plugin_stateadr[names[name]]
-    plugin_state[address : address + PARAMETER_SIZE] = bushing.parameter_vector
+    return plugin_state[address : address + PARAMETER_SIZE]
 
 
 def register() -> int:

@@ -2,6 +2,7 @@
 
 import copy
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import mujoco
@@ -16,23 +17,29 @@ from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exosk
 from .fitting import fit_person
 from .lean import make_lean
 from .mirroring import mirror
-from .suit import attach_suit, remove_suit
+from .suit import attach_others, attach_suit, remove_suit
 
 
-def compose(config: ArmConfig, *, drawn: bool = True) -> mujoco.MjModel:
+def compose(
+    config: ArmConfig, *, drawn: bool = True, also_worn: Sequence[Suit] = ()
+) -> mujoco.MjModel:
     """Builds the arm, suit and exoskeleton of `config`; every call returns a new model.
 
     Args:
         config: Configuration of the model.
         drawn: Whether the model has what is only drawn: 244 of its 255 geoms, lights and cameras.
             Without, it moves in the same way to the last digit and takes a third less time.
+        also_worn: Suits that `replace_model` can put on instead, also where their models are of
+            another kind or size.
 
     Raises:
         InputError: The suit is unknown, or a pressure is given for a suit without one of its own.
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
-    suit = _suit_of(config)
-    model = copy.copy(_compiled(config, None if suit is None else suit.model_dump_json(), drawn))
+    suit = worn_suit(config)
+    others = tuple(other.model_dump_json() for other in also_worn)
+    own = None if suit is None else suit.model_dump_json()
+    model = copy.copy(_compiled(config, own, drawn, others))
     give_back_after(model)
     return model
 
@@ -43,7 +50,7 @@ def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
     Raises:
         InputError, UncertifiedModelError: See `compose`.
     """
-    return _built(config, _suit_of(config))
+    return _built(config, worn_suit(config))
 
 
 def bare_arm(config: ArmConfig) -> mujoco.MjModel:
@@ -64,31 +71,40 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
     return spec.compile()
 
 
+def worn_suit(config: ArmConfig) -> Suit | None:
+    """Returns the suit at the pressure at which it is worn; None if there is none.
+
+    Raises:
+        InputError: See `compose`.
+    """
+    if config.suit == NO_SUIT:
+        return None
+    suit = load_suit(config.suit)
+    return suit if config.pressure is None else suit.at_pressure(config.pressure)
+
+
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
     """Returns the joints that the suit resists, at the pressure at which it is worn.
 
     Raises:
         InputError: See `compose`.
     """
-    suit = _suit_of(config)
+    suit = worn_suit(config)
     return {} if suit is None else dict(suit.joints)
 
 
 @lru_cache(maxsize=8)
-def _compiled(config: ArmConfig, suit: str | None, drawn: bool) -> mujoco.MjModel:
+def _compiled(
+    config: ArmConfig, suit: str | None, drawn: bool, others: tuple[str, ...]
+) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
-    spec = _built(config, None if suit is None else Suit.model_validate_json(suit))
+    worn = None if suit is None else Suit.model_validate_json(suit)
+    spec = _built(config, worn)
+    also_worn = [Suit.model_validate_json(other) for other in others]
+    attach_others(spec, worn, also_worn, allow_uncertified=config.allow_uncertified)
     if not drawn:
         make_lean(spec)
     return spec.compile()
-
-
-def _suit_of(config: ArmConfig) -> Suit | None:
-    """Returns the suit at the pressure at which it is worn."""
-    if config.suit == NO_SUIT:
-        return None
-    suit = load_suit(config.suit)
-    return suit if config.pressure is None else suit.at_pressure(config.pressure)
 
 
 def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:

@@ -18,7 +18,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
 from ..provenance import Quantity
-from .bushing import Bushing, Triple, attach_bushing
+from .bushing import Bushing, Triple, attach_bushing, move_bushing
 from .fitting import stretch
 
 _SCHIEBL = "Schiebl et al. 2025, Sensors 25(15), 4605, upper arm of 21 adults"
@@ -148,6 +148,33 @@ def couple(
     for name, qpos, act, ctrl in keys:
         arm, others = qpos[: len(JOINTS)], qpos[len(JOINTS) :]
         spec.add_key(name=name, qpos=arm + arm + others, act=act, ctrl=ctrl)
+
+
+def shift_exoskeleton(model: mujoco.MjModel, body_pos: Array, by: Array) -> None:
+    """Moves the exoskeleton of one simulation to another place on the torso.
+
+    Args:
+        model: Model of an arm with cuffs.
+        body_pos: Positions of the bodies [m], shape (bodies, 3), which change in place.
+        by: Vector by which it moves: forward, outward, up [m], shape (3,).
+    """
+    body_pos[model.body(next(iter(CHAIN))).id] += _in_torso(model, by)
+
+
+def strap_again(model: mujoco.MjModel, plugin_state: Array, by: Array) -> None:
+    """Straps the cuffs of one simulation on anew, after `shift_exoskeleton`: they bear no force.
+
+    Args:
+        model: Model of an arm with cuffs.
+        plugin_state: State of the plugins of the simulation, which changes in place.
+        by: Vector by which the exoskeleton has moved: forward, outward, up [m], shape (3,).
+    """
+    for segment in CUFFS:
+        move_bushing(model, plugin_state, f"cuff_{segment}", -_in_torso(model, by))
+
+
+def _in_torso(model: mujoco.MjModel, by: Array) -> Array:
+    return by * (1, np.sign(model.body("shoulder").pos[1]), 1)
 
 
 def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:

@@ -1,10 +1,12 @@
 """Puts the suit's hysteretic torque on the arm, or takes the drawn suit off."""
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
 from ...assets import JOINTS, Suit
-from ...hysteresis.engine import attach
+from ...hysteresis.engine import attach, same_layout
 from ..person import range_of_motion
 
 
@@ -23,6 +25,35 @@ def attach_suit(spec: mujoco.MjSpec, suit: Suit, *, allow_uncertified: bool = Fa
             start_torque=entry.start_torque,
             allow_uncertified=allow_uncertified,
         )
+
+
+def attach_others(
+    spec: mujoco.MjSpec,
+    worn: Suit | None,
+    others: Sequence[Suit],
+    *,
+    allow_uncertified: bool = False,
+) -> None:
+    """Attaches, taken off, what other suits and their samples need to be put on, in place.
+
+    Raises:
+        UncertifiedModelError: A suit is not certified and `allow_uncertified` is not set.
+    """
+    for joint in JOINTS:
+        there = [worn.joints[joint].model] if worn is not None and joint in worn.joints else []
+        for entry in (suit.joints[joint] for suit in others if joint in suit.joints):
+            for model in (entry.model, *entry.samples):
+                if not any(same_layout(model, known) for known in there):
+                    attach(
+                        spec,
+                        joint,
+                        model,
+                        start_angle=entry.start_angle,
+                        start_torque=entry.start_torque,
+                        allow_uncertified=allow_uncertified,
+                        taken_off=True,
+                    )
+                    there.append(model)
 
 
 def remove_suit(spec: mujoco.MjSpec) -> None:

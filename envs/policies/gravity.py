@@ -2,10 +2,10 @@
 
 from typing import ClassVar
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..belief import BelievedWeight
 from .base import Arms
 
 
@@ -22,28 +22,15 @@ class GravityCompensation:
 
     def __init__(self, env: Arms) -> None:
         episodes = env.episodes
-        addresses = episodes.simulation.addresses
-        self._model = episodes.simulation.model
-        self._data = mujoco.MjData(self._model)
-        self._addresses, self._angle = addresses, episodes.observer.layout["angle"]
-        chains = np.unique([addresses.joints, addresses.exo_joints], axis=0)
-        self._assisted = chains[:, addresses.assisted]
-        self._bias = np.zeros(self._model.nv)
+        self._weight = BelievedWeight(episodes.simulation.model)
+        self._peak = episodes.simulation.addresses.peak_torque
+        self._angle = episodes.observer.layout["angle"]
 
     def reset(self) -> None:
         """Does nothing, because the policy has no memory."""
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the torque that holds the arm, divided by the peak and clipped to [-1, 1]."""
-        angles = observation[..., self._angle]
-        weight = [self._weight(angle) for angle in angles.reshape(-1, angles.shape[-1])]
-        share = np.array(weight).reshape(*angles.shape[:-1], -1) / self._addresses.peak_torque
-        return np.clip(share, -1, 1)
-
-    def _weight(self, angle: NDArray[np.float32]) -> NDArray[np.float64]:
-        data, addresses = self._data, self._addresses
-        data.qpos[addresses.joints] = data.qpos[addresses.exo_joints] = angle
-        mujoco.mj_kinematics(self._model, data)
-        mujoco.mj_comPos(self._model, data)
-        mujoco.mj_rne(self._model, data, 0, self._bias)
-        return self._bias[self._assisted].sum(axis=0)
+        angle = observation[..., self._angle].astype(np.float64)
+        torque = self._weight(angle.reshape(-1, angle.shape[-1]))
+        return np.clip(torque / self._peak, -1, 1).reshape(*angle.shape[:-1], -1)

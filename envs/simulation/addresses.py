@@ -1,5 +1,6 @@
 """The addresses in MuJoCo's arrays of everything that a simulation reads and writes."""
 
+import re
 from dataclasses import dataclass
 
 import mujoco
@@ -35,10 +36,11 @@ class Addresses:
         motors: Controls of the motors, which are torques [N·m], shape (2,).
         peak_torque: Largest torque of each motor [N·m], shape (2,).
         cuffs: Forces on upper arm, forearm and hand in sensordata, shape (9,).
-        suited: Positions in `JOINTS` of the joints that the suit resists, shape (n,).
-        suit_torque: Torques of the suit at these joints in sensordata, shape (n,).
-        dissipated: Energies dissipated at these joints in sensordata, shape (n,).
-        faults: Fault flags of these joints in plugin_state, shape (n,).
+        suited: Positions in `JOINTS` of the joints that suits resist, shape (n,); a joint is there
+            once for each kind of model that it may have, of which one gives torque.
+        suit_torque: Torques of these models in sensordata, shape (n,).
+        dissipated: Energies that they have dissipated in sensordata, shape (n,).
+        faults: Fault flags of these models in plugin_state, shape (n,).
     """
 
     joints: Indices
@@ -70,7 +72,9 @@ class Addresses:
         assist = _indices(actuators[motor] for motor in motors if motor in actuators)
         cuffs = [f"cuff_{segment}_force" for segment in CUFFS]
         forces = _indices(sensors[cuff] for cuff in cuffs if cuff in sensors)
-        suited = [i for i, joint in enumerate(JOINTS) if f"{joint}_suit_torque" in sensors]
+        found = [re.fullmatch(r"(.*)(_suit(?:_\d+)?)_torque", sensor) for sensor in sensors]
+        worn = sorted((JOINTS.index(match[1]), match[2]) for match in found if match)
+        suits = [f"{JOINTS[i]}{suit}" for i, suit in worn]
         exo_joints = _indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS)
         assisted = _indices(JOINTS.index(joint) for joint in ASSISTED)
         return cls(
@@ -87,9 +91,9 @@ class Addresses:
             motors=_indices(model.actuator_ctrladr[assist]),
             peak_torque=model.actuator_forcerange[assist, 1],
             cuffs=(forces[:, None] + np.arange(3)).ravel(),
-            suited=_indices(suited),
-            suit_torque=_indices(sensors[f"{JOINTS[i]}_suit_torque"] for i in suited),
-            dissipated=_indices(sensors[f"{JOINTS[i]}_suit_dissipated_energy"] for i in suited),
+            suited=_indices(i for i, _ in worn),
+            suit_torque=_indices(sensors[f"{suit}_torque"] for suit in suits),
+            dissipated=_indices(sensors[f"{suit}_dissipated_energy"] for suit in suits),
             faults=fault_slots(model),
         )
 

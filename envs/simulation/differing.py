@@ -1,68 +1,144 @@
-"""Loads and places that differ between rows: the fields of the model in which they are."""
+"""Wearers, misalignments, loads and places that differ between rows: fields of the model."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
+from mujoco.batch import MODEL_FIELDS, Batch
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ..model import ArmConfig, Payload, compose
+from ...assets import Suit
+from ..model import ArmConfig, Payload, bare_arm, compose
+from ..model.cuffs import shift_exoskeleton, strap_again
+from ..person import Person, isometric_strength
+from .inverse_dynamics import Chain
 
 BODY = "payload"
+LOADED = ("body_pos", "body_mass", "body_inertia")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variety:
+    """What may differ between the rows of a simulation, beside their motions.
+
+    Attributes:
+        wearers: Persons, of whom each row has one; with none, all have that of the configuration.
+        suits: Suits that rows may put on instead of the compiled one.
+        misalignments: Whether the exoskeleton may sit differently on each wearer.
+        loads: Whether rows may have loads of their own.
+        places: Whether rows may have a gravity of their own.
+    """
+
+    wearers: tuple[Person, ...] = ()
+    suits: tuple[Suit, ...] = ()
+    misalignments: bool = False
+    loads: bool = False
+    places: bool = False
 
 
 class Differing:
-    """Gives rows of a batch their own load, and their own gravity.
+    """Gives rows of a batch their own wearer, misalignment, load and gravity.
 
     Args:
-        config: Configuration of the arms, whose load and place rows have until told otherwise.
-        loads: Whether rows may have loads of their own.
-        places: Whether rows may have a gravity of their own.
+        config: Configuration of the arms, which rows have until told otherwise.
+        variety: What may differ.
 
     Attributes:
         model: Model of a row, with a body for the load if there may be one.
+        chains: Inertia of each wearer's bare arm.
+        strengths: Isometric strength of each wearer [N·m], shape (2, 4) each.
     """
 
-    def __init__(self, config: ArmConfig, *, loads: bool, places: bool) -> None:
-        self._loads, self._places = loads, places
+    def __init__(self, config: ArmConfig, variety: Variety) -> None:
+        self._variety = variety
+        loads = variety.loads
+        if loads and not config.payload.mass > 0:
+            composed = replace(config, payload=Payload(mass=1.0))
+        else:
+            composed = config
+        persons = variety.wearers or (config.wearer,)
+        arms = [replace(composed, wearer=person) for person in persons]
+        self._models = [compose(arm, drawn=False, also_worn=variety.suits) for arm in arms]
+        self.model = self._models[0]
+        self.chains = [Chain.of(bare_arm(arm)) for arm in arms]
+        self.strengths = [isometric_strength(person) for person in persons]
+        self._strapped = [mujoco.MjData(model).plugin_state.copy() for model in self._models]
         if not loads:
-            self.model = compose(config, drawn=False)
             return
-        there = config.payload if config.payload.mass > 0 else Payload(mass=1.0)
-        self.model = compose(replace(config, payload=there), drawn=False)
-        self._body = self.model.body(BODY).id
-        self._grip = self.model.body_pos[self._body] + np.array([0, 0, there.radius])
-        model = self.model
-        self._put(config.payload, model.body_pos, model.body_mass, model.body_inertia)
-        mujoco.mj_setConst(model, mujoco.MjData(model))
+        self._body, radius = self.model.body(BODY).id, composed.payload.radius
+        self._grips = [m.body_pos[self._body] + np.array([0, 0, radius]) for m in self._models]
+        for model, grip in zip(self._models, self._grips, strict=True):
+            fields = (getattr(model, name) for name in LOADED)
+            self._put(config.payload, grip, *fields)
+            mujoco.mj_setConst(model, mujoco.MjData(model))
 
     def begin(self, batch: Batch) -> None:
         """Prepares a batch of the model; call it once."""
-        self._batch = batch
-        if self._loads:
-            names = ("body_pos", "body_mass", "body_inertia")
-            self._fields = [batch.expand(name) for name in names]
+        self._batch, variety = batch, self._variety
+        names = set(LOADED) if variety.loads else set()
+        names |= {"body_pos"} if variety.misalignments else set()
+        for model in self._models[1:]:
+            names |= _different(self.model, model)
+        self._fields = {name: batch.expand(name) for name in sorted(names)}
+        if variety.loads or variety.misalignments:
             batch.set_const()
-        if self._places:
+        if variety.places:
             self._gravity = batch.expand("opt.gravity")
 
-    def write(self, rows: NDArray[np.int64], load: Array, fall: Array) -> None:
-        """Writes loads and gravity of some rows into their models.
+    def write(
+        self,
+        rows: NDArray[np.int64],
+        wearer: NDArray[np.int64],
+        misalignment: Array,
+        load: Array,
+        fall: Array,
+    ) -> None:
+        """Writes what differs of some rows into their models.
 
         Args:
             rows: The rows, shape (k,).
+            wearer: Number of the wearer of every row, shape (n,).
+            misalignment: Vector by which the exoskeleton of every row is off [m], shape (n, 3).
             load: Mass of the load of every row [kg], shape (n,).
             fall: Acceleration of free fall of every row [m/s²], shape (n,).
         """
-        if self._places:
+        variety = self._variety
+        if variety.places:
             self._gravity[rows, 2] = -fall[rows]
-        if self._loads:
-            for row in rows.tolist():
-                self._put(Payload(mass=float(load[row])), *(field[row] for field in self._fields))
+        if not self._fields:
+            return
+        for row in rows.tolist():
+            model = self._models[wearer[row]]
+            for name, values in self._fields.items():
+                values[row] = getattr(model, name)
+            if variety.misalignments:
+                shift_exoskeleton(model, self._fields["body_pos"][row], misalignment[row])
+            if variety.loads:
+                payload, grip = Payload(mass=float(load[row])), self._grips[wearer[row]]
+                self._put(payload, grip, *(self._fields[name][row] for name in LOADED))
+        if variety.loads or variety.misalignments:
             self._batch.set_const(rows)
 
-    def _put(self, payload: Payload, pos: NDArray, mass: NDArray, inertia: NDArray) -> None:
-        pos[self._body] = self._grip - np.array([0, 0, payload.radius])
+    def strap(self, plugin_state: Array, wearer: int, misalignment: Array) -> None:
+        """Straps the cuffs of one row on, after a reset: they bear no force on a hanging arm."""
+        own, first = self._strapped[wearer], self._strapped[0]
+        np.copyto(plugin_state, own, where=own != first)
+        if misalignment.any():
+            strap_again(self.model, plugin_state, misalignment)
+
+    def _put(
+        self, payload: Payload, grip: Array, pos: NDArray, mass: NDArray, inertia: NDArray
+    ) -> None:
+        pos[self._body] = grip - np.array([0, 0, payload.radius])
         mass[self._body], inertia[self._body] = payload.mass, payload.moments
+
+
+def _different(model: mujoco.MjModel, other: mujoco.MjModel) -> set[str]:
+    """Returns the names of the fields in which two models of the same layout differ."""
+    found = set()
+    for name in MODEL_FIELDS:
+        here = getattr(model, name, None)
+        if isinstance(here, np.ndarray) and not np.array_equal(here, getattr(other, name)):
+            found.add(name)
+    return found

@@ -32,6 +32,8 @@ _SIZES = (
     ("preview", 6),  # rad
     ("interaction_torque", 4),  # N·m
     ("emg", 4),  # N·m
+    ("cuff_sensor", 9),  # N
+    ("belief", 4),  # N·m
 )
 
 
@@ -46,11 +48,14 @@ def _columns() -> tuple[dict[str, slice], int]:
 COLUMNS, WIDTH = _columns()
 """The columns of each measurement by its name, and how many there are in all."""
 
+NOISES = 17  # random numbers of sensors in a control period: interaction, EMG, cuffs
+EMG_NOISES, CUFF_NOISES = 4, 8  # where the latter two begin
+
 STILL = 1e-9  # rad/s, below which an encoder's rate is zero
 
 SENSED = (
     *("encoder_angle", "encoder_rate", "motor_torque", "previous_action", "preview"),
-    *("interaction_torque", "emg"),
+    *("interaction_torque", "emg", "cuff_sensor", "belief"),
 )
 """Measurements of sensors; the others are of the simulation itself."""
 
@@ -77,6 +82,8 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vecto
     PREVIEW,
     INTERACTION,
     EMG,
+    CUFF_SENSOR,
+    BELIEF,
 ) = (columns.start for columns in COLUMNS.values())
 
 
@@ -155,7 +162,7 @@ def measure(  # noqa: PLR0912 (a loop for each measurement)
         measured[row, HUMAN + j] = actuator_force[row, human[j]]
         measured[row, SUIT + j] = 0.0
     for j in range(suited.shape[0]):
-        measured[row, SUIT + suited[j]] = sensordata[row, suit_torque[j]]
+        measured[row, SUIT + suited[j]] += sensordata[row, suit_torque[j]]
     work = 0.0
     for j in range(4):
         work += abs(measured[row, HUMAN + j] * measured[row, RATE + j])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
-from .measurements import WIDTH
+from .measurements import NOISES, WIDTH
 
 STRETCH = 64  # control periods for which muscle noise is drawn at once
 
@@ -40,15 +40,20 @@ class Memory:
             variance 1 in the long run, shape (n, 3, 4).
         fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
         felt: Torque between person and suit [N·m], a ring with the step as its place, shape
-            (n, delay + 1, 4); one place that is not used without sensors on the person.
-        shaken: Random numbers of the sensors on the person, shape (n, STRETCH, 2, 4); none without.
+            (n, delay + 1, 4); one place that is not used without sensors that have noise.
+        shaken: Random numbers of the noise of sensors, shape (n, STRETCH, NOISES); none without.
+        loudness: Factor of the noise of sensors, shape (n,).
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
+        wearer: Number of the wearer, where rows have wearers of their own, shape (n,).
+        misalignment: Vector by which the exoskeleton is off [m], where rows have one of their own,
+            shape (n, 3).
         load: Mass at the hand [kg], where rows have loads of their own, shape (n,).
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         measured: Last valid measurements, shape (n, WIDTH).
+        believed: Memory of a believed suit, shape (n, size); whoever follows it gives it its size.
         seen: Observations before the last one, newest first, shape (n, count, size); whoever makes
             observations gives it its size.
     """
@@ -71,13 +76,17 @@ class Memory:
     fresh: Array
     felt: Array
     shaken: Array
+    loudness: Array
     fatigued: Array
     counts: Array
+    wearer: NDArray[np.int64]
+    misalignment: Array
     load: Array
     fall: Array
     offset: Array
     dissipated_before: Array
     measured: Array
+    believed: Array
     seen: NDArray[np.float32]
 
     @classmethod
@@ -102,7 +111,7 @@ class Memory:
             foresees: Whether the wearer foresees some of the suit's resistance.
             noisy: Whether the wearer's muscles have noise or tremor.
             felt: Delay of the torque between person and suit [control periods]; None without
-                sensors on the person.
+                sensors that have noise.
         """
         joints = len(JOINTS)
         motion = (n, samples, joints)
@@ -124,14 +133,18 @@ class Memory:
             variation=np.zeros((n, 3, joints)),
             fresh=np.zeros((n, STRETCH if noisy else 0, 3, joints)),
             felt=np.zeros((n, 1 if felt is None else felt + 1, joints)),
-            shaken=np.zeros((n, 0 if felt is None else STRETCH, 2, joints)),
+            shaken=np.zeros((n, 0 if felt is None else STRETCH, NOISES)),
+            loudness=np.ones(n),
             fatigued=np.zeros((n, 2, joints)),
             counts=np.zeros((n, joints)),
+            wearer=np.zeros(n, np.int64),
+            misalignment=np.zeros((n, 3)),
             load=np.zeros(n),
             fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
             measured=np.zeros((n, WIDTH)),
+            believed=np.zeros((n, 0)),
             seen=np.zeros((n, 0, 0), np.float32),
         )
 

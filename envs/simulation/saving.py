@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError, shown
-from ..model.config import HEAVIEST_PAYLOAD
+from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT
 from .streams import HIGHEST_SEED
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
@@ -29,6 +29,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "command": (-1.0, 1.0),
     "change": (-2.0, 2.0),
     "mean_square": (0.0, LARGEST),
+    "misalignment": (-LARGEST_MISALIGNMENT, LARGEST_MISALIGNMENT),
     "load": (0.0, HEAVIEST_PAYLOAD),
     "fall": (0.0, 1000.0),
     "fatigued": (-ROUNDING, 1.0 + ROUNDING),
@@ -40,6 +41,7 @@ def check_state(
     config: dict[str, Any],
     present: dict[str, NDArray],
     model: mujoco.MjModel,
+    wearers: int,
 ) -> None:
     """Checks that a state came from an identically configured environment.
 
@@ -48,6 +50,7 @@ def check_state(
         config: Configuration of the environment.
         present: Present state of the rows to restore, array by array.
         model: Model of the environment.
+        wearers: Number of persons whom a row may have as its wearer.
 
     Raises:
         InputError: The state belongs to another environment or to an episode that has diverged, or
@@ -66,7 +69,7 @@ def check_state(
     diverged = state["diverged"]
     if isinstance(diverged, np.ndarray) and diverged.dtype == np.bool_ and diverged.any():
         raise InputError("the state is of an episode that has diverged: go on from an earlier one")
-    for name, value, wanted, usable in _parts(state, present, model):
+    for name, value, wanted, usable in _parts(state, present, model, wearers):
         if not usable:
             raise InputError(
                 f"the state's {name} is {shown(value)}: it must be {wanted}, as get_state "
@@ -77,15 +80,28 @@ def check_state(
 def _check_config(saved: Any, own: dict[str, Any]) -> None:
     if not isinstance(saved, dict) or saved.keys() != own.keys():
         raise InputError(f"the state's config is {shown(saved)}: give that of get_state")
-    differing = [name for name in own if not _same(saved[name], own[name])]
+    differing = list(_differences("", saved, own))
     if differing:
         there, here = (
-            ", ".join(f"{name}={values[name]!r}" for name in differing) for values in (saved, own)
+            ", ".join(f"{name}={values[side]!r}" for name, *values in differing)
+            for side in range(2)
         )
         raise InputError(
             f"the state is of an environment with {there}, and this one has {here}: make it with "
             "the same options"
         )
+
+
+def _differences(
+    where: str, saved: dict[str, Any], own: dict[str, Any]
+) -> Iterator[tuple[str, Any, Any]]:
+    """Yields the name of each option that differs, also within others, and both values."""
+    for name, value in own.items():
+        there = saved[name]
+        if isinstance(there, dict) and isinstance(value, dict) and there.keys() == value.keys():
+            yield from _differences(f"{where}{name}.", there, value)
+        elif not _same(there, value):
+            yield f"{where}{name}", there, value
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -95,11 +111,12 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def _parts(
-    state: dict[str, Any], present: dict[str, NDArray], model: mujoco.MjModel
+    state: dict[str, Any], present: dict[str, NDArray], model: mujoco.MjModel, wearers: int
 ) -> Iterator[tuple[str, Any, str, bool]]:
     """Yields name, value, the required form, and whether the value has it; callers rely on it."""
+    bounds = {**BOUNDS, "wearer": (0, wearers - 1)}
     for name, own in present.items():
-        value, (low, high) = state[name], BOUNDS.get(name, (-LARGEST, LARGEST))
+        value, (low, high) = state[name], bounds.get(name, (-LARGEST, LARGEST))
         form = f"{own.dtype} numbers of shape {own.shape}"
         fits = (
             isinstance(value, np.ndarray) and value.dtype == own.dtype and value.shape == own.shape

@@ -1,4 +1,4 @@
-"""What sensors on a person measure, beside the exoskeleton's own: how noisy and how late."""
+"""What noisy sensors measure, at the cuffs and on the person: how noisy and how late."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -12,7 +12,7 @@ from ...checks import within
 from ..provenance import Quantity
 from .cycle import FEEDBACK, LEARNING
 from .inverse_dynamics import arm_torque
-from .measurements import EMG, INTERACTION
+from .measurements import CUFF_NOISES, CUFF_SENSOR, CUFFS, EMG, EMG_NOISES, INTERACTION
 
 _PADS = "ours: pads between suit and skin yield and slip"
 _EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"
@@ -25,6 +25,9 @@ _EMG_LEAD = Quantity("sensing.emg_lead", 0.05, "s", _EMG, "assumed")
 _EMG_CUTOFF = Quantity(
     "sensing.emg_cutoff", 6.0, "Hz", "a usual low-pass of the rectified EMG", "assumed"
 )
+_CUFF_NOISE = Quantity(
+    "sensing.cuff_noise", 1.0, "N", "ours: 0.2 % of a load cell's usual range of 500 N", "assumed"
+)
 _RATE_CUTOFF = Quantity(
     "sensing.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
 )
@@ -35,6 +38,7 @@ PROVENANCE: tuple[Quantity, ...] = (
     _EMG_NOISE,
     _EMG_LEAD,
     _EMG_CUTOFF,
+    _CUFF_NOISE,
     _RATE_CUTOFF,
 )
 
@@ -47,6 +51,7 @@ class Sensing:
         rate_cutoff: Low-pass of the rates that follow from the encoders' counts [Hz].
         interaction_noise: Standard deviation of the interaction torque's noise, over the torque.
         interaction_delay: Age of the interaction torque [s].
+        cuff_noise: Standard deviation of each component of a cuff's force [N].
         emg_noise: Standard deviation of the EMG's noise, over its size, before the low-pass.
         emg_lead: Time by which the EMG is ahead of the torque that it tells [s].
         emg_cutoff: Low-pass of the EMG [Hz].
@@ -58,6 +63,7 @@ class Sensing:
     rate_cutoff: float = _RATE_CUTOFF.value
     interaction_noise: float = _INTERACTION_NOISE.value
     interaction_delay: float = _INTERACTION_DELAY.value
+    cuff_noise: float = _CUFF_NOISE.value
     emg_noise: float = _EMG_NOISE.value
     emg_lead: float = _EMG_LEAD.value
     emg_cutoff: float = _EMG_CUTOFF.value
@@ -67,6 +73,7 @@ class Sensing:
             ("rate_cutoff", 0.1, 1000, " Hz"),
             ("interaction_noise", 0, 1, ""),
             ("interaction_delay", 0, 0.5, " s"),
+            ("cuff_noise", 0, 100, " N"),
             ("emg_noise", 0, 1, ""),
             ("emg_lead", 0, 0.2, " s"),
             ("emg_cutoff", 0.1, 1000, " Hz"),
@@ -100,6 +107,7 @@ def touch(
     own: AnyArray,
     joints: AnyArray,
     human: AnyArray,
+    loudness: AnyArray,
     interaction_noise: float,
 ) -> None:
     """Measures the torque between person and suit, late and noisy.
@@ -117,7 +125,7 @@ def touch(
     for j in range(4):
         torque = actuator_force[row, human[j]] - own[row, j]
         if moved:
-            noise = shaken[row, (step[row] - 1) % shaken.shape[1], 0, j]
+            noise = loudness[row] * shaken[row, (step[row] - 1) % shaken.shape[1], j]
             felt[row, place, j] = torque * (1.0 + interaction_noise * noise)
         else:
             for i in range(count):
@@ -146,6 +154,7 @@ def listen(
     stiffness: AnyArray,
     damping: AnyArray,
     habits: AnyArray,
+    loudness: AnyArray,
     emg_lead: int,
     emg_noise: float,
     emg_smoothing: float,
@@ -162,8 +171,8 @@ def listen(
         if resistance.shape[1] > 0:
             voluntary += habits[row, LEARNING] * resistance[row, soon, j]
         if moved:
-            noise = shaken[row, (step[row] - 1) % shaken.shape[1], 1, j]
-            heard = voluntary * (1.0 + emg_noise * noise)
+            noise = shaken[row, (step[row] - 1) % shaken.shape[1], EMG_NOISES + j]
+            heard = voluntary * (1.0 + loudness[row] * emg_noise * noise)
             measured[row, EMG + j] += emg_smoothing * (heard - measured[row, EMG + j])
         else:
             measured[row, EMG + j] = voluntary
@@ -198,16 +207,25 @@ def sense(
     stiffness: AnyArray,
     damping: AnyArray,
     habits: AnyArray,
+    loudness: AnyArray,
+    cuffs: AnyArray,
+    cuff_noise: float,
     interaction_noise: float,
     emg_lead: int,
     emg_noise: float,
     emg_smoothing: float,
 ) -> None:
-    """Reads the sensors on the persons of some rows, after the control period's measurements."""
+    """Reads the noisy sensors of some rows, after the control period's measurements."""
     for k in range(rows.shape[0]):
         row = rows[k]
         if diverged[row]:
             continue
+        for j in range(cuffs.shape[0]):
+            force = measured[row, CUFFS + j]
+            if moved:
+                noise = shaken[row, (step[row] - 1) % shaken.shape[1], CUFF_NOISES + j]
+                force += loudness[row] * cuff_noise * noise
+            measured[row, CUFF_SENSOR + j] = force
         touch(
             row,
             moved,
@@ -228,6 +246,7 @@ def sense(
             own,
             joints,
             human,
+            loudness,
             interaction_noise,
         )
         listen(
@@ -250,6 +269,7 @@ def sense(
             stiffness,
             damping,
             habits,
+            loudness,
             emg_lead,
             emg_noise,
             emg_smoothing,

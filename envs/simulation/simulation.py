@@ -14,18 +14,17 @@ from numpy.typing import NDArray
 from ...arrays import AnyArray, Array
 from ...assets import JOINTS, SuitJoint
 from ...errors import InputError
-from ...hysteresis.engine import replace_model
+from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
-from ..person import VoluntaryControl, isometric_strength
+from ..person import VoluntaryControl
 from ..person.control import NOISE_SIZE, noise_constants
 from ..person.fatigue import RATES
 from ..person.strength import SHAPE
 from . import settling
 from .addresses import Addresses
 from .cycle import after, before
-from .differing import Differing
+from .differing import Differing, Variety
 from .intention import Motion, resistance, valid_motion
-from .inverse_dynamics import Chain
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
 from .sensing import Sensing, sense, smoothing
@@ -49,6 +48,10 @@ class Start:
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
         payload: Load at the hand; None is that of the configuration.
         gravity: Name of the place; None is that of the configuration.
+        wearer: Number of the wearer.
+        misalignment: Vector by which the exoskeleton is off, beside that of the configuration [m],
+            shape (3,).
+        loudness: Factor of the noise of sensors.
     """
 
     motion: Motion
@@ -56,6 +59,9 @@ class Start:
     encoder_offset: Array
     payload: Payload | None
     gravity: str | None
+    wearer: int
+    misalignment: Array
+    loudness: float
 
 
 class Simulation:
@@ -73,16 +79,14 @@ class Simulation:
         control: The wearer's control of the arm.
         fatigue: Whether effort tires the wearers.
         sensing: Noise, delay and bandwidth of sensors.
-        on_person: Whether the sensors on the persons are read, which takes time.
-        loads: Whether rows may have loads of their own.
-        places: Whether rows may have a gravity of their own.
+        noisy: Whether the sensors that have noise are read, which takes time.
+        variety: What may differ between rows.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
         model: MuJoCo model of a row, without drawings.
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
-        chain: Inertia of the bare arm.
         suit: Joints that the compiled suit resists, at the pressure at which it is worn.
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
@@ -99,21 +103,20 @@ class Simulation:
         control: VoluntaryControl,
         fatigue: bool,
         sensing: Sensing,
-        on_person: bool,
-        loads: bool,
-        places: bool,
+        noisy: bool,
+        variety: Variety,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
-        self.sensing, self._on_person = sensing, on_person
-        self._places = places
-        self._differing = Differing(config, loads=loads, places=places)
+        self.sensing, self._noisy = sensing, noisy
+        self._differing, self._variety = Differing(config, variety), variety
         self.model = self._differing.model
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
         self._arm = bare_arm(config)
         self.suit = resisting_joints(config)
+        self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
         self.memory = Memory.empty(
             n,
             samples=samples,
@@ -121,7 +124,7 @@ class Simulation:
             delay=round(control.delay / control_dt),
             foresees=control.suit_learning > 0,
             noisy=control.noise > 0 or control.tremor > 0,
-            felt=round(sensing.interaction_delay / control_dt) if on_person else None,
+            felt=round(sensing.interaction_delay / control_dt) if noisy else None,
         )
         self.columns = self._measured_columns()
         self._all = np.arange(n)
@@ -151,7 +154,9 @@ class Simulation:
             start = start_of(row)
             motion = valid_motion(start.motion, self.samples, self._arm.jnt_range)
             memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
-            memory.offset[row] = start.encoder_offset
+            memory.offset[row], memory.loudness[row] = start.encoder_offset, start.loudness
+            memory.wearer[row], memory.misalignment[row] = start.wearer, start.misalignment
+            self._differing.strap(self.plugin_state[row], start.wearer, start.misalignment)
             if start.payload is not None:
                 memory.load[row] = start.payload.mass
             if start.gravity is not None:
@@ -167,7 +172,7 @@ class Simulation:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
         after(rows, False, *self._after)
-        if self._on_person:
+        if self._noisy:
             sense(rows, False, *self._sensed)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
@@ -182,7 +187,7 @@ class Simulation:
             InputError: An action is not of finite numbers; nothing has changed.
         """
         moving = self._all if rows is None else rows
-        if self.memory.fresh.size or self._on_person:
+        if self.memory.fresh.size or self._noisy:
             self._draw_noise(moving)
         bad = before(moving, action, *self._before)
         if bad >= 0:
@@ -190,7 +195,7 @@ class Simulation:
             raise InputError(f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1")
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         after(moving, True, *self._after)
-        if self._on_person:
+        if self._noisy:
             sense(moving, True, *self._sensed)
 
     def measured(self, name: str) -> Array:
@@ -225,11 +230,11 @@ class Simulation:
 
     def _measured_columns(self) -> dict[str, slice]:
         at = self.addresses
-        absent = set() if at.cuffs.size else {"cuff_force"}
+        absent = set() if at.cuffs.size else {"cuff_force", "cuff_sensor"}
         if not self.fatigue:
             absent.add("fatigue")
-        if not self._on_person:
-            absent |= {"interaction_torque", "emg"}
+        if not self._noisy:
+            absent |= {"interaction_torque", "emg", "cuff_sensor"}
         if not at.motors.size:
             absent |= {"motor_load", "motor_torque", "previous_action"}
         return {name: part for name, part in COLUMNS.items() if name not in absent}
@@ -245,13 +250,14 @@ class Simulation:
         self.plugin_state = physics["plugin_state"]
         physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias", "qacc")}
         physics["warning"] = batch.warning[:, DIVERGENCE, 1]
-        chain = self.chain = Chain.of(self._arm)
         names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
+        chain = self._differing.chains[0]
         for name in ("links", "gravity"):
             names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
         for name in ("stiffness", "damping"):
             names[name] = np.tile(getattr(self.addresses, name), (self.n, 1))
-        self._gravity = names["gravity"]
+        self._links, self._gravity = names["links"], names["gravity"]
+        self._strength = names["strength"]
         self._left = np.zeros((self.n, self.model.nq))
         self._beginning = _arguments(settling.begin, names, first=1)
         self._balancing = _arguments(settling.imbalance, names, first=2)
@@ -269,7 +275,7 @@ class Simulation:
         return {
             "scratch": np.empty((n, len(JOINTS), 8)),
             "own": np.zeros((n, len(JOINTS))),
-            "strength": np.tile(isometric_strength(config.wearer), (n, 1, 1)),
+            "strength": np.tile(self._differing.strengths[0], (n, 1, 1)),
             "rested": np.zeros((n, 2, len(JOINTS))),
             "shape": SHAPE,
             "habits": np.tile(np.array(habits, dtype=float), (n, 1)),
@@ -288,6 +294,7 @@ class Simulation:
             "here_angle": np.zeros((n, 1, len(JOINTS))),
             "here_rate": np.zeros((n, 1, len(JOINTS))),
             "here_acceleration": np.zeros((n, 1, len(JOINTS))),
+            "cuff_noise": self.sensing.cuff_noise,
             "interaction_noise": self.sensing.interaction_noise,
             "emg_lead": round(self.sensing.emg_lead / dt),
             "emg_noise": self.sensing.emg_noise,
@@ -325,12 +332,19 @@ class Simulation:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
 
     def _write_differences(self, rows: Rows) -> None:
-        memory = self.memory
-        self._differing.write(rows, memory.load, memory.fall)
-        if self._places:
-            self._gravity[rows] = memory.fall[rows, None] * self.chain.down
+        memory, differing = self.memory, self._differing
+        wearer = memory.wearer
+        differing.write(rows, wearer, memory.misalignment, memory.load, memory.fall)
+        for row in rows.tolist() if self._variety.wearers else ():
+            chain = differing.chains[wearer[row]]
+            self._links[row], self._gravity[row] = chain.links[0], chain.gravity[0]
+            self._strength[row] = differing.strengths[wearer[row]]
+        if self._variety.places:
+            self._gravity[rows] = memory.fall[rows, None] * differing.chains[0].down
 
     def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:
+        for joint in self._joints - suit.keys():
+            take_off(self.model, self.plugin_state[row], joint)
         for joint, entry in suit.items():
             replace_model(
                 self.model,

@@ -22,8 +22,9 @@ Python, with `attach`, or from MJCF:
     activesuit.preisach             levels density elastic*
 
 Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `polynomial`* (coefficients
-of an elastic torque), `angle_range`* (outside which the torque is held) and `allow_uncertified`*
-("true"). Lists are numbers with blanks between them; `density` has its rows one after the other.
+of an elastic torque), `angle_range`* (outside which the torque is held), `allow_uncertified`*
+("true") and `taken_off`* ("true" for one that gives no torque until `replace_model` puts one of its
+kind on). Lists are numbers with blanks between them; `density` has its rows one after the other.
 The name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
@@ -31,10 +32,19 @@ MuJoCo finds the plugin's code in the process, not in the file.
 """
 
 from . import native
-from ._attach import attach, fault_slots, replace_model
+from ._attach import attach, fault_slots, replace_model, same_layout, take_off
 from ._plugins import register
 
 PLUGIN_NAMES = tuple(register())
 """The plugins that this module registers."""
 
-__all__ = ["PLUGIN_NAMES", "attach", "fault_slots", "native", "register", "replace_model"]
+__all__ = [
+    "PLUGIN_NAMES",
+    "attach",
+    "fault_slots",
+    "native",
+    "register",
+    "replace_model",
+    "same_layout",
+    "take_off",
+]

@@ -1,6 +1,7 @@
 """Attaches a hysteresis model to a joint of any MuJoCo model, and replaces it there."""
 
 import math
+import re
 from collections.abc import Sequence
 
 import mujoco
@@ -16,10 +17,11 @@ from ..protocol import HysteresisModel, State
 from ..registry import MODELS
 from ._faults import ANGLE_RANGE, POLYNOMIAL, START_ANGLE, START_TORQUE
 from ._plugins import plugin_name, register
-from ._state import FAULT
+from ._state import FAULT, MEMORY, OFF
 from .native import compile_plugin
 
 SENSORS = ("torque", "stiffness", "dissipated_energy")
+INSTANCE = re.compile(r"(.*)_suit(?:_\d+)?")
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 
 
@@ -32,6 +34,7 @@ def attach(
     start_torque: float = 0.0,
     sensors: bool = True,
     allow_uncertified: bool = False,
+    taken_off: bool = False,
 ) -> None:
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
@@ -57,6 +60,9 @@ def attach(
         sensors: Whether to add the three sensors.
         allow_uncertified: Whether to accept a model without a certificate. At a pole the simulation
             then holds the last valid torque, sets the fault flag and warns.
+        taken_off: Whether the model gives no torque until `replace_model` puts one of its kind on.
+            A joint may have several of these beside the one that resists it; their names, and those
+            of their sensors, have a number: `<joint>_suit_2`.
 
     Raises:
         InputError: There is no such joint, it is neither hinge nor slide, it has a hysteresis model
@@ -65,9 +71,11 @@ def attach(
     """
     target = _target(spec, joint)
     _require_model(model)
-    instance = f"{joint}_suit"
-    if any(plugin.name == instance for plugin in spec.plugins):
+    instance, taken = f"{joint}_suit", {plugin.name for plugin in spec.plugins}
+    if instance in taken and not taken_off:
         raise InputError(f"joint {joint!r} has a hysteresis model already: attach one per joint")
+    while instance in taken:
+        instance = f"{joint}_suit_{int(instance.removeprefix(f'{joint}_suit').strip('_') or 1) + 1}"
     start = model.start(
         _reference(spec, target) if start_angle is None else start_angle, start_torque
     )
@@ -83,6 +91,8 @@ def attach(
         config["start_angle"] = repr(start.angle)
     if allow_uncertified:
         config["allow_uncertified"] = "true"
+    if taken_off:
+        config["taken_off"] = "true"
     plugin = spec.add_plugin(name=instance, plugin_name=name, active=True)
     plugin.config = config
     for quantity in SENSORS if sensors else ():
@@ -108,9 +118,10 @@ def _target(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsJoint:
 def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
 
-    A flag is 1 from the moment at which a motion meets the model's pole until the next reset.
-    Meanwhile the joint's torque is held, and MuJoCo logs a warning. Certified models never set it.
-    With MuJoCo's `autoreset` on, a simulation that goes on to diverge is reset, and its flags too.
+    A flag is 2 where the model is taken off. It is 1 from the moment at which a motion meets the
+    model's pole until the next reset. Meanwhile the joint's torque is held, and MuJoCo logs a
+    warning. Certified models never set it. With MuJoCo's `autoreset` on, a simulation that goes on
+    to diverge is reset, and its flags too.
     """
     ours = np.flatnonzero(np.isin(model.plugin, list(register().values())))
     return model.plugin_stateadr[ours].astype(np.int64) + FAULT
@@ -127,6 +138,9 @@ def replace_model(
     allow_uncertified: bool = False,
 ) -> None:
     """Gives one simulation another model of the same kind and size, as in a randomized batch.
+
+    Where several kinds are attached to the joint, it takes the place of the one of its kind, and
+    all others are taken off.
 
     Parameters and memory are part of the simulation's state, so each row of a batch may have its
     own. The memory starts again, where the compiled model's does unless told otherwise, and
@@ -147,13 +161,29 @@ def replace_model(
         InputError: The joint has no hysteresis model, or one of another kind or size.
         UncertifiedModelError: The model has no certificate, or its start is outside of it.
     """
-    kind = mujoco.mjtObj.mjOBJ_PLUGIN
-    names = [mujoco.mj_id2name(mj_model, kind, i) or "" for i in range(mj_model.nplugin)]
-    if f"{joint}_suit" not in names:
-        attached = (name.removesuffix("_suit") for name in names)
-        raise unknown_name("joint with a hysteresis model", joint, attached)
-    instance = names.index(f"{joint}_suit")
+    instances = _instances_at(mj_model, joint)
     _require_model(model)
+    if not (
+        isinstance(plugin_state, np.ndarray)
+        and plugin_state.dtype == np.float64
+        and plugin_state.ndim == 1
+    ):
+        raise InputError(
+            "plugin_state must be data.plugin_state or a row of a batch: a float64 array of one "
+            f"dimension, not {type(plugin_state).__name__}"
+        )
+    if plugin_state.size < mj_model.npluginstate:
+        raise InputError(
+            f"plugin_state has {plugin_state.size} numbers: the compiled model has more; give all "
+            "of it"
+        )
+    same = (i for i in instances if _compiled_layout(mj_model, i) == _layout(model))
+    instance = next(same, None)
+    if instance is None:
+        raise InputError(
+            f"joint {joint!r} was compiled with another kind or size of model than this "
+            f"{model.name} one: replace a model by one with as many parameters"
+        )
     angle, torque = _compiled_start(mj_model, instance, joint)
     start = model.start(
         angle if start_angle is None else start_angle,
@@ -162,39 +192,68 @@ def replace_model(
     if not allow_uncertified:
         _require_certificate(model, start, joint)
     inner, polynomial, limits = _parts(model)
-    parts = ([0.0], start.memory, inner.parameter_vector, polynomial, limits)
-    content = np.concatenate(parts)
-    address, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
-    slot = register()[plugin_name(type(inner))]
-    state = plugin_state
-    if not (isinstance(state, np.ndarray) and state.dtype == np.float64 and state.ndim == 1):
-        raise InputError(
-            "plugin_state must be data.plugin_state or a row of a batch: a float64 array of one "
-            f"dimension, not {type(state).__name__}"
-        )
-    if state.size < address + size:
-        raise InputError(
-            f"plugin_state has {state.size} numbers: the compiled model has more; give all of it"
-        )
-    same = mj_model.plugin[instance] == slot and content.size == size
-    if not same or _compiled_sizes(mj_model, instance) != (polynomial.size, limits.size):
-        raise InputError(
-            f"joint {joint!r} was compiled with another kind or size of model than this "
-            f"{model.name} one: replace a model by one with as many parameters"
-        )
-    plugin_state[address : address + size] = content
+    content = ([0.0], start.memory, inner.parameter_vector, polynomial, limits)
+    take_off(mj_model, plugin_state, joint)
+    begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
+    plugin_state[begin : begin + size] = np.concatenate(content)
+
+
+def take_off(mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], joint: str) -> None:
+    """Lets nothing resist a joint in one simulation, until `replace_model` or a reset.
+
+    Args:
+        mj_model: Compiled model, with a hysteresis model attached to `joint`.
+        plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
+            changed in place.
+        joint: Name of the joint.
+
+    Raises:
+        InputError: The joint has no hysteresis model.
+    """
+    for instance in _instances_at(mj_model, joint):
+        plugin_state[mj_model.plugin_stateadr[instance] + FAULT] = OFF
+
+
+def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
+    """Returns whether `replace_model` can put one model where the other was attached."""
+    return _layout(model) == _layout(other)
+
+
+def _layout(model: HysteresisModel) -> tuple[int, int, int, int]:
+    """Returns the slot of a model's plugin and the sizes of the parts of its state."""
+    inner, polynomial, limits = _parts(model)
+    own = model.memory_size + inner.parameter_vector.size
+    return register()[plugin_name(type(inner))], own, polynomial.size, limits.size
+
+
+def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int, int, int]:
+    """Returns the same of an instance, where `polynomial` and `angle_range` are in its config."""
+    values = _compiled_config(mj_model, instance)
+    polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
+    own = int(mj_model.plugin_statenum[instance]) - MEMORY - polynomial - limits
+    return int(mj_model.plugin[instance]), own, polynomial, limits
+
+
+def _instances_at(mj_model: mujoco.MjModel, joint: str) -> list[int]:
+    """Returns the instances that `attach` has put on a joint.
+
+    Raises:
+        InputError: There is none.
+    """
+    kind = mujoco.mjtObj.mjOBJ_PLUGIN
+    names = [mujoco.mj_id2name(mj_model, kind, i) or "" for i in range(mj_model.nplugin)]
+    joints = [INSTANCE.fullmatch(name) for name in names]
+    found = [i for i, match in enumerate(joints) if match and match[1] == joint]
+    if not found:
+        attached = (match[1] for match in joints if match)
+        raise unknown_name("joint with a hysteresis model", joint, attached)
+    return found
 
 
 def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
     """Returns the values of an instance's config keys, empty where a key was not given."""
     text = bytes(mj_model.plugin_attr[mj_model.plugin_attradr[instance] :])
     return [value.decode() for value in text.split(b"\0")]
-
-
-def _compiled_sizes(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int]:
-    """Returns how many numbers `polynomial` and `angle_range` have in an instance's config."""
-    values = _compiled_config(mj_model, instance)
-    return len(values[POLYNOMIAL].split()), len(values[ANGLE_RANGE].split())
 
 
 def _compiled_start(mj_model: mujoco.MjModel, instance: int, joint: str) -> tuple[float, float]:

@@ -22,6 +22,7 @@ from ._faults import FINE, JOINT, POLE, complain_of
 from ._layout import Layout
 from ._state import (
     ENERGY_SENSOR,
+    OFF,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
     has_sensors,
@@ -77,6 +78,12 @@ def evaluate(kernels, m, d, instance, capability, at):
     joint = joint_of(ids)
     address, size = state_of(m, d, instance, at), state_size(m, instance, at)
     fault, memory, p, polynomial, limits = parts(kernels, ids, address, size)
+    if fault[0] == OFF:
+        if capability != at.mjPLUGIN_PASSIVE:
+            for kind in (TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR):
+                if sensor_of(ids, kind) >= 0:
+                    sensor_values(m, d, sensor_of(ids, kind), 1, at)[0] = 0.0
+        return
     position = angle_of(m, d, joint, at)
     inside = within(limits, position)
     angle, torque, loss = reached(kernels, p, memory, fault[0], inside)

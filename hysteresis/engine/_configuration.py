@@ -32,6 +32,7 @@ from ._faults import (
     SENSOR_NAME,
     SENSOR_TWICE,
     START_ANGLE,
+    TAKEN_OFF,
     TOO_LARGE,
     TOO_MANY,
     UNCERTIFIED,
@@ -43,6 +44,7 @@ from ._state import (
     HELD_SHIFT,
     LARGEST,
     MEMORY,
+    OFF,
     POLYNOMIAL_LIMIT,
     POLYNOMIAL_SHIFT,
     STIFFNESS_SENSOR,
@@ -120,7 +122,8 @@ def connect(m, instance, at):
         return (JOINT_TYPE, JOINT), 0
     for other in range(instance):
         same = name2id(m, at.mjOBJ_JOINT, config(m, other, JOINT, at)) == joint
-        if same and is_hysteretic(m, other, at):
+        both = same and is_hysteretic(m, other, at)
+        if both and not (flag_of(m, instance, TAKEN_OFF, at) or flag_of(m, other, TAKEN_OFF, at)):
             return (JOINT_TWICE, JOINT), 0
     ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
     ids |= is_held(m, instance, at) << HELD_SHIFT
@@ -191,7 +194,11 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
         fault = read_range(m, instance, limits, at)
     if fault[0] == FINE:
         fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, at)
+    if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
+        fault = (FLAG, TAKEN_OFF)
     flag[0] = fault[0] != FINE
+    if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) == 1:
+        flag[0] = OFF
     return fault
 
 
@@ -227,9 +234,9 @@ def read_start(m, instance, joint, at):
 
 
 @njit(cache=True)
-def allows_uncertified(m, instance, at):
-    """Reads whether a model without a certificate is accepted: 1, 0, or -1 for another word."""
-    text = config(m, instance, ALLOW, at)
+def flag_of(m, instance, key, at):
+    """Reads a key that may be true or false: 1, 0, or -1 for another word."""
+    text = config(m, instance, key, at)
     return 0 if length(text) == 0 else choice_of(text, b"false true")
 
 
@@ -241,7 +248,7 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
     the config allows both.
     """
     fault, angle, torque = read_start(m, instance, joint, at)
-    allowed = allows_uncertified(m, instance, at)
+    allowed = flag_of(m, instance, ALLOW, at)
     if fault[0] != FINE:
         return fault
     if allowed < 0:

@@ -18,8 +18,18 @@ COMMON_KEYS = (
     "polynomial",
     "angle_range",
     "allow_uncertified",
+    "taken_off",
 )
-JOINT, START_ANGLE, START_TORQUE, POLYNOMIAL, ANGLE_RANGE, ALLOW, FIRST_KEY = range(7)
+(
+    JOINT,
+    START_ANGLE,
+    START_TORQUE,
+    POLYNOMIAL,
+    ANGLE_RANGE,
+    ALLOW,
+    TAKEN_OFF,
+    FIRST_KEY,
+) = range(8)
 
 (
     FINE,
@@ -45,7 +55,7 @@ SENTENCES = (  # in the order of the names above
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
     b"after a spec got its name prefix",
     b"it is not a hinge or a slide joint; name one",
-    b"another instance resists it already; give each joint one",
+    b"another instance resists it already; give each joint one, and take the others off",
     b"give one finite number",
     b"give finite numbers with blanks between them",
     b"use ",

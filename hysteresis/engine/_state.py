@@ -12,6 +12,7 @@ from numba import njit
 from .native import doubles
 
 FAULT, MEMORY = 0, 1
+OFF = 2.0  # flag of an instance that is taken off: it gives no torque
 POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
 
 # A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits) and whether

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ...assets import Suit, load_suit, suit_names
-from ...envs import model, person, policies, rig, simulation
+from ...envs import belief, model, person, policies, rig, simulation
 from ...envs.model.drawing import drawn_quantities
 from ...envs.provenance import Quantity
 from ...files import write_text
@@ -36,7 +36,7 @@ What the numbers mean is told in [The model](model.md) and by the module that ea
 
 def quantities() -> dict[str, tuple[Quantity, ...]]:
     """Returns the quantities by the name of the module, or of arm.xml, that holds them."""
-    found = {}
+    found = {belief.__name__: belief.PROVENANCE}
     for package in PACKAGES:
         for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
             numbers = getattr(import_module(module.name), "PROVENANCE", ())

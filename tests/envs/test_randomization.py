@@ -5,10 +5,11 @@ import json
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, Suit, load_suit
+from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
+from activesuit.hysteresis import Held, JilesAtherton, PrandtlIshlinskii
 
 ELBOW = JOINTS.index("elbow_flexion")
 ENTRY = load_suit("mock-suit").joints["elbow_flexion"]
@@ -103,6 +104,87 @@ def test_a_drawn_load_or_place_is_that_of_an_environment_made_with_it(coupling):
     assert len(met) > 1
 
 
+def test_a_drawn_wearer_or_misalignment_is_that_of_an_environment_made_with_it():
+    wearers = [{"sex": "female", "stature": 1.5, "mass": 48.0}, {"strength": 80.0}]
+    terms = {"wearers": wearers, "misalignment": 0.03, "payload": [0.0, 3.0]}
+    drawn, met = ArmEnv(coupling="cuffs", randomize=terms), set()
+    for seed in range(4):
+        drawn.reset(seed=seed)
+        start = drawn.episodes._start(0)
+        met.add(start.wearer)
+        made = ArmEnv(
+            coupling="cuffs",
+            wearer=wearers[start.wearer],
+            misalignment=tuple(start.misalignment.tolist()),
+            payload={"mass": start.payload.mass},
+        )
+        made.reset(seed=seed)
+        for _ in range(30):
+            one, other = drawn.step(np.full(2, 0.1)), made.step(np.full(2, 0.1))
+        for name in ("angle", "human_torque", "cuff_force"):
+            np.testing.assert_allclose(one[-1][name], other[-1][name], rtol=1e-7, atol=1e-7)
+    assert met == {0, 1}
+
+
+@pytest.mark.parametrize("suit", ["mock-suit", "none-at-the-elbow", "play"])
+def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(suit, wardrobe):
+    other = wardrobe.get(suit, suit)
+    drawn = ArmEnv(randomize={"suits": [other]})  # made with mock-suit
+    made = ArmEnv(suit=other)
+    for env in (drawn, made):
+        env.reset(seed=4)
+    for _ in range(100):
+        one, two = drawn.step(np.full(2, 0.1)), made.step(np.full(2, 0.1))
+        for name in ("angle", "suit_torque", "dissipated_energy"):
+            np.testing.assert_array_equal(one[-1][name], two[-1][name])
+
+
+def test_rows_of_one_batch_wear_suits_of_other_kinds(wardrobe):
+    suits = ["mock-suit", "emu-like", *wardrobe.values()]
+    arms = ArmEnv(randomize={"suits": suits}).rows(16, info="full")
+    arms.reset(seed=0)
+    worn = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
+    assert {type(model) for model in worn} == {Held, JilesAtherton, PrandtlIshlinskii}
+    for _ in range(20):
+        *_, info = arms.step(np.zeros((16, 2)))
+    without = ["elbow_flexion" not in arms.episodes._start(row).suit for row in range(16)]
+    np.testing.assert_array_equal(info["suit_torque"][:, ELBOW] == 0, without)
+    assert 0 < np.sum(without) < 16
+
+
+@pytest.fixture(scope="module")
+def wardrobe(tmp_path_factory):
+    """Files of suits whose models are of another kind, or are at fewer joints."""
+    folder, own = tmp_path_factory.mktemp("suits"), load_suit("mock-suit")
+    joints = dict(own.joints)
+    del joints["elbow_flexion"]
+    play = PrandtlIshlinskii(stiffness=1.5, thresholds=(0.05, 0.2), weights=(6.0, 4.0))
+    others = {
+        joint: SuitJoint.from_model(
+            play, range=entry.range, start_angle=0.0, grade="assumed", source="of a test"
+        )
+        for joint, entry in own.joints.items()
+    }
+    found = {}
+    for name, parts in {"none-at-the-elbow": joints, "play": others}.items():
+        found[name] = str(folder / f"{name}.json")
+        Suit(name=name, description="of a test", joints=parts).save(found[name])
+    return found
+
+
+def test_the_noise_of_sensors_may_differ():
+    env = ArmEnv(coupling="cuffs", sensors=["cuffs"], randomize={"sensor_noise": [0.0, 3.0]})
+    ratios = []
+    for seed in range(6):
+        env.reset(seed=seed)
+        factor, errors = env.get_state()["loudness"][0], []
+        for _ in range(60):
+            shown, *_, info = env.step(np.zeros(2))
+            errors.append(shown - info["cuff_force"].ravel())
+        ratios.append(np.std(errors) / factor)
+    np.testing.assert_allclose(ratios, 1.0, rtol=0.1)  # N, the usual noise of a cuff
+
+
 def test_no_load_is_a_load_too():
     drawn = ArmEnv(randomize={"payload": [0.0, 0.0]}, payload={"mass": 2.0})
     made = ArmEnv()
@@ -146,7 +228,9 @@ def test_it_is_plain_data_and_part_of_the_identity():
     assert again.episodes.randomization == Randomization(pressure=0.1)
     assert json.loads(env.spec.to_json())["kwargs"]["randomize"] == {"pressure": 0.1}
     env.reset(seed=0)
-    with pytest.raises(InputError, match=r"randomize=.*0\.1.* and this one has randomize="):
+    with pytest.raises(
+        InputError, match=r"randomize\.pressure=0\.1, and this one has randomize\.pressure=0\.0"
+    ):
         gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped.set_state(env.unwrapped.get_state())
 
 
@@ -155,8 +239,8 @@ def test_it_is_plain_data_and_part_of_the_identity():
     [
         ({"size": 2}, {}, "unknown field of randomize 'size'"),
         ({"gravity": ["sun"]}, {}, "unknown place in randomize.gravity 'sun'"),
-        ({"payload": 3}, {}, "randomize.payload is 3: give the least and the greatest mass"),
-        ({"payload": [3, 1]}, {}, r"randomize.payload is \[3, 1\]: give the smaller mass first"),
+        ({"payload": 3}, {}, "randomize.payload is 3: give the least and the greatest, two"),
+        ({"payload": [3, 1]}, {}, r"randomize.payload is \[3, 1\]: give the smaller number first"),
         ({"payload": [0, 99]}, {}, "randomize.payload is 99: use a number from 0 to 60 kg"),
         ({"pressure": 0.9}, {}, "randomize.pressure is 0.9: use a number from 0 to 0.5"),
         ({"pressure": "much"}, {}, "randomize.pressure is 'much'"),
@@ -168,6 +252,14 @@ def test_it_is_plain_data_and_part_of_the_identity():
             "randomize.suit is 'samples', and the suit has none",
         ),
         ({"pressure": 0.1}, {"suit": "none"}, "and suit is 'none': name a suit"),
+        ({"suits": "emu-like"}, {}, "randomize.suits is 'emu-like': give a list of suits"),
+        ({"suits": ["none"]}, {}, "randomize.suits has 'none': give names or files of suits"),
+        ({"suits": ["emulike"]}, {}, "emulike"),
+        ({"wearers": [{"size": 2}]}, {}, r"unknown field of randomize.wearers\[0\] 'size'"),
+        ({"wearers": {"sex": "male"}}, {}, "randomize.wearers is .*: give a list of persons"),
+        ({"misalignment": 0.01}, {}, "only coupling='cuffs' lets exoskeleton and arm have diff"),
+        ({"misalignment": 0.1}, {}, "randomize.misalignment is 0.1: use a number from 0 to 0.05"),
+        ({"sensor_noise": [0, 1000]}, {}, "randomize.sensor_noise is 1000: use a number from 0"),
         (0.1, {}, r"randomize is 0\.1: give Randomization\(...\) or a dict"),
     ],
 )

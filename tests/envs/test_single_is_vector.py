@@ -8,15 +8,30 @@ from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 from gymnasium.vector import AutoresetMode
 
-VARIED = {"fatigue": True, "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3}}
-SUITES = ["encoders", "interaction", "emg", "preview", "privileged"]
+TERMS = {
+    "suits": ["mock-suit", "emu-like"],
+    "pressure": 0.2,
+    "payload": [0.0, 2.0],
+    "gravity": ["earth", "mars"],
+    "wearers": [{"sex": "female", "stature": 1.6, "mass": 60.0}, {}],
+    "sensor_noise": [0.5, 2.0],
+    "encoder_offset": 0.02,
+}
+VARIED = {
+    "fatigue": True,
+    "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3},
+    "randomize": TERMS,
+}
+SUITES = ["encoders", "interaction", "emg", "preview", "belief", "privileged"]
 MODES = ["NextStep", "SameStep", "Disabled"]
 SHORT = 13  # control periods of an episode
 
 
 def make(n, threads=1, mode="NextStep", coupling="rigid", **options):
-    sensors = [*SUITES, "cuffs"] if coupling == "cuffs" else SUITES
-    options = {**VARIED, "coupling": coupling, "sensors": sensors, **options}
+    options = {**VARIED, "coupling": coupling, "sensors": SUITES, **options}
+    if coupling == "cuffs":
+        options["randomize"] = {**TERMS, "misalignment": 0.01}
+        options["sensors"] = [*SUITES, "cuffs"]
     singles = [ArmEnv("ElbowFlexion", **options) for _ in range(n)]
     limit = {"max_episode_steps": SHORT, "threads": threads, "autoreset_mode": mode}
     arms = ArmVectorEnv(n, "ElbowFlexion", info="full", **limit, **options)

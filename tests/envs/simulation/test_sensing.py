@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.simulation.inverse_dynamics import arm_torques
+from activesuit.envs.model import bare_arm
+from activesuit.envs.simulation.inverse_dynamics import Chain, arm_torques
 
 EXACT = {"interaction_noise": 0.0, "interaction_delay": 0.0, "emg_noise": 0.0, "emg_cutoff": 1000.0}
 PERIODS = 200
@@ -60,8 +61,8 @@ def test_interaction_comes_late_and_noisy():
 
 def test_emg_tells_the_voluntary_torque_ahead_of_time():
     _, emg, told, env = series(EXACT, control={"feedback": 0.0})
-    memory, simulation = env.episodes.simulation.memory, env.episodes.simulation
-    own = arm_torques(simulation.chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
+    memory, chain = env.episodes.simulation.memory, Chain.of(bare_arm(env.config))
+    own = arm_torques(chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
     np.testing.assert_allclose(emg, own[np.arange(1, PERIODS + 1) + 5], rtol=1e-5, atol=1e-5)
     with_feedback, *_ = (series(EXACT)[1],)
     assert np.abs(with_feedback - emg).max() > 0.5

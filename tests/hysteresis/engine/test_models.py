@@ -16,7 +16,7 @@ from activesuit.hysteresis import (
     Preisach,
     UncertifiedModelError,
 )
-from activesuit.hysteresis.engine import attach, fault_slots, replace_model
+from activesuit.hysteresis.engine import attach, fault_slots, replace_model, take_off
 from helpers import TABLE_2
 from mujoco.batch import Batch
 
@@ -212,6 +212,37 @@ def test_a_replaced_model_starts_where_the_compiled_one_does(elbow):
     replace_model(compiled, data.plugin_state, "j", stronger, start_angle=0.1, start_torque=0.0)
     mujoco.mj_forward(compiled, data)
     assert data.sensor("j_suit_torque").data[0] == -stronger.response([0.1, 0.7])[-1]
+
+
+def test_a_model_that_is_taken_off_gives_no_torque_until_it_is_put_on(elbow):
+    other = BoucWen(elastic=1, hysteretic=2, beta=1, gamma=0, n=1.0)
+    spec = mujoco.MjSpec.from_string(PENDULUM)
+    attach(spec, "j", elbow)
+    attach(spec, "j", other, taken_off=True)
+    both = spec.compile()
+    alone = {name: pendulum(model) for name, model in {"elbow": elbow, "other": other}.items()}
+    for name, put_on in {"elbow": None, "other": other}.items():
+        one, two = mujoco.MjData(both), mujoco.MjData(alone[name])
+        if put_on is not None:
+            replace_model(both, one.plugin_state, "j", put_on)
+        for step in range(200):
+            for model, data in ((both, one), (alone[name], two)):
+                data.qfrc_applied[0] = 3 * math.sin(step / 30)
+                mujoco.mj_step(model, data)
+        assert one.qpos[0] == two.qpos[0]
+        suffix = "" if put_on is None else "_2"
+        for sensor in ("torque", "stiffness", "dissipated_energy"):
+            shown = one.sensor(f"j_suit{suffix}_{sensor}").data[0]
+            assert shown == two.sensor(f"j_suit_{sensor}").data[0]
+            assert one.sensor(f"j_suit{'_2' if put_on is None else ''}_{sensor}").data[0] == 0
+    data = mujoco.MjData(both)
+    take_off(both, data.plugin_state, "j")
+    data.qpos[0] = 0.5
+    mujoco.mj_forward(both, data)
+    assert not data.sensordata.any()
+    assert list(data.plugin_state[fault_slots(both)]) == [2.0, 2.0]
+    with pytest.raises(InputError, match="compiled with another kind or size of model than this"):
+        replace_model(both, data.plugin_state, "j", MODELS["prandtl-ishlinskii"])
 
 
 @pytest.mark.parametrize("slot", range(10))

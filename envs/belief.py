@@ -1,0 +1,159 @@
+"""What a controller believes of an arm: the torque of its suit, and of all that it carries."""
+
+# pyright: reportCallIssue=false
+
+import math
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+from numba import njit
+
+from ..arrays import Array
+from ..assets import JOINTS, SuitJoint
+from ..hysteresis.protocol import State
+from .model import ASSISTED
+from .provenance import Quantity
+
+_LEAD = Quantity(
+    "belief.lead",
+    0.02,
+    "s",
+    "a motor's lag at 10 Hz, 0.016 s, and half a control period",
+    "derived",
+)
+PROVENANCE: tuple[Quantity, ...] = (_LEAD,)
+LEAD = _LEAD.value
+PRODUCTS = 3 ** len(JOINTS)
+DEAD_BAND = 1.5  # counts of an encoder, up to which a change is no motion
+
+
+def count_of(bits: int) -> float:
+    """Returns the angle of one count [rad] of an encoder of so many bits."""
+    return 2 * np.pi / 2**bits
+
+
+class BelievedSuit:
+    """Follows the suit's torque at the assisted joints by models with a memory of their own.
+
+    The memory follows measured angles; a change of one encoder count is no motion. The torque is
+    that at the angle where the joint will be when the motors have answered: the measured angle plus
+    0.02 s of the measured rate. It needs nothing of what the wearer intends.
+
+    Args:
+        joints: Joints of the suit, which need not be the simulated one; one that is missing gives
+            no torque.
+        count: Angle of one encoder count [rad].
+
+    Attributes:
+        size: How many numbers the memory of an arm takes.
+    """
+
+    def __init__(self, joints: Mapping[str, SuitJoint], count: float) -> None:
+        self._dead = DEAD_BAND * count
+        self._entries = {i: joints[name] for i, name in enumerate(ASSISTED) if name in joints}
+        self._places: dict[int, slice] = {}
+        end = len(ASSISTED)
+        for i, entry in self._entries.items():
+            begin, end = end, end + entry.model.memory_size + 1
+            self._places[i] = slice(begin, end)
+        self.size = end
+
+    def begin(self, angle: Array) -> Array:
+        """Returns memories that begin where the suit's do, shape (n, size).
+
+        Args:
+            angle: Measured angles of the assisted joints [rad], shape (n, 2).
+        """
+        memory = np.zeros((len(angle), self.size))
+        memory[:, : len(ASSISTED)] = angle
+        for i, entry in self._entries.items():
+            start = entry.model.start(entry.start_angle, entry.start_torque)
+            memory[:, self._places[i]] = [*start.memory, start.torque]
+        return memory
+
+    def follow(self, memory: Array, angle: Array, rate: Array) -> Array:
+        """Moves memories on, in place; returns the resistance soon [N·m], shape (n, 2).
+
+        Args:
+            memory: Memories, shape (n, size).
+            angle: Measured angles of the assisted joints [rad], shape (n, 2).
+            rate: Measured rates [rad/s], the same shape.
+        """
+        followed, soon = memory[:, : len(ASSISTED)], angle + LEAD * rate
+        moved = np.abs(angle - followed) > self._dead
+        followed[moved] = angle[moved]
+        torque = np.zeros_like(soon)
+        for i, entry in self._entries.items():
+            model = entry.model
+            for row, kept in enumerate(memory[:, self._places[i]]):
+                state = State(kept[:-1], float(kept[0]), float(kept[-1]))
+                state, _ = model.step(state, float(followed[row, i]))
+                kept[:-1], kept[-1] = state.memory, state.torque
+                torque[row, i] = model.step(state, float(soon[row, i]))[1]
+        return torque
+
+
+class BelievedWeight:
+    """The torque that holds an arm still, with all that it wears and carries.
+
+    Between joints that turn about fixed axes, this torque is linear in the sine and in the cosine
+    of each joint's angle. The coefficients of their 81 products follow from poses of the model.
+
+    Args:
+        model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
+            the same angles as the arm's.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        chains: list[tuple[str, ...]] = [JOINTS]
+        if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
+            chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
+        places = [[model.joint(joint).qposadr[0] for joint in chain] for chain in chains]
+        data, torque = mujoco.MjData(model), np.zeros(model.nv)
+        poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
+        held = np.zeros_like(poses)
+        for pose, found in zip(poses, held, strict=True):
+            for chain in places:
+                data.qpos[chain] = pose
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_rne(model, data, 0, torque)
+            found[:] = sum(torque[chain] for chain in places)
+        products = np.empty((len(poses), PRODUCTS))
+        for pose, row in zip(poses, products, strict=True):
+            _multiply(pose, row)
+        assisted = [JOINTS.index(joint) for joint in ASSISTED]
+        self._coefficients = np.linalg.solve(products, held[:, assisted])
+
+    def __call__(self, angle: Array) -> Array:
+        """Returns the torque at the assisted joints [N·m], shape (n, 2).
+
+        Args:
+            angle: Angles of the four joints [rad], shape (n, 4).
+        """
+        torque = np.zeros((len(angle), len(ASSISTED)))
+        _weigh(angle, self._coefficients, torque)
+        return torque
+
+
+@njit(cache=True)
+def _weigh(angle, coefficients, torque) -> None:
+    products = np.empty(PRODUCTS)
+    for row in range(angle.shape[0]):
+        _multiply(angle[row], products)
+        for j in range(torque.shape[1]):
+            for i in range(products.size):
+                torque[row, j] += products[i] * coefficients[i, j]
+
+
+@njit(cache=True)
+def _multiply(angle, products) -> None:
+    """Fills in the products of 1, sine or cosine of each joint's angle."""
+    products[0], count = 1.0, 1
+    for j in range(angle.size):
+        s, c = math.sin(angle[j]), math.cos(angle[j])
+        for i in range(count):
+            products[count + i] = s * products[i]
+            products[2 * count + i] = c * products[i]
+        count *= 3

@@ -1,0 +1,69 @@
+"""The sensor suite "belief": what a believed model says, and that alone."""
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.policies import make_policy
+from activesuit.errors import InputError
+
+SENSORS = ["encoders", "belief"]
+
+
+@pytest.mark.parametrize("believed", [{}, {"suit": "emu-like"}, {"payload": {"mass": 2.0}}])
+def test_it_is_what_the_policies_of_that_belief_command(believed):
+    env, other = ArmEnv(sensors=SENSORS, belief=believed), ArmEnv(**believed)
+    suit = make_policy("feedforward", env, believed_suit=believed.get("suit"))
+    weight = make_policy("gravity", other)
+    peak = env.episodes.simulation.addresses.peak_torque
+    observation, _ = env.reset(seed=2)
+    for _ in range(60):
+        shown = observation[env.layout["belief"]]
+        np.testing.assert_allclose(shown[:2], suit.act(observation) * peak, rtol=1e-5, atol=1e-4)
+        turned = (
+            0.02 * np.abs(observation[env.layout["rate"]]).max()
+        )  # rad, by which it looks ahead
+        held = weight.act(observation[:12]) * peak
+        assert np.abs(shown[2:] - held).max() < 1e-3 + 60 * turned
+        observation, *_ = env.step(suit.act(observation))
+    assert np.abs(shown).min() > 0.01
+
+
+def test_it_tells_nothing_of_what_is_drawn():
+    same = {"sensors": [*SENSORS, "privileged"], "gravity": "microgravity"}
+    drawn = ArmEnv(**same, randomize={"pressure": 0.5})
+    nominal = make_policy("feedforward", ArmEnv(**same))
+    errors = []
+    for seed in range(4):
+        observation, _ = drawn.reset(seed=seed)
+        nominal.reset()
+        believed = observation[drawn.layout["belief"]][:2]
+        peak = drawn.episodes.simulation.addresses.peak_torque
+        np.testing.assert_allclose(believed, nominal.act(observation) * peak, rtol=1e-5)
+        true = -observation[drawn.layout["suit_torque"]][[1, 2]]
+        errors.append(np.abs(believed - true).max() / np.abs(believed).max())
+    assert max(errors) > 0.1
+
+
+def test_a_state_keeps_its_memory():
+    env = ArmEnv(sensors=SENSORS)
+    env.reset(seed=5)
+    for _ in range(40):
+        env.step(np.full(2, 0.2))
+    state = env.get_state()
+    first = [env.step(np.full(2, 0.1))[0] for _ in range(40)]
+    env.set_state(state)
+    np.testing.assert_array_equal(first, [env.step(np.full(2, 0.1))[0] for _ in range(40)])
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to them"),
+        ({"sensors": SENSORS, "belief": {"suite": 1}}, "unknown field of belief 'suite'"),
+        ({"sensors": SENSORS, "belief": {"suit": "emulike"}}, "unknown suit 'emulike'"),
+        ({"sensors": SENSORS, "belief": 3}, r"belief is 3: give ArmConfig\(...\) or a dict"),
+    ],
+)
+def test_mistakes(options, message):
+    with pytest.raises(InputError, match=message):
+        ArmEnv(**options)
