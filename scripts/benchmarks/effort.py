@@ -10,9 +10,9 @@ from ...envs.model import ASSISTED
 from ...envs.model.config import NO_SUIT
 
 TASK, EPISODES = "ActiveSuit/ArmTracking-v0", 5
-PUBLISHED = (
-    "published: shoulder work of handling masses in an EMU is ten times that without a suit in a "
-    "bad posture, and 23 % of that, 2.3 times, in a good one (SAE 2000-01-2257)"
+SIMULATED = (
+    "another simulation, no measurement: shoulder work of handling masses in an EMU is ten times "
+    "that without a suit in a bad posture, and 23 % of that in a good one (SAE 2000-01-2257)"
 )
 CONDITIONS = (("earth", 0.0), ("microgravity", 0.0), ("microgravity", 5.0))  # kg in the hand
 

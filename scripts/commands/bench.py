@@ -75,7 +75,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         table("RMS differences from physics steps of 0.125 ms", *model.step_table(errors))
     if costs:
         table("effort in a suit over effort without", *effort.cost_table(costs))
-        print(effort.PUBLISHED)
+        print(effort.SIMULATED)
     if found:
         table("fits from random starts", *starts.starts_table(found))
 

@@ -219,6 +219,7 @@ def test_a_wearer_who_knows_the_suit_follows_more_closely():
     rmse = []
     for learning in (0.0, 1.0):
         options = {"gravity": "microgravity", "control": {"suit_learning": learning}}
+        options["coupling"] = "none"  # without the friction of motors, which no wearer foresees
         (score,) = evaluate(ENV, ["none"], episodes=1, **options)
         rmse.append(score.tracking_rmse)
     for joint in ASSISTED:

@@ -77,7 +77,7 @@ def test_command_and_activation_are_torques(joint):
 
 
 def test_inertia_and_friction_are_the_motors():
-    strong = replace(Exo().elbow, armature=0.05, coulomb=1.5, viscous=0.4)
+    strong = replace(Exo().elbow, armature=0.05, coulomb=3.2, viscous=0.4)
     exo = Exo(elbow=strong)
     inertia, rest = [], []
     for config in (ArmConfig(suit="none"), ArmConfig(suit="none", exo=exo)):
@@ -106,7 +106,7 @@ def test_masses_are_the_configured_ones():
     )
     model = compose(ArmConfig(exo=exo))
     masses = {name: model.body(f"exo_{name}").mass[0] for name in ("upper_arm", "forearm", "hand")}
-    assert masses == pytest.approx({"upper_arm": 1.5, "forearm": 1.7, "hand": 0.5})
+    assert masses == pytest.approx({"upper_arm": 2.2, "forearm": 1.0, "hand": 0.5})
     assert model.body("exo_shoulder_support").mass[0] == pytest.approx(1.1)
 
 
@@ -161,6 +161,8 @@ def test_heat_is_the_running_mean_square():
 
 def test_every_number_of_the_default_exoskeleton_has_a_source():
     values = {quantity.name: quantity.value for quantity in PROVENANCE}
-    assert all(quantity.source and quantity.grade == "assumed" for quantity in PROVENANCE)
+    assert all(quantity.source for quantity in PROVENANCE)
+    known = {quantity.name for quantity in PROVENANCE if quantity.grade != "assumed"}
+    assert known == {"exo.shoulder_flexion.coulomb", "exo.elbow_flexion.coulomb"}
     assert values["exo.elbow_flexion.peak_torque"] == Exo().elbow.peak_torque
     assert len(values) == len(PROVENANCE) == 2 * 9 + 6

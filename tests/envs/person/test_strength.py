@@ -6,6 +6,7 @@ from activesuit.envs.person import (
     isometric_strength,
     passive_torque,
     range_of_motion,
+    segments,
     strength_limits,
 )
 from activesuit.envs.person.strength import DIRECTIONS, PROVENANCE
@@ -42,7 +43,7 @@ def wearers(n, seed=0):
 
 
 def test_the_reference_man_has_the_tabled_peaks():
-    expected = [[70, 85, 52, 10], [55, 90.8, 70, 18]]
+    expected = [[70, 85, 52, 10], [55, 99.2, 70, 18]]
     np.testing.assert_array_equal(isometric_strength(Person()), expected)
 
 
@@ -68,14 +69,31 @@ def test_tabled_points_are_met(direction, joint):
     np.testing.assert_allclose(torque, expected, rtol=1e-12, atol=1e-12)
 
 
-def test_shoulder_flexors_are_those_of_the_26_men():
-    assert torque_of(1, 1, 0) == pytest.approx(89.9, abs=0.1)
-    assert torque_of(1, 1, np.pi / 4) == pytest.approx(68.6, abs=0.1)
+@pytest.mark.parametrize(
+    ("degrees", "speed", "published", "tolerance"),
+    [(0, 0, 89.9, 0.03), (45, 0, 68.6, 0.03), (45, 50, 46.9, 0.005), (45, -50, 75.3, 0.005)],
+)
+def test_shoulder_flexors_are_those_of_the_26_men(degrees, speed, published, tolerance):
+    # McGill et al. 1994. The standard error of their means is 3.7 % at the spread of the model.
+    torque = torque_of(1, 1, np.deg2rad(degrees), np.deg2rad(speed))
+    assert torque == pytest.approx(published, rel=tolerance)
 
 
-def test_lengthening_shoulder_flexors_are_as_strong_as_measured():
-    # The same 26 men lengthened them at 50 degrees/s, which the curves have not seen: 75.3 N·m.
-    assert torque_of(1, 1, np.pi / 4, -np.deg2rad(50)) == pytest.approx(75.3, rel=0.02)
+def test_a_man_holds_his_bare_arm_with_22_to_25_percent_of_his_strength():
+    arm = segments(Person())
+    below = arm["forearm"].mass + arm["hand"].mass
+    weight = arm["upper_arm"].mass * arm["upper_arm"].center
+    weight += below * arm["upper_arm"].length + arm["forearm"].mass * arm["forearm"].center
+    weight += arm["hand"].mass * (arm["forearm"].length + arm["hand"].center)
+    assert 0.22 < 9.81 * weight / torque_of(1, 1, np.pi / 2) < 0.25
+
+
+def test_elbow_flexors_are_strongest_at_a_right_angle_and_half_as_strong_straight():
+    angles = np.linspace(0, 2.4, 25)
+    torque = [torque_of(1, 2, angle) for angle in angles]
+    assert abs(angles[np.argmax(torque)] - np.pi / 2) < 0.1
+    # Moment arms of brachialis and brachioradialis at full extension over those at 90 degrees.
+    assert 0.37 < torque[0] / torque_of(1, 2, np.pi / 2) < 0.56
 
 
 @pytest.mark.parametrize(("direction", "joint"), GROUPS)
@@ -93,7 +111,7 @@ def test_torque_falls_smoothly_with_the_speed_of_shortening(direction, joint):
     assert torque.max() <= tabled(direction, joint, "eccentric") * (1 + 1e-12)
     assert torque.min() == 0
     here = speed.size // 2  # the two hyperbolas join there
-    assert slope[here - 1] == pytest.approx(slope[here], rel=0.01)
+    assert slope[here - 1] == pytest.approx(slope[here], rel=0.03)
 
 
 def test_limits_keep_their_signs_and_bounds_everywhere():

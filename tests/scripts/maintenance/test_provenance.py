@@ -47,8 +47,8 @@ def masses(config):
     if config.coupling != "none":
         cuff, motors = VALUE["exo.cuff"], [VALUE[f"exo.{joint}.mass"] for joint in ASSISTED]
         found["exo_shoulder_support"] = motors[0]
-        found["exo_upper_arm"] = VALUE["exo.upper_arm_link"] + cuff
-        found["exo_forearm"] = VALUE["exo.forearm_link"] + motors[1] + cuff
+        found["exo_upper_arm"] = VALUE["exo.upper_arm_link"] + motors[1] + cuff
+        found["exo_forearm"] = VALUE["exo.forearm_link"] + cuff
         found["exo_hand"] = ring
     return found
 
