@@ -15,11 +15,12 @@ COMMON_KEYS = (
     "joint",
     "start_angle",
     "start_torque",
+    "start_path",
     "polynomial",
     "angle_range",
     "allow_uncertified",
 )
-JOINT, START_ANGLE, START_TORQUE, POLYNOMIAL, ANGLE_RANGE, ALLOW, FIRST_KEY = range(7)
+JOINT, START_ANGLE, START_TORQUE, START_PATH, POLYNOMIAL, ANGLE_RANGE, ALLOW, FIRST_KEY = range(8)
 
 (
     FINE,
@@ -35,11 +36,12 @@ JOINT, START_ANGLE, START_TORQUE, POLYNOMIAL, ANGLE_RANGE, ALLOW, FIRST_KEY = ra
     UNCERTIFIED,
     FAR_START,
     NO_START,
+    NO_PATH,
     SENSOR_NAME,
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(17)
+) = range(18)
 SENTENCES = (  # in the order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
@@ -56,6 +58,7 @@ SENTENCES = (  # in the order of the names above
     b"gain energy); set allow_uncertified to true to run anyway",
     b"it starts too far from rest for the certificate; change start_angle or start_torque",
     b"it cannot hold start_torque at start_angle; start nearer to 0",
+    b"its torque becomes infinite on the way; stay nearer to the start",
     b"the name of each of its sensors must end in torque, stiffness or energy, "
     b"which is what it measures",
     b"two of its sensors measure the same; leave one out",
