@@ -28,7 +28,8 @@ def compose(config: ArmConfig, *, drawn: bool = True) -> mujoco.MjModel:
             Without, it moves in the same way to the last digit and takes a third less time.
 
     Raises:
-        InputError: The suit is unknown, or a pressure is given for a suit without one of its own.
+        InputError: The suit is unknown, a pressure is given for a suit without one of its own, or a
+            joint has no steady cycle to begin with.
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     suit = _suit_of(config)
@@ -84,11 +85,20 @@ def _compiled(config: ArmConfig, suit: str | None, drawn: bool) -> mujoco.MjMode
 
 
 def _suit_of(config: ArmConfig) -> Suit | None:
-    """Returns the suit at the pressure at which it is worn."""
+    """Returns the suit at the pressure at which it is worn, with the memory that it begins with."""
     if config.suit == NO_SUIT:
         return None
     suit = load_suit(config.suit)
-    return suit if config.pressure is None else suit.at_pressure(config.pressure)
+    if config.pressure is not None:
+        suit = suit.at_pressure(config.pressure)
+    # Where the gas's share is known, its line is there from the start: an episode may change it.
+    shares = {
+        joint: entry.at_pressure_ratio(1.0)
+        for joint, entry in suit.joints.items()
+        if entry.volume_share is not None
+    }
+    suit = suit.model_copy(update={"joints": {**suit.joints, **shares}}) if shares else suit
+    return suit.preconditioned() if config.preconditioned else suit
 
 
 def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:

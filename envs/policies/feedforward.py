@@ -43,10 +43,7 @@ class HysteresisFeedforward:
         addresses, layout = episodes.simulation.addresses, episodes.observer.layout
         entries = {i: joints[name] for i, name in enumerate(ASSISTED) if name in joints}
         self._models = {i: entry.model for i, entry in entries.items()}
-        self._starts = {
-            i: entry.model.start(entry.start_angle, entry.start_torque)
-            for i, entry in entries.items()
-        }
+        self._starts = {i: entry.begun() for i, entry in entries.items()}
         self._angle = layout["angle"].start + addresses.assisted
         self._rate = layout["rate"].start + addresses.assisted
         self._peak = addresses.peak_torque
