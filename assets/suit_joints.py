@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, Protocol, get_args, runtime_checkable
+from typing import Annotated, Any, Literal, get_args
 
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import (
     BaseModel,
     BeforeValidator,
@@ -15,8 +17,19 @@ from pydantic import (
     model_validator,
 )
 
+from ..arrays import Array
+from ..checks import number
 from ..errors import LONGEST_VALUE, InputError, shortened, shown
-from ..hysteresis import HysteresisModel, model_from_dict
+from ..hysteresis import (
+    HysteresisModel,
+    State,
+    SteadyCycle,
+    model_from_dict,
+    steady_cycle,
+)
+from ..hysteresis.around import sprung
+from ..hysteresis.protocol import finite_series, follow
+from .fits import FittedModel
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
 Grade = Literal["published", "identified", "assumed"]
@@ -40,67 +53,6 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class FittedCurves(Protocol):
-    """The measured curves of one joint, and the file they come from."""
-
-    source: str
-    sha256: str | None
-
-    @property
-    def names(self) -> list[str]:
-        """The names of the curves."""
-        ...
-
-    @property
-    def angle_range(self) -> tuple[float, float]:
-        """The smallest and the largest angle of all curves [rad]."""
-        ...
-
-    @property
-    def start_angle(self) -> float:
-        """The angle at which the first curve begins [rad]."""
-        ...
-
-    @property
-    def start_torque(self) -> float:
-        """The mean torque with which the curves begin [N·m]."""
-        ...
-
-    def fitted(self) -> "FittedCurves":
-        """Returns the curves that the model was fitted to."""
-        ...
-
-
-@runtime_checkable
-class FittedModel(Protocol):
-    """A model that was identified from curves, such as a fit of `activesuit.identification`."""
-
-    @property
-    def model(self) -> HysteresisModel:
-        """The identified model."""
-        ...
-
-    @property
-    def method(self) -> str:
-        """The name of the method that found it."""
-        ...
-
-    @property
-    def initial_torque(self) -> float | str:
-        """The torque with which all curves begin [N·m]; or "measured", each with its own."""
-        ...
-
-    @property
-    def nrmse(self) -> float:
-        """The error on the fitted curves over their largest torque."""
-        ...
-
-    @property
-    def curves(self) -> FittedCurves:
-        """The measured curves, also those that were kept out of the fit."""
-        ...
-
-
 class SuitJoint(Strict):
     """The resistance of one joint and its provenance.
 
@@ -110,6 +62,12 @@ class SuitJoint(Strict):
         range: Lowest and highest angle [rad] at which the model was identified or may be used.
         start_angle: Angle at which the memory of the joint begins [rad].
         start_torque: Resistance at that angle [N·m].
+        start_path: Angles that the memory then goes through, in a monotone motion each [rad]; it
+            stands at the last of them. Without any, it begins with the virgin curve.
+        volume_share: Share of the joint's elastic torque that the displaced gas makes, 0 to 1, and
+            that alone changes with the pressure; `source` says what it rests on. None means that
+            it is not known: the whole torque is then taken to be proportional to the pressure,
+            which is assumed and not measured.
         grade: Grade of the numbers: published (printed in a paper), identified (fitted to curves)
             or assumed.
         source: Source of the numbers, in words.
@@ -123,6 +81,8 @@ class SuitJoint(Strict):
     range: tuple[FiniteFloat, FiniteFloat]
     start_angle: FiniteFloat
     start_torque: FiniteFloat = 0.0
+    start_path: tuple[FiniteFloat, ...] = ()
+    volume_share: FiniteFloat | None = None
     grade: Grade
     source: str
     data_sha256: str | None = None
@@ -187,6 +147,20 @@ class SuitJoint(Strict):
                 f"range is {list(self.range)} and start_angle {self.start_angle}: more than a full "
                 "turn; both are radians"
             )
+        for i, angle in enumerate(self.start_path):
+            if abs(angle) > 2 * math.pi:
+                raise ValueError(
+                    f"start_path[{i}] is {angle}: more than a full turn; angles are radians"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _volume_share_is_a_share(self) -> "SuitJoint":
+        if self.volume_share is not None and not 0 <= self.volume_share <= 1:
+            raise ValueError(
+                f"volume_share is {self.volume_share:g}: give the share of the elastic torque that "
+                "the gas makes, 0 to 1, or leave it out if it is not known"
+            )
         return self
 
     @model_validator(mode="after")
@@ -198,6 +172,92 @@ class SuitJoint(Strict):
                     "the model itself is certified: remove that sample"
                 )
         return self
+
+    def begun(self) -> State:
+        """Returns the memory with which the joint begins, after its path."""
+        start = self.model.start(self.start_angle, self.start_torque)
+        return follow(self.model, start, self.start_path)
+
+    def response(self, angle: ArrayLike, model: HysteresisModel | None = None) -> Array:
+        """Computes the resistance along angles, which the memory follows from its beginning.
+
+        Args:
+            angle: Joint angles [rad], shape (n,).
+            model: One of `samples`; by default the joint's own model.
+
+        Returns:
+            Resistance [N·m], shape (n,).
+
+        Raises:
+            InputError: `angle` is not one finite series.
+            PoleError: The motion meets the pole of an uncertified model.
+        """
+        before = (self.start_angle, *self.start_path)
+        model = model or self.model
+        motion = np.concatenate([before, finite_series("angle", angle, "rad")])
+        return model.response(motion, self.start_torque)[len(before) :]
+
+    def steady_cycle(self, model: HysteresisModel | None = None) -> SteadyCycle:
+        """Returns the cycle over the joint's range that repeats itself.
+
+        Args:
+            model: One of `samples`; by default the joint's own model.
+
+        Raises:
+            InputError: The cycles do not become steady.
+            PoleError: The motion meets the pole of an uncertified model.
+        """
+        return steady_cycle(
+            model or self.model,
+            self.range,
+            start_angle=self.start_angle,
+            start_torque=self.start_torque,
+        )
+
+    def preconditioned(self) -> "SuitJoint":
+        """Returns the joint whose memory begins in the steady cycle over its range.
+
+        From its start the memory goes through as many cycles as the model and all samples need
+        to become steady, and then from the lower end up to the start angle, at which it stands.
+
+        Raises:
+            InputError: The cycles do not become steady.
+            PoleError: The motion meets the pole of an uncertified model.
+        """
+        models = (self.model, *self.samples)
+        cycles = max(self.steady_cycle(model).cycles for model in models)
+        path = (*self.range * cycles, self.range[0], self.start_angle)
+        return self.model_copy(update={"start_path": path})
+
+    def at_pressure_ratio(self, ratio: float) -> "SuitJoint":
+        """Returns the joint at `ratio` times the pressure at which its torque was measured.
+
+        Without a volume share the whole torque is proportional to the pressure, friction included.
+        With one, an elastic torque is added, (ratio - 1) times the share of the straight line
+        through the middle of the steady cycle: what the gas makes. It is conservative, so the loop
+        keeps its width, its certificate and what it dissipates. Samples get the line of the model.
+
+        Raises:
+            InputError: `ratio` is not finite, or negative, or 0 without a volume share; or the
+                cycles do not become steady.
+            PoleError: The cycle meets the pole of an uncertified model.
+        """
+        if self.volume_share is None:
+            return self.scaled(torque=ratio)
+        if number("ratio", ratio) < 0:
+            raise InputError(f"ratio is {ratio:g}: give a ratio of pressures, 0 or more")
+        factor = (ratio - 1) * self.volume_share
+        offset, stiffness = self.steady_cycle().spring()
+        line = [factor * offset, factor * stiffness]
+        changes = {
+            "model": sprung(self.model, line[0], line[1]),
+            "samples": tuple(sprung(sample, line[0], line[1]) for sample in self.samples),
+            "start_torque": self.start_torque + line[0] + line[1] * self.start_angle,
+            "volume_share": ratio * self.volume_share / (1 + factor) if ratio else 0.0,
+            "source": f"{self.source}; then {ratio:.3g} times the pressure, which changes "
+            f"{self.volume_share:.3g} of the elastic torque",
+        }
+        return SuitJoint(**(dict(self) | changes))
 
     def scaled(self, *, torque: float) -> "SuitJoint":
         """Returns the joint with `torque` times the resistance; its source then says so.

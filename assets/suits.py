@@ -9,7 +9,8 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 from ..errors import InputError, shown, unknown_name
 from ..files import write_text
 from ..hysteresis import HysteresisModel
-from .suit_joints import JOINTS, FittedModel, Strict, SuitJoint, first_problem
+from .fits import FittedModel
+from .suit_joints import JOINTS, Strict, SuitJoint, first_problem
 
 SCHEMA_VERSION = 2
 Label = Literal["from paper", "illustrative", "extrapolated"]
@@ -113,13 +114,16 @@ class Suit(Strict):
         write_text(path, self.model_dump_json(indent=2, exclude_none=True) + "\n")
 
     def at_pressure(self, pressure: float) -> "Suit":
-        """Returns the suit at another operating pressure, to which its torques are proportional.
+        """Returns the suit at another operating pressure.
 
-        The torques come from the gas that bending displaces (volume effect: Holschuh 2010, MIT).
-        The share of the fabric is scaled too, although it would stay the same.
+        Bending displaces gas, which makes most of the torque of a pressurized elbow (volume effect:
+        Holschuh 2010, MIT). A joint with a `volume_share` changes by that share of its elastic
+        torque, which dissipates nothing; what is left at 0 kPa is structure. Without one, its whole
+        torque is proportional to the pressure, friction included, which is an assumption.
 
         Args:
-            pressure: Operating pressure [kPa], 0 to 110; at 0 no joint resists.
+            pressure: Operating pressure [kPa], 0 to 110; at 0 joints without a `volume_share` do
+                not resist.
 
         Raises:
             InputError: The pressure is out of its range, or `pressure_kpa` is not known.
@@ -134,15 +138,31 @@ class Suit(Strict):
         if pressure == self.pressure_kpa:
             return self
         factor = pressure / self.pressure_kpa
+        own = f"{self.pressure_kpa:g} kPa"
+        how = f"{factor:.3g} times its torque at {own}"
+        if any(entry.volume_share is not None for entry in self.joints.values()):
+            how = f"extrapolated from {own} by the volume_share of its joints"
         return Suit(
             name=f"{self.name}-{pressure:g}kPa",
-            description=f"{self.name} at {pressure:g} kPa: {factor:.3g} times its torque at "
-            f"{self.pressure_kpa:g} kPa. {self.description}",
+            description=f"{self.name} at {pressure:g} kPa: {how}. {self.description}",
             label="extrapolated",
             pressure_kpa=pressure or None,
             joints={
-                joint: entry.scaled(torque=factor)
+                joint: entry.at_pressure_ratio(factor)
                 for joint, entry in self.joints.items()
-                if factor > 0
+                if factor > 0 or entry.volume_share is not None
             },
         )
+
+    def preconditioned(self) -> "Suit":
+        """Returns the suit in which the memory of every joint begins in its steady cycle.
+
+        A new suit resists its first loading less than all later ones; see
+        `SuitJoint.preconditioned`.
+
+        Raises:
+            InputError: The cycles of a joint do not become steady.
+            PoleError: They meet the pole of an uncertified model.
+        """
+        joints = {joint: entry.preconditioned() for joint, entry in self.joints.items()}
+        return self.model_copy(update={"joints": joints})

@@ -68,8 +68,8 @@ class BelievedSuit:
         memory = np.zeros((len(angle), self.size))
         memory[:, : len(ASSISTED)] = angle
         for i, entry in self._entries.items():
-            start = entry.model.start(entry.start_angle, entry.start_torque)
-            memory[:, self._places[i]] = [*start.memory, start.torque]
+            begun = entry.begun()
+            memory[:, self._places[i]] = [*begun.memory, begun.torque]
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array) -> Array:

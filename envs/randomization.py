@@ -34,8 +34,9 @@ class Randomization:
             own or one of its `samples`, which the identification found possible too).
         suits: Names or files of suits, of which one is drawn, also of different models; none is the
             suit of the configuration.
-        pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque is
-            multiplied by a number between 1 - pressure and 1 + pressure.
+        pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
+            the gas's part of it where `volume_share` tells it, is multiplied by a number between
+            1 - pressure and 1 + pressure.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
             configuration.
         gravity: Names of places, of which one is drawn; none is the place of the configuration.
@@ -209,5 +210,7 @@ def _range(name: str, given: object, most: float, unit: str) -> tuple[float, flo
 
 
 def _scaled(entry: SuitJoint, factor: float) -> SuitJoint:
+    if entry.volume_share is not None:
+        return entry.at_pressure_ratio(factor)
     model, start = entry.model.scaled(torque=factor), factor * entry.start_torque
     return entry.model_copy(update={"model": model, "start_torque": start})

@@ -13,6 +13,7 @@ from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
 from .protocol import Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict, register_model
+from .steady import SteadyCycle, steady_cycle
 
 __all__ = [
     "MODELS",
@@ -29,8 +30,10 @@ __all__ = [
     "PrandtlIshlinskii",
     "Preisach",
     "State",
+    "SteadyCycle",
     "UncertifiedModelError",
     "model_from_dict",
     "nearest_certified",
     "register_model",
+    "steady_cycle",
 ]

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import ModuleType
@@ -293,6 +293,18 @@ def finite_series(name: str, values: ArrayLike, unit: str) -> Array:
         bad = int(np.flatnonzero(~np.isfinite(series))[0])
         raise InputError(f"{name}[{bad}] is {series[bad]}: give finite numbers ({unit})")
     return series
+
+
+def follow(model: HysteresisModel, state: State, angles: Iterable[float]) -> State:
+    """Returns the state after monotone motions from `state` to each of some angles [rad].
+
+    Raises:
+        InputError: An angle is not finite.
+        PoleError: The motion meets the pole of an uncertified model.
+    """
+    for angle in angles:
+        state, _ = model.step(state, angle)
+    return state
 
 
 def find_angle(model: HysteresisModel, state: State, target: float, what: str) -> float:

@@ -23,6 +23,8 @@ class ArmOptions:
 
     Attributes:
         pressure: Operating pressure of the suit [kPa], to which its torque is proportional.
+        preconditioned: Begin with the memory of a suit that was moved before, in the steady cycle
+            over the range of each joint, and not with that of a new one.
         coupling: Connection of the exoskeleton to the arm: rigid, elastic cuffs, or none, which
             means that there is no exoskeleton.
         side: Arm that wears the exoskeleton.
@@ -37,6 +39,7 @@ class ArmOptions:
 
     # None where the option is not given; `runs.scene` finds what it is then.
     pressure: Annotated[float | None, optional_number("that of its file")] = None
+    preconditioned: bool = False
     coupling: Annotated[str | None, choice(lambda: COUPLINGS, usual=_USUAL.coupling)] = None
     side: Annotated[str | None, choice(lambda: SIDES, usual=_USUAL.side)] = None
     stature: Annotated[float | None, optional_number(f"{_USUAL.wearer.stature}")] = None
@@ -91,6 +94,7 @@ USUAL = ArmOptions()
 USUAL_OPTIONS: dict[str, Any] = {
     "suit": SUIT,
     "pressure": _USUAL.pressure,
+    "preconditioned": _USUAL.preconditioned,
     "gravity": GRAVITY,
     "stature": _USUAL.wearer.stature,
     "mass": _USUAL.wearer.mass,

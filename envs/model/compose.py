@@ -33,7 +33,8 @@ def compose(
             another kind or size.
 
     Raises:
-        InputError: The suit is unknown, or a pressure is given for a suit without one of its own.
+        InputError: The suit is unknown, a pressure is given for a suit without one of its own, or a
+            joint has no steady cycle to begin with.
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
     suit = worn_suit(config)
@@ -72,7 +73,9 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
 
 
 def worn_suit(config: ArmConfig) -> Suit | None:
-    """Returns the suit at the pressure at which it is worn; None if there is none.
+    """Returns the suit at the pressure at which it is worn, with the memory that it begins with.
+
+    It is None if there is no suit.
 
     Raises:
         InputError: See `compose`.
@@ -80,7 +83,16 @@ def worn_suit(config: ArmConfig) -> Suit | None:
     if config.suit == NO_SUIT:
         return None
     suit = load_suit(config.suit)
-    return suit if config.pressure is None else suit.at_pressure(config.pressure)
+    if config.pressure is not None:
+        suit = suit.at_pressure(config.pressure)
+    # Where the gas's share is known, its line is there from the start: an episode may change it.
+    shares = {
+        joint: entry.at_pressure_ratio(1.0)
+        for joint, entry in suit.joints.items()
+        if entry.volume_share is not None
+    }
+    suit = suit.model_copy(update={"joints": {**suit.joints, **shares}}) if shares else suit
+    return suit.preconditioned() if config.preconditioned else suit
 
 
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:

@@ -90,8 +90,10 @@ class ArmConfig:
     Attributes:
         suit: Name of a shipped suit, path of a suit file, or "none" for no suit; or a `Suit`, or
             `SuitJoint`s by the name of their joint.
-        pressure: Operating pressure of the suit [kPa], to which its torque is proportional; by
-            default that of the suit file.
+        pressure: Operating pressure of the suit [kPa], to which its torque, or what of it the gas
+            makes, is proportional; by default that of the suit file.
+        preconditioned: Whether the suit's memory begins in the steady cycle over the range of each
+            joint, as in a suit that was moved before, and not with the virgin curve of a new one.
         gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.
@@ -113,6 +115,7 @@ class ArmConfig:
 
     suit: AnySuit = "mock-suit"
     pressure: float | None = None
+    preconditioned: bool = False
     gravity: str = "earth"
     wearer: Person = field(default_factory=Person)
     exo: Exo = field(default_factory=Exo)
@@ -139,6 +142,7 @@ class ArmConfig:
             within("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
         for angle in self.tilt:
             within("tilt", angle, -STEEPEST, STEEPEST, " rad")
+        flag("preconditioned", self.preconditioned)
         flag("allow_uncertified", self.allow_uncertified)
         self._check_pressure()
         self._check_coupling()
@@ -165,6 +169,8 @@ class ArmConfig:
         return nested("config", values, cls())
 
     def _check_pressure(self) -> None:
+        if self.preconditioned and self.suit == NO_SUIT:
+            raise InputError("preconditioned is True, but suit is 'none': leave one of them out")
         if self.pressure is None:
             return
         within("pressure", self.pressure, 0, HIGHEST_PRESSURE, " kPa")

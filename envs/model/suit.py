@@ -23,6 +23,7 @@ def attach_suit(spec: mujoco.MjSpec, suit: Suit, *, allow_uncertified: bool = Fa
             entry.model,
             start_angle=entry.start_angle,
             start_torque=entry.start_torque,
+            start_path=entry.start_path,
             allow_uncertified=allow_uncertified,
         )
 

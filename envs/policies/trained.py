@@ -19,7 +19,7 @@ OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
 _RUN = ("env", "algo", "seed", "steps")
 _ARM = (
     *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
-    "allow_uncertified",
+    *("preconditioned", "allow_uncertified"),
 )
 
 

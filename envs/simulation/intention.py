@@ -160,6 +160,5 @@ def resistance(joints: Mapping[str, SuitJoint], angle: Array) -> Array:
     torque = np.zeros_like(angle)
     for joint, entry in joints.items():
         column = JOINTS.index(joint)
-        motion = np.append(entry.start_angle, angle[:, column])
-        torque[:, column] = entry.model.response(motion, entry.start_torque)[1:]
+        torque[:, column] = entry.response(angle[:, column])
     return torque

@@ -353,6 +353,7 @@ class Simulation:
                 entry.model,
                 start_angle=entry.start_angle,
                 start_torque=entry.start_torque,
+                start_path=entry.start_path,
                 allow_uncertified=True,  # `SuitJoint` has checked it
             )
 

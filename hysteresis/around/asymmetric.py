@@ -1,6 +1,7 @@
 """`Asymmetric`: any hysteresis model plus an elastic polynomial of the angle."""
 
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -151,3 +152,18 @@ class Asymmetric(Wrapper):
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
         return {**super().to_dict(), "polynomial": list(self.polynomial)}
+
+
+def sprung(model: HysteresisModel, offset: float, stiffness: float) -> Asymmetric:
+    """Returns the model plus a straight elastic line, which dissipates nothing.
+
+    Args:
+        model: Any hysteresis model; an asymmetric one gets the line added to its polynomial.
+        offset: Torque of the line at angle 0 [N·m].
+        stiffness: Its slope [N·m/rad].
+    """
+    line = [offset, stiffness]
+    if not isinstance(model, Asymmetric):
+        return Asymmetric(model=model, polynomial=line)
+    terms = zip_longest(model.polynomial, line, fillvalue=0.0)
+    return Asymmetric(model=model.model, polynomial=[float(p) + q for p, q in terms])

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ...checks import numbers
 from ...errors import InputError, unknown_name
 from ..around import Asymmetric, Held
 from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
-from ..protocol import HysteresisModel, State
+from ..protocol import HysteresisModel, State, follow
 from ..registry import MODELS
-from ._faults import ANGLE_RANGE, POLYNOMIAL, START_ANGLE, START_TORQUE
+from ._faults import ANGLE_RANGE, POLYNOMIAL, START_ANGLE, START_PATH, START_TORQUE
 from ._plugins import plugin_name, register
 from ._state import FAULT, MEMORY, OFF
 from .native import compile_plugin
@@ -32,6 +33,7 @@ def attach(
     *,
     start_angle: float | None = None,
     start_torque: float = 0.0,
+    start_path: Sequence[float] = (),
     sensors: bool = True,
     allow_uncertified: bool = False,
     taken_off: bool = False,
@@ -39,7 +41,8 @@ def attach(
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
-    integrator. After a reset the memory stands at (start_angle, start_torque). A keyframe or a
+    integrator. After a reset the memory has begun at (start_angle, start_torque) and gone through
+    `start_path`, as `HysteresisModel.response` would. A keyframe or a
     written `qpos` acts like one monotone motion from there, but the memory follows only at the end
     of a step: if that step turns back, the written position does not count as a turning point.
 
@@ -57,6 +60,8 @@ def attach(
         start_angle: Angle at which the memory begins [rad]; by default the joint's reference
             position.
         start_torque: Resistance at that angle [N·m].
+        start_path: Angles that the memory then goes through [rad], in a monotone motion each; it
+            stands at the last of them. What they dissipate counts as dissipated energy.
         sensors: Whether to add the three sensors.
         allow_uncertified: Whether to accept a model without a certificate. At a pole the simulation
             then holds the last valid torque, sets the fault flag and warns.
@@ -66,8 +71,9 @@ def attach(
 
     Raises:
         InputError: There is no such joint, it is neither hinge nor slide, it has a hysteresis model
-            already, or `model` is none that is registered.
+            already, `model` is none that is registered, or the path is not of finite numbers.
         UncertifiedModelError: The model has no certificate, or its start is outside of it.
+        PoleError: The path meets the pole of an uncertified model.
     """
     target = _target(spec, joint)
     _require_model(model)
@@ -81,6 +87,9 @@ def attach(
     )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
+    is_empty = isinstance(start_path, Sequence) and not start_path
+    path = () if is_empty else numbers("start_path", start_path, "rad")
+    follow(model, start, path)
     register()
     name, config = _config(model)
     compile_plugin(name)
@@ -89,6 +98,8 @@ def attach(
     config |= {"joint": joint, "start_torque": repr(float(start_torque))}
     if start_angle is not None:
         config["start_angle"] = repr(start.angle)
+    if path:
+        config["start_path"] = _text(path)
     if allow_uncertified:
         config["allow_uncertified"] = "true"
     if taken_off:
@@ -135,6 +146,7 @@ def replace_model(
     *,
     start_angle: float | None = None,
     start_torque: float | None = None,
+    start_path: Sequence[float] | None = None,
     allow_uncertified: bool = False,
 ) -> None:
     """Gives one simulation another model of the same kind and size, as in a randomized batch.
@@ -155,6 +167,8 @@ def replace_model(
         model: New hysteresis model.
         start_angle: Angle at which its memory begins [rad]; by default that of the compiled model.
         start_torque: Resistance at that angle [N·m]; by default that of the compiled model.
+        start_path: Angles that its memory then goes through [rad]; by default those of the compiled
+            model.
         allow_uncertified: Whether to accept a model without a certificate.
 
     Raises:
@@ -184,15 +198,16 @@ def replace_model(
             f"joint {joint!r} was compiled with another kind or size of model than this "
             f"{model.name} one: replace a model by one with as many parameters"
         )
-    angle, torque = _compiled_start(mj_model, instance, joint)
+    angle, torque, path = _compiled_start(mj_model, instance, joint)
     start = model.start(
         angle if start_angle is None else start_angle,
         torque if start_torque is None else start_torque,
     )
     if not allow_uncertified:
         _require_certificate(model, start, joint)
+    begun = follow(model, start, path if start_path is None else start_path)
     inner, polynomial, limits = _parts(model)
-    content = ([0.0], start.memory, inner.parameter_vector, polynomial, limits)
+    content = ([0.0], begun.memory, inner.parameter_vector, polynomial, limits)
     take_off(mj_model, plugin_state, joint)
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     plugin_state[begin : begin + size] = np.concatenate(content)
@@ -256,11 +271,14 @@ def _compiled_config(mj_model: mujoco.MjModel, instance: int) -> list[str]:
     return [value.decode() for value in text.split(b"\0")]
 
 
-def _compiled_start(mj_model: mujoco.MjModel, instance: int, joint: str) -> tuple[float, float]:
-    """Returns the angle [rad] and the torque [N·m] at which an instance's memory starts."""
+def _compiled_start(
+    mj_model: mujoco.MjModel, instance: int, joint: str
+) -> tuple[float, float, list[float]]:
+    """Returns angle [rad] and torque [N·m] at which an instance's memory starts, and its path."""
     values = _compiled_config(mj_model, instance)
     reference = float(mj_model.joint(joint).qpos0[0])
-    return float(values[START_ANGLE] or reference), float(values[START_TORQUE] or 0.0)
+    path = [float(angle) for angle in values[START_PATH].split()]
+    return float(values[START_ANGLE] or reference), float(values[START_TORQUE] or 0.0), path
 
 
 def _require_model(model: object) -> None:

@@ -24,6 +24,7 @@ from ._faults import (
     JOINT_TYPE,
     MODEL,
     NO_JOINT,
+    NO_PATH,
     NO_START,
     NUMBER,
     NUMBERS,
@@ -32,6 +33,7 @@ from ._faults import (
     SENSOR_NAME,
     SENSOR_TWICE,
     START_ANGLE,
+    START_PATH,
     TAKEN_OFF,
     TOO_LARGE,
     TOO_MANY,
@@ -244,8 +246,8 @@ def flag_of(m, instance, key, at):
 def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
-    Returns a fault: also for a model without a certificate and for a start outside of it, unless
-    the config allows both.
+    From there it follows `start_path`. Returns a fault: also for a model without a certificate and
+    for a start outside of it, unless the config allows both.
     """
     fault, angle, torque = read_start(m, instance, joint, at)
     allowed = flag_of(m, instance, ALLOW, at)
@@ -264,7 +266,16 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
         return UNCERTIFIED, JOINT
     if math.isnan(inside):
         return NO_START, JOINT
-    return FINE if allowed == 1 or inside >= 0 else FAR_START, JOINT
+    if not (allowed == 1 or inside >= 0):
+        return FAR_START, JOINT
+    path = np.empty(count_words(config(m, instance, START_PATH, at)))
+    if parse_numbers(config(m, instance, START_PATH, at), path) != path.size:
+        return NUMBERS, START_PATH
+    for end in path:
+        turn = min(max(end, low), high)
+        if turn != memory[0] and math.isnan(kernels.commit(p, memory, turn)):
+            return NO_PATH, START_PATH
+    return FINE, JOINT
 
 
 @njit(inline="always")

@@ -15,6 +15,7 @@ COMMON_KEYS = (
     "joint",
     "start_angle",
     "start_torque",
+    "start_path",
     "polynomial",
     "angle_range",
     "allow_uncertified",
@@ -24,12 +25,13 @@ COMMON_KEYS = (
     JOINT,
     START_ANGLE,
     START_TORQUE,
+    START_PATH,
     POLYNOMIAL,
     ANGLE_RANGE,
     ALLOW,
     TAKEN_OFF,
     FIRST_KEY,
-) = range(8)
+) = range(9)
 
 (
     FINE,
@@ -45,11 +47,12 @@ COMMON_KEYS = (
     UNCERTIFIED,
     FAR_START,
     NO_START,
+    NO_PATH,
     SENSOR_NAME,
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(17)
+) = range(18)
 SENTENCES = (  # in the order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
@@ -66,6 +69,7 @@ SENTENCES = (  # in the order of the names above
     b"gain energy); set allow_uncertified to true to run anyway",
     b"it starts too far from rest for the certificate; change start_angle or start_torque",
     b"it cannot hold start_torque at start_angle; start nearer to 0",
+    b"its torque becomes infinite on the way; stay nearer to the start",
     b"the name of each of its sensors must end in torque, stiffness or energy, "
     b"which is what it measures",
     b"two of its sensors measure the same; leave one out",

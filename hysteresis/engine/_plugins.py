@@ -50,7 +50,11 @@ def _register(model: type[HysteresisModel]) -> int:
 
 
 def _stamp(kernels: ModuleType) -> int:
-    """Returns a number that changes with any file in the folder of a module of kernels."""
-    files = sorted(Path(str(kernels.__file__)).parent.glob("*.py"))
+    """Returns a number that changes with any file of the engine or of a module of kernels' folder.
+
+    Numba's own check of its cache sees the file of a callback, and not what is inlined from others.
+    """
+    own = Path(str(kernels.__file__)).parent.glob("*.py")
+    files = [*sorted(own), *sorted(Path(__file__).parent.rglob("*.py"))]
     stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
     return zlib.crc32(repr(stats).encode())

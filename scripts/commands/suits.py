@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from ...assets import Suit, SuitJoint, load_suit, save_suit, suit_names
+from ...assets import JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
 from ...errors import InputError
 from ...files import check_target, replacing
 from ...hysteresis import HysteresisModel, PoleError
@@ -16,6 +16,12 @@ from ..options import Force, Json, choice
 from ..options import suits as known_suits
 from ..output import RunFolder, say, table, to_json
 from ..reports.parameters import parameter_table
+
+LOSS_FACTOR = (
+    "loss factor: what one steady cycle over the joint's range dissipates, over the work that goes "
+    "into the joint in it. It rests on the fit of the mock suit's published loops and on no "
+    "measurement of a pressurized suit; a gas alone gives all of P dV/dtheta back, which is 0."
+)
 
 
 def suits(
@@ -79,7 +85,14 @@ def _list(json: bool) -> None:
         told = {"label", "pressure_kpa", "description"}
         print(
             to_json(
-                {s.name: {**s.model_dump(include=told), "joints": [*s.joints]} for s in shipped}
+                {
+                    suit.name: {
+                        **suit.model_dump(include=told),
+                        "joints": [*suit.joints],
+                        "loss_factor": {j: _loss_factor(e) for j, e in suit.joints.items()},
+                    }
+                    for suit in shipped
+                }
             )
         )
         return
@@ -93,6 +106,15 @@ def _list(json: bool) -> None:
         for suit in shipped
     ]
     table("suits", ["name", "label", "joints", "pressure"], rows, left=3)
+    rows = [
+        [
+            joint,
+            *(_shown_loss(suit.joints[joint]) if joint in suit.joints else "-" for suit in shipped),
+        ]
+        for joint in JOINTS
+    ]
+    table("loss factor", ["joint", *(suit.name for suit in shipped)], rows, left=1)
+    say(f"{LOSS_FACTOR}\n")
     for suit in shipped:
         say(f"{suit.name}: {suit.description}\n")
 
@@ -101,6 +123,7 @@ def _content(suit: Suit, *, safe: bool) -> dict[str, Any]:
     content = {**suit.model_dump(), "safe": safe}
     for joint, entry in suit.joints.items():
         content["joints"][joint]["certificate"] = asdict(entry.model.certificate())
+        content["joints"][joint]["loss_factor"] = _loss_factor(entry)
     return content
 
 
@@ -132,6 +155,7 @@ def _column(entry: SuitJoint) -> dict[str, str]:
         "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
         "torque at its end [N·m]": f"{_end_torque(entry, entry.model):.2f}",
+        "loss factor": _shown_loss(entry),
         "samples": str(len(torques)),
         "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
         "certificate margin": f"{entry.model.certificate().margin:.3f}",
@@ -143,9 +167,22 @@ def _column(entry: SuitJoint) -> dict[str, str]:
 def _end_torque(entry: SuitJoint, model: HysteresisModel) -> float:
     """Returns the resistance [N·m] when first bent to the end of the range."""
     try:
-        return model.response([entry.start_angle, entry.range[1]], entry.start_torque)[-1]
+        return entry.response([entry.range[1]], model)[0]
     except PoleError:
         return math.inf
+
+
+def _loss_factor(entry: SuitJoint) -> float | None:
+    """Returns the share of the loading work that a steady cycle dissipates, or None without one."""
+    try:
+        return entry.steady_cycle().loss_factor
+    except (InputError, PoleError):
+        return None
+
+
+def _shown_loss(entry: SuitJoint) -> str:
+    factor = _loss_factor(entry)
+    return "-" if factor is None else f"{factor:.2f}"
 
 
 def _problem(entry: SuitJoint) -> str | None:

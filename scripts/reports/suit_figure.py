@@ -34,7 +34,7 @@ def first_order_loops(entry: SuitJoint, model: HysteresisModel) -> Mapping[str, 
         there = np.linspace(low, turn, SAMPLES)[1:]
         angle = np.concatenate([approach, there, there[-2::-1], [low]])
         try:
-            torque = model.response(angle, entry.start_torque)
+            torque = entry.response(angle, model)
         except PoleError:
             continue
         loops[f"{turn:.2f}"] = np.stack([angle, torque])[:, SAMPLES - 1 :]

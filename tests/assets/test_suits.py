@@ -188,6 +188,111 @@ def test_pressures_at_the_border():
         load_suit("mock-suit").at_pressure(40)
 
 
+def joint_of(model, **changes):
+    usual = {"range": (0.2, 1.2), "start_angle": 0.5, "grade": "assumed", "source": "a test"}
+    usual["start_torque"] = model.response([0.0, 0.5])[-1]
+    return SuitJoint(model=model, **(usual | changes))
+
+
+@pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
+def test_a_preconditioned_joint_begins_in_its_steady_cycle(model):
+    joint = joint_of(model)
+    worn = joint.preconditioned()
+    assert worn.begun().angle == worn.start_angle
+    cycle = sweep(0.5, 1.2, 0.2, 0.5)
+    for one, is_steady in ((worn, True), (joint, False)):
+        first, second = one.response(np.tile(cycle, 2)).reshape(2, -1)
+        same = np.abs(second - first).max() <= 1e-5 * np.ptp(second)
+        assert same == is_steady
+    lowest, highest = joint.range
+    before = [0.5, *(lowest, highest) * joint.steady_cycle().cycles, lowest]
+    expected = model.response([*before, *cycle], joint.start_torque)[len(before) :]
+    np.testing.assert_array_equal(worn.response(cycle), expected)
+    assert worn.begun().torque == expected[0]
+
+
+def test_all_samples_of_a_preconditioned_joint_are_steady():
+    slow = JilesAtherton(Ms=10, a=2, alpha=0.01, c=1.2, k=4.0)
+    joint = joint_of(SAFE, samples=(slow,))
+    fast, slow_ones = (joint.steady_cycle(one).cycles for one in (SAFE, slow))
+    assert fast != slow_ones
+    worn = joint.preconditioned()
+    assert len(worn.start_path) == 2 * max(fast, slow_ones) + 2
+    cycle = np.tile(sweep(0.5, 1.2, 0.2, 0.5), 2)
+    for model in (SAFE, slow):
+        first, second = worn.response(cycle, model).reshape(2, -1)
+        assert np.abs(second - first).max() <= 1e-5 * np.ptp(second)
+
+
+def test_a_preconditioned_suit_is_a_suit_file_too(tmp_path):
+    suit = load_suit("mock-suit").preconditioned()
+    suit.save(tmp_path / "worn.json")
+    assert load_suit(tmp_path / "worn.json") == suit
+    assert suit != load_suit("mock-suit")
+
+
+def at(kpa, joint):
+    suit = Suit(name="any", description="", pressure_kpa=30, joints={"wrist_flexion": joint})
+    return suit.at_pressure(kpa).joints.get("wrist_flexion")
+
+
+@pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
+def test_a_volume_share_changes_the_elastic_torque_alone(model):
+    joint = joint_of(model, volume_share=0.7, samples=(model,))
+    angle = np.linspace(0.2, 1.2, 201)
+    cycle, own = sweep(0.5, 1.2, 0.2, 1.0), joint.response(sweep(0.5, 1.2, 0.2, 1.0))
+    offset, stiffness = joint.steady_cycle().spring()
+    for kpa in (0, 15, 45):
+        other = at(kpa, joint)
+        added = 0.7 * (kpa / 30 - 1) * (offset + stiffness * cycle)
+        np.testing.assert_allclose(other.response(cycle), own + added, atol=1e-9)
+        sampled = other.response(cycle, other.samples[0]) - joint.response(cycle, joint.samples[0])
+        np.testing.assert_allclose(sampled, added, atol=1e-9)
+        before, after = model.certificate(), other.model.certificate()
+        assert (after.margin, after.dissipative) == (before.margin, before.dissipative)
+        loop, kept = joint.steady_cycle(), other.steady_cycle()
+        assert kept.dissipated == pytest.approx(loop.dissipated, rel=1e-5)
+    line = offset + stiffness * angle
+    pushed = [at(kpa, joint).response(angle)[line > 0] for kpa in (0, 10, 30, 60, 110)]
+    assert (np.diff(pushed, axis=0) > 0).all()
+
+
+def test_pressures_add_up_and_leave_the_structure():
+    joint = joint_of(SAFE, volume_share=0.7)
+    cycle = sweep(0.5, 1.2, 0.2, 1.0)
+    once, twice = at(60, joint), at(40, joint)
+    suit = Suit(name="any", description="", pressure_kpa=40, joints={"wrist_flexion": twice})
+    twice = suit.at_pressure(60).joints["wrist_flexion"]
+    np.testing.assert_allclose(twice.response(cycle), once.response(cycle), atol=1e-9)
+    assert twice.volume_share == pytest.approx(once.volume_share) == pytest.approx(1.4 / 1.7)
+    structure = at(0, joint)
+    assert structure.volume_share == 0
+    assert structure.steady_cycle().spring() == pytest.approx(
+        [0.3 * number for number in joint.steady_cycle().spring()], abs=1e-6
+    )
+    np.testing.assert_array_equal(at(90, structure).response(cycle), structure.response(cycle))
+    assert at(0, joint_of(SAFE)) is None
+    assert at(60, joint_of(SAFE, volume_share=0.0)).response(cycle) == pytest.approx(
+        joint.response(cycle)
+    )
+    assert "then 2 times the pressure, which changes 0.7 of the elastic torque" in once.source
+
+
+def test_a_suit_with_shares_says_so():
+    suit = Suit(
+        name="mine",
+        description="Mine.",
+        pressure_kpa=30,
+        joints={"wrist_flexion": joint_of(SAFE, volume_share=0.7)},
+    )
+    told = suit.at_pressure(60).description
+    assert told == (
+        "mine at 60 kPa: extrapolated from 30 kPa by the volume_share of its joints. Mine."
+    )
+    with pytest.raises(InputError, match="ratio is -1: give a ratio of pressures, 0 or more"):
+        suit.joints["wrist_flexion"].at_pressure_ratio(-1)
+
+
 def changed(content, path, value):
     *parents, last = path
     inner = content
@@ -224,6 +329,8 @@ ELBOW = ("joints", "elbow_flexion")
         ((*ELBOW, "range"), [1.0, 0.5], "range is .*smaller one"),
         ((*ELBOW, "grade"), "guess", "grade is 'guess'"),
         ((*ELBOW, "range"), [30, 90], "more than a full turn; both are radians"),
+        ((*ELBOW, "start_path"), [0.5, 30], r"start_path\[1\] is 30.*: more than a full turn"),
+        ((*ELBOW, "volume_share"), 70, "volume_share is 70: give the share .*, 0 to 1, or leave"),
         (("pressure_kpa",), 0, "pressure_kpa: it is 0: give kPa above 0, at most 110, or leave"),
         (("pressure_kpa",), 29600, "pressure_kpa: it is 29600: give kPa"),
         (("label",), "real", "label is 'real': use 'from paper', 'illustrative' or 'extrapol"),

@@ -74,6 +74,43 @@ def test_pressure_scales_the_whole_torque():
     assert 1.15 < max(factors) <= 1.3
 
 
+def test_pressure_scales_the_share_of_the_gas_where_it_is_known():
+    gas = ENTRY.model_copy(update={"volume_share": 0.5})
+    suit = Suit(name="gas", description="", joints={"elbow_flexion": gas})
+    env = ArmEnv(suit=suit, randomize={"pressure": 0.5})
+    changes = []
+    for seed in range(4):
+        _, info = env.reset(seed=seed)
+        angle = info["angle"][ELBOW]
+        drawn = env.episodes._start(0).suit["elbow_flexion"]
+        assert drawn.model.model == MODEL
+        assert info["suit_torque"][ELBOW] == pytest.approx(-drawn.response([angle])[0], abs=1e-9)
+        changes.append(drawn.response([1.5])[0] / gas.response([1.5])[0])
+    assert min(changes) < 1 < max(changes)
+
+
+def test_a_preconditioned_suit_is_drawn_and_foreseen_with_its_memory(sampled):
+    env = ArmEnv(
+        suit=sampled,
+        preconditioned=True,
+        randomize={"suit": "samples", "pressure": 0.3},
+        control={"suit_learning": 1.0},
+    )
+    worn = []
+    for seed in range(6):
+        _, info = env.reset(seed=seed)
+        angle = info["angle"][ELBOW]
+        entry = env.episodes._start(0).suit["elbow_flexion"]
+        assert info["suit_torque"][ELBOW] == pytest.approx(-entry.response([angle])[0], abs=1e-9)
+        virgin = entry.model_copy(update={"start_path": ()})
+        assert abs(info["suit_torque"][ELBOW] + virgin.response([angle])[0]) > 0.01
+        intended = info["target_angle"][ELBOW]
+        foreseen = env.episodes.simulation.memory.resistance[0, 0, ELBOW]
+        assert foreseen == pytest.approx(entry.response([intended])[0], abs=1e-9)
+        worn.append(entry.model.Ms)
+    assert len(set(worn)) == 6
+
+
 def test_encoder_offsets_are_seen_by_the_controller_only():
     exact, off = ArmEnv(), ArmEnv(randomize={"encoder_offset": 0.05})
     errors = []

@@ -107,7 +107,11 @@ def test_the_options_of_a_run_hold(tmp_path):
         name: value for name, value in CONFIG.items() if name not in ("env", "algo", "seed")
     }
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
+    expected |= {"preconditioned": False}  # which runs of before do not tell
     assert chosen.options == expected
+    worn = run_folder(tmp_path / "worn", preconditioned=True)
+    assert scene(ArmOptions(), policies=(worn,)).options["preconditioned"]
+    assert ArmOptions(preconditioned=True).config(None, None)["preconditioned"]
 
 
 def test_the_same_option_may_be_given_again(tmp_path):

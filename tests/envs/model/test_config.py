@@ -18,6 +18,7 @@ from activesuit.errors import InputError
 RICH = ArmConfig(
     suit="published-2022",
     pressure=40.0,
+    preconditioned=True,
     gravity="moon",
     wearer=Person(stature=1.6, mass=55.0, sex="female", strength=80.0),
     exo=Exo(elbow=replace(Exo().elbow, peak_torque=30.0), encoder_delay=0.004),
@@ -102,6 +103,8 @@ def test_the_step_follows_the_coupling(fields, timestep):
         ({"gravity": ["moon"]}, "unknown gravity "),
         ({"exo": {"ring": "0.4"}}, "exo.ring is '0.4': use a number"),
         ({"wearer": {"stature": "1.7"}}, "stature is '1.7': use meters"),
+        ({"preconditioned": 1}, "preconditioned is 1: use True or False"),
+        ({"preconditioned": True, "suit": "none"}, "preconditioned is True, but suit is 'none'"),
         ({"allow_uncertified": "no"}, "allow_uncertified is 'no': use True or False"),
     ],
 )

@@ -112,6 +112,12 @@ def test_numbers_are_read_as_python_reads_them(text):
     assert mujoco.MjData(model).plugin_state[1] == float(text)
 
 
+RISKY = {  # the published shoulder
+    **{"Ms": "22.2316", "a": "319.55", "alpha": "6.3223", "c": "4.7447", "k": "168.582"},
+    "allow_uncertified": "true",
+}
+
+
 def say(key, value, what):
     return f"'one': {key} is '{value}': {what}"
 
@@ -141,6 +147,9 @@ def say(key, value, what):
         ("jiles_atherton", {"form": "original"}, "have no certificate"),
         ("jiles_atherton", {"form": "original", "c": "-1"}, say("c", "-1", "give a number of at")),
         ("jiles_atherton", {"start_angle": "1 rad"}, say("start_angle", "1 rad", "give one")),
+        ("jiles_atherton", {"start_path": "1 x"}, say("start_path", "1 x", "give finite numbers")),
+        ("jiles_atherton", {"start_path": "1 inf"}, say("start_path", "1 inf", "give finite")),
+        ("jiles_atherton", {**RISKY, "start_path": "2.5 -1"}, "'2.5 -1': its torque becomes in"),
         ("jiles_atherton", {"start_angle": "3"}, "starts too far from rest"),
         ("jiles_atherton", {"allow_uncertified": "1"}, say("allow_uncertified", "1", "use true")),
         ("jiles_atherton", {"polynomial": "1 x"}, say("polynomial", "1 x", "give finite numbers")),

@@ -12,6 +12,7 @@ from activesuit.hysteresis import (
     BoucWen,
     Held,
     JilesAtherton,
+    PoleError,
     PrandtlIshlinskii,
     Preisach,
     UncertifiedModelError,
@@ -88,6 +89,54 @@ def test_the_torque_is_the_response_bit_by_bit(model, integrator):
     assert energies[-1] == pytest.approx(model.energy(state).dissipated, rel=1e-9)
     stiffness = data.sensor("j_suit_stiffness").data[0]
     assert stiffness == pytest.approx(model.tangent(state, data.qvel[0]), rel=1e-12)
+
+
+PATH = (-0.5, 0.9, -0.2, 0.9, 0.3)
+
+
+def held_at(compiled, angle, row=None):
+    """Torque and dissipated energy at an angle, after a reset or in a state of one's own."""
+    data = mujoco.MjData(compiled)
+    if row is not None:
+        data.plugin_state[:] = row
+    data.qpos[0] = angle
+    mujoco.mj_forward(compiled, data)
+    return -data.sensor("j_suit_torque").data[0], data.sensor("j_suit_dissipated_energy").data[0]
+
+
+def test_the_memory_begins_at_the_end_of_its_path(model):
+    compiled = pendulum(model, start_angle=0.1, start_torque=0.2, start_path=PATH)
+    for angle in (0.3, 0.9, -0.5):
+        torque, lost = held_at(compiled, angle)
+        expected = model.response([0.1, *PATH, angle], 0.2)[-1]
+        if isinstance(model, Asymmetric):
+            assert torque == pytest.approx(expected, abs=1e-12)
+        else:
+            assert torque == expected
+    state = model.start(0.1, 0.2)
+    for angle in (*PATH, -0.5):
+        state, _ = model.step(state, angle)
+    assert lost == pytest.approx(model.energy(state).dissipated, rel=1e-9)
+
+
+def test_a_replaced_model_begins_with_the_path_too(model):
+    compiled = pendulum(model, start_angle=0.1, start_path=PATH)
+    other = model.scaled(torque=1.2)
+    for given, path in ((None, PATH), ((0.8, 0.0), (0.8, 0.0)), ((), ())):
+        row = mujoco.MjData(compiled).plugin_state.copy()
+        replace_model(compiled, row, "j", other, start_path=given)
+        torque, _ = held_at(compiled, 0.5, row)
+        assert torque == pytest.approx(other.response([0.1, *path, 0.5])[-1], abs=1e-12)
+
+
+def test_a_bad_path_is_refused():
+    with pytest.raises(InputError, match=r"start_path\[1\] is nan: give finite numbers \(rad\)"):
+        pendulum(ELBOW, start_path=[0.1, math.nan])
+    with pytest.raises(InputError, match="start_path is 3: give at least one number"):
+        pendulum(ELBOW, start_path=3)
+    risky = JilesAtherton(Ms=22.2316, a=319.55, alpha=6.3223, c=4.7447, k=168.582, angle_unit="deg")
+    with pytest.raises(PoleError):
+        pendulum(risky, start_path=[2.5, -1.0], allow_uncertified=True)
 
 
 def swing(model, timestep, integrator, seconds=2.0):

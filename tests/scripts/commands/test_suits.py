@@ -48,11 +48,39 @@ def test_the_list_tells_label_pressure_and_joints(capsys):
             "pressure_kpa": suit.pressure_kpa,
             "description": suit.description,
             "joints": [*suit.joints],
+            "loss_factor": {j: e.steady_cycle().loss_factor for j, e in suit.joints.items()},
         }
         assert name in shown
         assert suit.label in shown
         assert suit.description in shown
     assert "29.6 kPa" in shown
+    assert "a gas alone gives all of P dV/dtheta back, which is 0" in shown
+
+
+def test_loss_factors_are_those_of_the_docs(capsys):
+    """The table in docs/model.md."""
+    listed = json.loads(run(capsys, "--json"))
+    expected = {
+        "emu-like": (0.836, 0.876, 0.796, 0.770),
+        "exploration-56kpa": (0.836, 0.876, 0.796, 0.770),
+        "mock-suit": (0.836, 0.753, 0.643, 0.770),
+        "published-2022": (0.842, 0.751, 0.642, 0.770),
+    }
+    for name, told in listed.items():
+        factors = [told["loss_factor"][joint] for joint in JOINTS]
+        assert factors == pytest.approx(expected[name], abs=6e-4)
+    content = json.loads(run(capsys, "mock-suit", "--json"))
+    assert content["joints"]["elbow_flexion"]["loss_factor"] == pytest.approx(0.643, abs=6e-4)
+    assert re.search(r"loss factor +0\.75 +0\.64 +0\.84 +0\.77", run(capsys, "mock-suit"))
+
+
+def test_a_joint_without_a_steady_cycle_has_no_loss_factor(capsys, tmp_path):
+    joint = entry_of(RISKY, range=(0.0, 2.5))
+    save_suit(Suit(name="r", description="", joints={"elbow_flexion": joint}), tmp_path / "s.json")
+    shown, _ = fails(capsys, tmp_path / "s.json", "--json")
+    assert json.loads(shown)["joints"]["elbow_flexion"]["loss_factor"] is None
+    shown, _ = fails(capsys, tmp_path / "s.json")
+    assert re.search(r"loss factor +-", shown)
 
 
 @pytest.mark.parametrize("name", ["mock-suit", "emu-like", "exploration-56kpa"])
