@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS
-from .evaluation import ASSISTED_COLUMNS
+from .figures import ASSISTED_COLUMNS
 
 INCHES = 5.4  # height of the figure, whose letters grow with the picture
 TAIL = 0.22  # of the motion behind the present that shines

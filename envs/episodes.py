@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
+from ..assets import JOINTS
 from ..checks import flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
@@ -16,11 +17,12 @@ from .info import Info
 from .model import ArmConfig, compose, resisting_joints
 from .model.config import nested
 from .observation import NOISY, Observer, checked_sensors
-from .person import VoluntaryControl
+from .person import VoluntaryControl, isometric_strength
 from .randomization import Randomization
-from .reward import TERMS, judge
+from .reward import TERMS, account, cost_terms, is_success, judge, suited_effort
 from .simulation import Simulation
 from .simulation.differing import Variety
+from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.saving import check_state
 from .simulation.sensing import Sensing
@@ -29,6 +31,7 @@ from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .tasks import Task
 
 Rows = NDArray[np.int64]
+SCALED_BY = 5  # motions of the task, by which efforts are scaled
 
 
 class Episodes:
@@ -53,6 +56,8 @@ class Episodes:
             default.
         belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
             that of the configuration, such as {"suit": "elbow.json"}.
+        taught: Whether `reset` may tell wearers what to foresee.
+        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **arm: Fields of `ArmConfig`.
 
     Attributes:
@@ -62,6 +67,7 @@ class Episodes:
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
         terms: Terms of the reward, shape (n, 3), in the order of `TERMS`.
+        effort_scale: Effort of the suited arm over strength, by which rewards are scaled.
         options: The arguments that any number of rows may share, as they were given.
 
     Raises:
@@ -84,9 +90,12 @@ class Episodes:
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
         belief: Mapping[str, Any] | None = None,
+        taught: bool = False,
+        effort_scale: float | None = None,
         **arm: Any,
     ) -> None:
-        self._of_rows = {"threads": threads, "max_periods": max_periods}
+        self._of_rows = {"threads": threads, "max_periods": max_periods, "taught": taught}
+        self._of_rows["effort_scale"] = effort_scale
         self.options = {
             **{"sensors": sensors, "normalize": normalize, "history": history},
             **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
@@ -124,13 +133,14 @@ class Episodes:
                 loads=self.randomization.payload is not None,
                 places=bool(self.randomization.gravity),
             ),
+            taught=taught,
             threads=threads,
         )
         self.observer = Observer(
             sensors, self.simulation.columns, normalize=normalize, history=history
         )
         size = self.observer.space.shape[0] // history if history > 1 else 0
-        self.simulation.memory.seen = np.zeros((n, history - 1, size), np.float32)
+        self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
         if belief is not None and "belief" not in sensors:
             raise InputError(
                 f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
@@ -142,6 +152,7 @@ class Episodes:
         self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         self._all = np.arange(n)
         memory, addresses = self.simulation.memory, self.simulation.addresses
+        self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
         self._judged = (
             memory.measured,
             memory.change,
@@ -151,16 +162,33 @@ class Episodes:
             self.simulation.plugin_state,
             addresses.faults,
             addresses.assisted,
+            self.effort_scale,
             self.terms,
             self.reward,
             self.terminated,
             self.truncated,
         )
 
+        self._accounted = (
+            memory.measured,
+            memory.change,
+            memory.diverged,
+            addresses.assisted,
+            "cuff_force" in self.simulation.columns,
+            self.simulation.model.jnt_range[: len(JOINTS)],
+            memory.costs,
+            control_dt,
+        )
+
     # --- Episodes -----------------------------------------------------------------------------
 
     def reset(
-        self, rows: Rows, seeds: Sequence[int | None] | None = None, *, stagger: bool = False
+        self,
+        rows: Rows,
+        seeds: Sequence[int | None] | None = None,
+        *,
+        stagger: bool = False,
+        taught: Array | None = None,
     ) -> None:
         """Begins new episodes in some rows.
 
@@ -169,12 +197,14 @@ class Episodes:
             seeds: Seed of each of them; None goes on with the seed that the row has.
             stagger: Whether the episodes end at random times, so that later ones do not all begin
                 together.
+            taught: Torque that wearers foresee beside that of their bare arms [N·m], shape
+                (k, samples, 4).
         """
         memory = self.simulation.memory
         for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
             if seed is not None or memory.episode[row] < 0:
                 memory.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
-                memory.episode[row] = -1
+                memory.episode[row], memory.gains[row] = -1, 0.0
         memory.episode[rows] += 1
         memory.limit[rows] = self._periods
         if stagger:
@@ -182,15 +212,16 @@ class Episodes:
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
         try:
-            self.simulation.begin(rows, self._start)
+            lessons = {} if taught is None else dict(zip(rows.tolist(), taught, strict=True))
+            self.simulation.begin(rows, lambda row: self._start(row, lessons.get(row)))
         except BaseException:
             memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
             raise
         if memory.believed.shape[1]:
             memory.believed[rows] = self._suit.begin(self._encoded(rows)[0][:, self._assisted])
             self._write_belief(rows)
-        if memory.seen.shape[1]:
-            memory.seen[rows] = self.observer(memory.measured)[rows, None]
+        if memory.shown.shape[1]:
+            memory.shown[rows] = self.observer(memory.measured)[rows, None]
         self._judge(rows)
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
@@ -213,15 +244,17 @@ class Episodes:
         """Returns a new array of the observations of all rows, shape (n, size)."""
         memory = self.simulation.memory
         now = self.observer(memory.measured)
-        if not memory.seen.shape[1]:
+        if not memory.shown.shape[1]:
             return now
-        return np.concatenate([now, memory.seen.reshape(self.n, -1)], axis=1)
+        return np.concatenate([now, memory.shown.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
         memory, columns = self.simulation.memory, self.simulation.columns
         measured, terms = memory.measured[row].copy(), self.terms[row].tolist()
         clipped, diverged = int(memory.clipped[row]), bool(memory.diverged[row])
+        costs, periods = memory.costs[row].copy(), int(memory.step[row])
+        ended = bool(self.terminated[row])
 
         def read() -> dict[str, Any]:
             return {
@@ -229,6 +262,8 @@ class Episodes:
                 "clipped_actions": clipped,
                 "diverged": diverged,
                 "reward_terms": dict(zip(TERMS, terms, strict=True)),
+                "cost_terms": cost_terms(costs, periods),
+                "is_success": is_success(costs, periods, ended=ended),
             }
 
         return Info(float(measured[TIME]), read)
@@ -286,16 +321,17 @@ class Episodes:
 
     def _move(self, action: Array, rows: Rows | None) -> None:
         memory, moving = self.simulation.memory, self._all if rows is None else rows
-        last = self.observer(memory.measured) if memory.seen.shape[1] else None
+        last = self.observer(memory.measured) if memory.shown.shape[1] else None
         self.simulation.step(action, rows)
         if memory.believed.shape[1]:
             self._write_belief(moving[~memory.diverged[moving]])
         if last is not None:  # only now: an action may have been refused
-            memory.seen[moving, 1:] = memory.seen[moving, :-1]
-            memory.seen[moving, 0] = last[moving]
+            memory.shown[moving, 1:] = memory.shown[moving, :-1]
+            memory.shown[moving, 0] = last[moving]
+        account(moving, *self._accounted)
         self._judge(moving)
 
-    def _start(self, row: int) -> Start:
+    def _start(self, row: int, taught: Array | None = None) -> Start:
         samples, dt = self.simulation.samples, self.simulation.control_dt
         streams, terms = partial(self._stream, row), self.randomization
         return Start(
@@ -307,7 +343,17 @@ class Episodes:
             wearer=terms.person(streams),
             misalignment=terms.shift(streams),
             loudness=terms.loudness(streams),
+            taught=taught,
         )
+
+    def _suited_effort(self) -> float:
+        """Returns the effort of the suited arm in motions of the task, for the reward."""
+        simulation = self.simulation
+        chain = Chain.of(simulation.model, dressed=True)
+        strength = isometric_strength(simulation.config.wearer)
+        rngs = (stream(seed, 0, "motion") for seed in range(SCALED_BY))
+        motions = [self.task.motion(rng, simulation.samples, simulation.control_dt) for rng in rngs]
+        return suited_effort(chain, strength, simulation.suit, motions)
 
     def _believe(self, config: ArmConfig) -> None:
         """Begins to follow a believed arm."""

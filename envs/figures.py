@@ -5,19 +5,26 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from .evaluation import ASSISTED_COLUMNS, TAKEOVER
+from ..assets import JOINTS
+from .evaluation import Trace
 from .model import ASSISTED
 from .model.cuffs import FORCE_LIMITS
-from .rollout import Trace
 
+ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
 COLORS = {
-    "none": "#555555",
+    "unsuited": "#bbbbbb",
+    "suited": "#555555",
+    "none": "#000000",
+    "transparent": "#e69f00",
     "gravity": "#cc79a7",
     "feedforward": "#0072b2",
+    "compensation": "#d55e00",
+    "complement": "#56b4e9",
     "oracle": "#009e73",
+    "clairvoyant": "#009e73",
 }
-OTHERS = ("#d55e00", "#e69f00", "#56b4e9")
-STYLES = {"oracle": "--", "gravity": "-."}
+OTHERS = ("#8c564b", "#9467bd", "#17becf")
+STYLES = {"oracle": "--", "gravity": "-.", "clairvoyant": "--", "unsuited": ":", "suited": ":"}
 
 
 def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
@@ -33,10 +40,9 @@ def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
                 traces[policy].time, angle, color=color, lw=1.2, ls=_style(policy), label=policy
             )
         ax.set_ylabel(f"{joint.replace('_', ' ')} [rad]")
-        ax.axvspan(0, TAKEOVER, color="0.93", zorder=0)
         ax.grid(alpha=0.25)
     axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
-    axes[-1].set_xlabel("time [s] (grey: not scored)")
+    axes[-1].set_xlabel("time [s]")
     return figure
 
 
@@ -59,12 +65,11 @@ def torques_figure(traces: Mapping[str, Trace]) -> Figure:
         axes[0].set_ylabel(f"{row} [N·m]")
         for ax in axes:
             ax.axhline(0, color="0.6", lw=0.6)
-            ax.axvspan(0, TAKEOVER, color="0.93", zorder=0)
             ax.grid(alpha=0.25)
     for ax, joint in zip(grid[0], ASSISTED, strict=True):
         ax.set_title(joint.replace("_", " "), loc="left")
     for ax in grid[-1]:
-        ax.set_xlabel("time [s] (grey: not scored)")
+        ax.set_xlabel("time [s]")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
     return figure

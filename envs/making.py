@@ -16,6 +16,7 @@ from .vector_env import ArmVectorEnv
 OURS = "ActiveSuit/"  # how the ids of our environments begin
 ROWS_ONLY = (
     *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
+    *("taught", "effort_scale"),
     *("render_mode", "camera", "width", "height", "render_quality"),
 )
 

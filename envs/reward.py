@@ -1,17 +1,65 @@
-"""The reward of a control period: costs of effort, tracking error and unsteady assist."""
+"""The reward of a control period, in [0, 1], and the costs that are told beside it.
+
+With x the root mean square over four joints of torque over strength, e that of the tracking error,
+and d that of the command's change over both motors,
+
+    reward = 1 / (1 + (x / E)² + (e / 0.1 rad)² + (d / 0.25)²)
+
+where E is the effort of the suited arm without an exoskeleton, a constant of the configuration
+(`suited_effort`). It is never negative, so that an episode that ends early gains nothing.
+"""
 
 # pyright: reportCallIssue=false
 
+import numpy as np
 from numba import njit
 
-from ..arrays import AnyArray
-from .simulation.measurements import ANGLE, HUMAN, TARGET
+from ..arrays import AnyArray, Array
+from ..assets import JOINTS, SuitJoint
+from .model.cuffs import FORCE_LIMITS
+from .person import strength_limits
+from .simulation.intention import Motion
+from .simulation.inverse_dynamics import Chain, arm_torques
+from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
 
 TERMS = ("effort", "tracking", "smoothness")
-EFFORT_SCALE = (20.0, 10.0)  # N·m at shoulder and elbow that cost 1
-ERROR_SCALE = 0.1  # rad that cost 1
-SMOOTHNESS = 0.1
-LOST = 1.0  # rad of tracking error at which an episode ends
+ERROR_SCALE = 0.1  # rad
+CHANGE_SCALE = 0.25
+LOST = 1.0  # rad of tracking error at an assisted joint at which an episode ends
+LEAST_EFFORT = 0.01  # of strength, for arms that need none
+
+COSTS = ("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking")
+CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING = range(len(COSTS))
+TOLERANCE = 0.1  # rad of tracking error, root mean square over an episode, up to which it succeeds
+NEAR = 0.001  # rad from the end of its range where a joint is at its stop
+LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
+EVERY = 5  # samples of which one counts for `suited_effort`
+
+
+def suited_effort(
+    chain: Chain, strength: Array, suit: dict[str, SuitJoint], motions: list[Motion]
+) -> float:
+    """Returns the effort that motions take in the suit and without an exoskeleton.
+
+    That is the root mean square over time and four joints of the torque of inverse dynamics over
+    the strength of a still joint.
+
+    Args:
+        chain: Inertia of the arm with suit and load.
+        strength: Isometric strength of the wearer [N·m], shape (2, 4).
+        suit: Joints of the suit.
+        motions: Intended motions.
+    """
+    squares = []
+    for motion in motions:
+        angle, rate, acceleration = (part[::EVERY].copy() for part in motion)
+        torque = arm_torques(chain, angle, rate, acceleration)
+        for joint, entry in suit.items():
+            column = JOINTS.index(joint)
+            torque[:, column] += entry.response(motion[0][:, column])[::EVERY]
+        low, high = strength_limits(strength, angle, np.zeros_like(angle))
+        squares.append(np.mean((torque / np.where(torque > 0, high, -low)) ** 2))
+    return max(LEAST_EFFORT, float(np.sqrt(np.mean(squares))))
 
 
 @njit(cache=True)
@@ -25,6 +73,7 @@ def judge(
     plugin_state: AnyArray,
     faults: AnyArray,
     assisted: AnyArray,
+    scale: float,
     terms: AnyArray,
     reward: AnyArray,
     terminated: AnyArray,
@@ -32,34 +81,90 @@ def judge(
 ) -> None:
     """Rewards the last control period of some rows, and says which episodes have ended.
 
-    The terms are minus the squares of the wearer's torque at the assisted joints, of their tracking
-    error and of the change of the command; the reward is their sum. The wearer's torque and the
-    motors' command are limited, and an error counts `LOST` at most, as it does where the physics
-    has diverged: no reward of the default wearer is below -271.
-
-    An episode terminates when the arm is lost, in a suit whose torque met its pole, or diverged.
+    An episode terminates when the arm is lost, in a suit whose torque met its pole, or diverged;
+    that period earns nothing. `scale` is the effort of the suited arm.
     """
     for k in range(rows.shape[0]):
         row = rows[k]
         effort, tracking, unsteady, worst = 0.0, 0.0, 0.0, 0.0
+        for j in range(4):
+            effort += measured[row, EFFORT + j] ** 2 / 4.0
+            tracking += (measured[row, ANGLE + j] - measured[row, TARGET + j]) ** 2 / 4.0
         for j in range(assisted.shape[0]):
-            joint = assisted[j]
-            scaled = measured[row, HUMAN + joint] / EFFORT_SCALE[j]
-            effort += scaled * scaled
-            error = abs(measured[row, ANGLE + joint] - measured[row, TARGET + joint])
-            if diverged[row]:
-                error = LOST
-            worst = max(worst, error)
-            scaled = min(error, LOST) / ERROR_SCALE
-            tracking += scaled * scaled
+            at = assisted[j]
+            worst = max(worst, abs(measured[row, ANGLE + at] - measured[row, TARGET + at]))
         for j in range(change.shape[1]):
-            unsteady += change[row, j] * change[row, j]
-        terms[row, 0] = -effort
-        terms[row, 1] = -tracking
-        terms[row, 2] = -SMOOTHNESS * unsteady
-        reward[row] = terms[row, 0] + terms[row, 1] + terms[row, 2]
+            unsteady += change[row, j] ** 2 / change.shape[1]
+        terms[row, 0] = effort / scale**2
+        terms[row, 1] = tracking / ERROR_SCALE**2
+        terms[row, 2] = unsteady / CHANGE_SCALE**2
         ended = worst > LOST or diverged[row]
         for j in range(faults.shape[0]):
             ended = ended or plugin_state[row, faults[j]] == 1.0
         terminated[row] = ended
+        reward[row] = 0.0 if ended else 1.0 / (1.0 + terms[row, 0] + terms[row, 1] + terms[row, 2])
         truncated[row] = step[row] >= limit[row]
+
+
+@njit(cache=True)
+def account(
+    rows: AnyArray,
+    measured: AnyArray,
+    change: AnyArray,
+    diverged: AnyArray,
+    assisted: AnyArray,
+    has_cuffs: bool,
+    ranges: AnyArray,
+    costs: AnyArray,
+    dt: float,
+) -> None:
+    """Adds the last control period of some rows to the costs of their episodes.
+
+    Columns as `COSTS`: greatest cuff force over what a person should bear; greatest motor load;
+    work of the motors against the motion [J]; sum of the squared changes of the command; time at
+    the ends of ranges [s]; sum of the squared tracking error over four joints [rad²].
+    """
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        if diverged[row]:
+            continue
+        for j in range(change.shape[1]):
+            costs[row, HEAT] = max(costs[row, HEAT], measured[row, LOAD + j])
+            power = measured[row, ASSIST + j] * measured[row, RATE + assisted[j]]
+            costs[row, WRONG_WAY] += max(0.0, -power) * dt
+            costs[row, CHATTER] += change[row, j] ** 2
+        if has_cuffs:
+            for i in range(3):
+                force = 0.0
+                for j in range(3):
+                    force += measured[row, CUFFS + 3 * i + j] ** 2
+                costs[row, CUFF] = max(costs[row, CUFF], np.sqrt(force) / LIMITS[i])
+        stopped = False
+        for j in range(4):
+            angle = measured[row, ANGLE + j]
+            stopped = stopped or angle < ranges[j, 0] + NEAR or angle > ranges[j, 1] - NEAR
+            costs[row, TRACKING] += (angle - measured[row, TARGET + j]) ** 2 / 4.0
+        if stopped:
+            costs[row, STOPS] += dt
+
+
+def cost_terms(costs: Array, periods: int) -> dict[str, float]:
+    """Returns the costs of an episode by name; `tracking` is the root mean square error [rad].
+
+    Args:
+        costs: Costs of one row, shape (6,).
+        periods: Number of control periods since the reset.
+    """
+    found = dict(zip(COSTS, costs.tolist(), strict=True))
+    return {**found, "tracking": float(np.sqrt(costs[TRACKING] / max(1, periods)))}
+
+
+def is_success(costs: Array, periods: int, *, ended: bool) -> bool:
+    """Returns whether an episode has gone well so far.
+
+    The arm is not lost, tracking is within `TOLERANCE`, cuffs press no more than a person should
+    bear, and the motors stay below their continuous torque.
+    """
+    terms = cost_terms(costs, periods)
+    within = terms["tracking"] <= TOLERANCE and terms["cuff_force"] <= 1 and terms["heat"] <= 1
+    return within and not ended

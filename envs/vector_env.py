@@ -13,14 +13,14 @@ from ..checks import at_least, flag, within
 from ..errors import InputError, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
-from .reward import TERMS
+from .reward import TERMS, is_success
 from .simulation.measurements import SENSED
 from .tasks import ARM_TRACKING, Task, task_of
 
 InfoKind = Literal["none", "metrics", "full"]
 METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
 MOST_THREADS = 1024
-MASK = "reset_mask"  # the only option of a reset
+MASK, TAUGHT = "reset_mask", "taught"  # options of a reset
 Bools = NDArray[np.bool_]
 
 
@@ -132,8 +132,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
         Args:
             seed: Seed of row 0, where row i has seed + i; or one seed for every row.
-            options: None, or {"reset_mask": mask}, whose array of num_envs booleans is true for the
-                rows to reset.
+            options: None, or a dict: "reset_mask", an array of num_envs booleans that is true for
+                the rows to reset; "taught", torques that the wearers foresee beside those of their
+                bare arms [N·m], shape (rows to reset, samples, 4), where the environment was made
+                with taught=True.
 
         Raises:
             InputError: The seeds or the mask are of another number of rows, or an option is
@@ -145,6 +147,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             rows,
             None if seeds is None else [seeds[row] for row in rows],
             stagger=self.staggered and rows is self._rows,
+            taught=None if options is None else self._checked_lesson(options, len(rows)),
         )
         self._over[rows] = False
         if rows is self._rows:
@@ -274,10 +277,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             raise InputError(
                 f"reset got the options {shown(options)}: give a dict with {MASK!r}, or None"
             )
-        unknown = [name for name in options if name != MASK]
+        unknown = [name for name in options if name not in (MASK, TAUGHT)]
         if unknown:
             raise InputError(
-                f"reset got the options {shown(unknown)}: it knows {MASK!r} only; leave them out"
+                f"reset got the options {shown(unknown)}: it knows {MASK!r} and {TAUGHT!r} only; "
+                "leave them out"
             )
         mask = options.get(MASK)
         if mask is None:
@@ -291,6 +295,20 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if not mask.any():
             raise InputError(f"{MASK} names no row: set at least one to true")
         return self._rows[mask]
+
+    def _checked_lesson(self, options: dict[str, Any], rows: int) -> NDArray[np.float64] | None:
+        taught = options.get(TAUGHT)
+        if taught is None:
+            return None
+        shape = (rows, *self.episodes.simulation.memory.taught.shape[1:])
+        if not shape[1]:
+            raise InputError(f"{TAUGHT} is given: make the environment with taught=True")
+        array = np.asarray(taught, dtype=float)
+        if array.shape != shape or not np.isfinite(array).all():
+            raise InputError(
+                f"{TAUGHT} has shape {array.shape}: give finite numbers of shape {shape}"
+            )
+        return array
 
     def _checked_rows(self, rows: Sequence[int] | None) -> NDArray[np.int64]:
         if rows is None:
@@ -325,6 +343,14 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         found = {
             name: values[:, 0] if values.shape[1] == 1 else values for name, values in found.items()
         }
+        costs, periods = memory.costs, memory.step
+        ends = episodes.terminated
+        found["is_success"] = np.array(
+            [
+                is_success(row, int(count), ended=bool(end))
+                for row, count, end in zip(costs, periods, ends, strict=True)
+            ]
+        )
         if full:
             found["clipped_actions"] = memory.clipped.copy()
             found["diverged"] = memory.diverged.copy()

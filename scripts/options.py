@@ -96,6 +96,13 @@ def policies() -> list[str]:
     return [*POLICIES, "FOLDER"]
 
 
+def evaluated() -> list[str]:
+    """Returns the names of policies and bounds; the folder of a training run is one too."""
+    from ..envs.evaluation import BOUNDS
+
+    return [*policies(), *BOUNDS]
+
+
 def suits() -> list[str]:
     """Returns the names of the shipped suits; a suit file is one too."""
     from ..assets import suit_names
@@ -148,6 +155,13 @@ PolicyName = Annotated[
     choice(
         policies,
         "Name of a policy, or folder of a training run, whose task and options then hold.",
+    ),
+]
+EvaluatedName = Annotated[
+    str,
+    choice(
+        evaluated,
+        "Name of a policy or bound, or folder of a training run, whose task and options then hold.",
     ),
 ]
 _SEED = "Seed of all random numbers; the same one repeats the result."

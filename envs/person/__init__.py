@@ -1,14 +1,13 @@
 """The wearer as a person: size, strength, fatigue, control, and the effort of a motion."""
 
 from .anthropometry import Person, Segment, range_of_motion, segments
-from .control import ControlState, VoluntaryControl, start_control, voluntary_torque
+from .control import VoluntaryControl
 from .effort import EffortMetrics, effort_metrics
 from .fatigue import endurance_time, fatigue_step, muscle_load
 from .smoothness import log_dimensionless_jerk, spectral_arc_length
 from .strength import isometric_strength, passive_torque, strength_limits
 
 __all__ = [
-    "ControlState",
     "EffortMetrics",
     "Person",
     "Segment",
@@ -23,7 +22,5 @@ __all__ = [
     "range_of_motion",
     "segments",
     "spectral_arc_length",
-    "start_control",
     "strength_limits",
-    "voluntary_torque",
 ]

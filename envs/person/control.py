@@ -1,35 +1,114 @@
-"""The wearer's control of the arm: foreseen torque, delayed feedback, and muscle noise.
+"""The wearer's control of the arm: impedance, learned torque, reflex and correction.
 
-The engine's position and velocity inputs give the wearer an instantaneous impedance, the
-*intrinsic* torque of co-contracted muscles. What the wearer adds at control rate is
+In every control period a wearer whose arm is e [rad] and de/dt [rad/s] off the intention gives
 
-    foreseen:  own feed-forward + suit_learning · resistance of the suit
-    feedback:  feedback · intrinsic torque of `delay` ago
+    muscle    = own + learned + reflex + correction, within strength
+    stiffness = K0 + K1 (|muscle| + contraction)           more torque stiffens the joint
+    total     = muscle + stiffness (e + damping time · de/dt), within strength
 
-so feedback answers errors of angle and rate as the muscles do, but later. The sum, together with
-the intrinsic torque, stays within strength. It then varies in proportion to itself: slow noise
-(first-order low-pass, corner 4 Hz, whatever the control rate) and tremor (a resonance at 10 Hz,
-4 Hz wide).
+where own is the torque that moves the bare arm along the intention. The stiffness and its damping
+act inside the physics, at every step. The reflex answers stiffness (e + 0.1 s · de/dt) of a delay
+ago, through the lag of muscles. The correction integrates stiffness · e that is older than that:
+without it the arm would hang low. The total then varies in proportion to itself, if asked: slow
+noise (corner 4 Hz) and tremor (a resonance at 10 Hz, 4 Hz wide).
 
-With the gains of the shipped arm the default feedback is stable for any delay: the loop gain is
-below 1 at all frequencies, for all arms from a bare one to one with suit, exoskeleton and 5 kg.
+What a wearer *learns* is the net load: of every answer that was needed, a share is given earlier
+the next time, and a little is forgotten:
+
+    learned' = (1 - forgetting) learned + rate · answer(t + 0.1 s)
+
+which ends where forgetting and learning balance, at rate / (rate + forgetting) of the load.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, exp, isclose, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ...checks import flag
 from ...errors import InputError
 from ..provenance import Quantity
-from .control_kernels import pull
+from .anthropometry import Person
+from .strength import isometric_strength
 
-Generators = np.random.Generator | Sequence[np.random.Generator]
-
+_GOMI = (
+    "Gomi and Osu 1998, J. Neurosci. 18(21), second hand: stiffness of a held arm grows in "
+    "proportion to torque"
+)
+_ALIKE = "like the shoulder's flexion in size"
+_SMALL = "smaller, as the wrist's torques are"
+_CONTRACTION = (
+    "ours: the stiffness at rest is then 27 to 28 N·m/rad, as in Viviani 1976 for movements (25)"
+)
+_IMPEDANCE = (
+    *(
+        Quantity(f"control.stiffness.base.{joint}", value, "N·m/rad", source, "assumed")
+        for joint, value, source in zip(
+            JOINTS, (11.0, 11.0, 9.0, 2.0), (_ALIKE, _GOMI, _GOMI, _SMALL), strict=True
+        )
+    ),
+    *(
+        Quantity(f"control.stiffness.slope.{joint}", value, "1/rad", source, "assumed")
+        for joint, value, source in zip(
+            JOINTS, (3.2, 3.2, 6.2, 6.2), (_ALIKE, _GOMI, _GOMI, "like the elbow's"), strict=True
+        )
+    ),
+    *(
+        Quantity(f"control.contraction.{joint}", value, "N·m", _CONTRACTION, "assumed")
+        for joint, value in zip(JOINTS, (5.0, 5.0, 3.0, 0.5), strict=True)
+    ),
+)
+_DAMPING = Quantity(
+    "control.damping",
+    0.1,
+    "s",
+    "Selen, Franklin and Wolpert 2009 have 0.05 s, which leaves a damping ratio of 0.1 in suit and "
+    "exoskeleton; doubled",
+    "assumed",
+)
+_DELAY = Quantity(
+    "control.delay",
+    0.05,
+    "s",
+    "long-latency response of arm muscles, from 50 ms: PLOS ONE 11(10) e0163854, without the "
+    "muscle's own delay",
+    "derived",
+)
+_REFLEX = Quantity(
+    "control.reflex", 0.5, "1", "ours: half of the intrinsic part; unstable from 1.2", "assumed"
+)
+_LEAD = Quantity("control.reflex.lead", 0.1, "s", "ours: as the damping", "assumed")
+_LAG = Quantity(
+    "control.reflex.lag", 0.035, "s", "ours: activation of muscles, 30 to 50 ms", "assumed"
+)
+_CORRECTION = Quantity(
+    "control.correction", 1.5, "1/s", "ours: unstable from 2 with half the damping", "assumed"
+)
+_SIGHT = Quantity(
+    "control.correction.delay", 0.15, "s", "ours: visual and voluntary reaction, 0.15 s", "assumed"
+)
+_RATE = Quantity(
+    "control.learning",
+    0.1,
+    "1",
+    "ours: the error of a repeated motion then falls to a quarter in 10 to 30 repetitions, as in "
+    "studies of force fields",
+    "assumed",
+)
+_FORGETTING = Quantity("control.forgetting", 0.01, "1", "ours: a tenth of learning", "assumed")
+_PACE = Quantity(
+    "control.learning.pace",
+    0.05,
+    "1",
+    "ours: step of normalized least mean squares; three or four motions then halve the error",
+    "assumed",
+)
+_CREDIT = Quantity(
+    "control.learning.credit", 0.1, "s", "ours: reflex and muscle together", "assumed"
+)
 _HAMILTON = "size: ours; falls with strength, Hamilton et al. 2004, Exp. Brain Res. 157:417-430"
 _FLUCTUATION = "ours: isometric force varies slowly, at less than the frequency of tremor"
 _TREMOR = "Novak and Newell 2017, Neurosci. Lett.: physiological tremor has 8 to 12 Hz"
@@ -40,61 +119,92 @@ _NOISE = tuple(
 _CORNER = Quantity("control.noise.corner", 4.0, "Hz", _FLUCTUATION, "assumed")
 _CENTER = Quantity("control.tremor.center", 10.0, "Hz", _TREMOR, "derived")
 _WIDTH = Quantity("control.tremor.width", 4.0, "Hz", _TREMOR, "derived")
-_DELAY = Quantity(
-    "control.delay",
-    0.05,
-    "s",
-    "long-latency response of arm muscles, from 50 ms: PLOS ONE 11(10) e0163854, without the "
-    "muscle's own delay",
-    "derived",
-)
-_FEEDBACK = Quantity(
-    "control.feedback", 0.4, "1", "ours: less than the intrinsic part, and stable", "assumed"
-)
 
-PROVENANCE: tuple[Quantity, ...] = (*_NOISE, _CORNER, _CENTER, _WIDTH, _DELAY, _FEEDBACK)
+PROVENANCE: tuple[Quantity, ...] = (
+    *_IMPEDANCE,
+    _DAMPING,
+    _DELAY,
+    _REFLEX,
+    _LEAD,
+    _LAG,
+    _CORRECTION,
+    _SIGHT,
+    _RATE,
+    _FORGETTING,
+    _PACE,
+    _CREDIT,
+    *_NOISE,
+    _CORNER,
+    _CENTER,
+    _WIDTH,
+)
 
 NOISE_SIZE = np.array([quantity.value for quantity in _NOISE])
+RATE, FORGETTING = _RATE.value, _FORGETTING.value
+LEAD = _LEAD.value
+# Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm led by stiff hands: those of version 0.1.
+STIFF = np.array([[250.0, 250.0, 120.0, 20.0], [26.0, 30.0, 10.0, 1.0]])
 
 
 @dataclass(frozen=True, kw_only=True)
 class VoluntaryControl:
-    """Settings of a wearer's control of the arm. All fields are plain numbers.
+    """Settings of a wearer's control of the arm. All fields are plain values.
 
     Nothing is random by default, so that two policies or two suits meet the same wearer. With
     `noise=1` the wearer varies as people do.
 
     Attributes:
-        suit_learning: Share of the suit's resistance that the wearer foresees, 0 to 1; a wearer
-            who has never worn the suit has 0.
-        feedback: Gain of the delayed feedback, a factor of the intrinsic torque, 0 to 1.
-        delay: Time from an error to the torque that answers it [s], 0 to 0.5, a multiple of the
+        stiffness: Stiffness in multiples of a typical person's of that strength, 0.25 to 4.
+        damping: Damping over stiffness [s], 0.03 to 0.3.
+        contraction: Co-contraction in multiples of a typical one, 0 to 4. What is above 1 stiffens
+            more, and counts as effort and tires.
+        reflex: Gain of the reflex, a factor of stiffness, 0 to 1.
+        delay: Time from an error to the reflex that answers it [s], 0 to 0.5, a multiple of the
             control period.
+        correction: Rate of the slow correction [1/s], 0 to 2.
+        adaptation: Rate of learning from episode to episode in multiples of a typical person's, 0
+            (who never learns) to 1.
         noise: Signal-dependent noise in multiples of a typical one, whose standard deviation is
             2.5 % of the torque at shoulder and elbow and 4.5 % at the wrist, 0 to 10.
         tremor: Standard deviation of physiological tremor over the torque, 0 to 0.5.
+        stiff: Whether the arm is led along the intention by stiff hands instead, whose torque is
+            that of inverse dynamics: what a person can learn at most. The other settings of
+            impedance, reflex, correction and learning then mean nothing.
 
     Raises:
         InputError: a value is outside its range.
     """
 
-    suit_learning: float = 0.0
-    feedback: float = _FEEDBACK.value
+    stiffness: float = 1.0
+    damping: float = _DAMPING.value
+    contraction: float = 1.0
+    reflex: float = _REFLEX.value
     delay: float = _DELAY.value
+    correction: float = _CORRECTION.value
+    adaptation: float = 1.0
     noise: float = 0.0
     tremor: float = 0.0
+    stiff: bool = False
 
     def __post_init__(self) -> None:
-        for name, highest, kind in (
-            ("suit_learning", 1, "as a share of the suit's resistance"),
-            ("feedback", 1, "as a share of the intrinsic torque"),
-            ("delay", 0.5, "in s"),
-            ("noise", 10, "as a multiple of a typical person's"),
-            ("tremor", 0.5, "as a fraction of the torque"),
+        for name, lowest, highest, kind in (
+            ("stiffness", 0.25, 4, "in multiples of a typical person's"),
+            ("damping", 0.03, 0.3, "in s"),
+            ("contraction", 0, 4, "in multiples of a typical person's"),
+            ("reflex", 0, 1, "as a factor of the stiffness"),
+            ("delay", 0, 0.5, "in s"),
+            ("correction", 0, 2, "in 1/s"),
+            ("adaptation", 0, 1, "as a factor of a typical person's rate of learning"),
+            ("noise", 0, 10, "as a multiple of a typical person's"),
+            ("tremor", 0, 0.5, "as a fraction of the torque"),
         ):
             value = getattr(self, name)
-            if not (isinstance(value, int | float) and 0 <= value <= highest):
-                raise InputError(f"{name} is {value!r}: give it {kind}, from 0 to {highest:g}")
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if not (number and lowest <= value <= highest):
+                raise InputError(
+                    f"{name} is {value!r}: give it {kind}, from {lowest:g} to {highest:g}"
+                )
+        flag("stiff", self.stiff)
 
     def periods(self, dt: float) -> int:
         """Returns the delay in control periods of `dt` [s].
@@ -110,83 +220,56 @@ class VoluntaryControl:
             )
         return count
 
+    @property
+    def learns(self) -> bool:
+        """Whether the wearer learns from episode to episode."""
+        return self.adaptation > 0 and not self.stiff
 
-@dataclass(frozen=True, eq=False)
-class ControlState:
-    """Memory of the wearer's control between two periods.
+    def impedance(self, person: Person) -> Array:
+        """Returns the numbers of the joints' impedance, shape (5, 4).
 
-    Attributes:
-        past: Intrinsic torques without an answer yet [N·m], oldest first, shape (..., delay, 4).
-        variation: Slow noise, tremor, and tremor a quarter period later, each with variance 1 in
-            the long run, shape (..., 3, 4).
-    """
+        Rows: stiffness at rest [N·m/rad], its growth with torque [1/rad], damping [N·m·s/rad],
+        damping over stiffness [s], and co-contraction that counts as effort [N·m]. What a person is
+        stiff at rest grows with strength.
+        """
+        zero = np.zeros(len(JOINTS))
+        if self.stiff:
+            return np.array([STIFF[0], zero, STIFF[1], zero, zero])
+        base, slope, contraction = np.array([q.value for q in _IMPEDANCE]).reshape(3, -1)
+        stronger = isometric_strength(person).sum(axis=0) / isometric_strength(Person()).sum(axis=0)
+        rest = stronger * (base + slope * self.contraction * contraction)
+        return np.array(
+            [
+                self.stiffness * rest,
+                self.stiffness * slope,
+                zero,
+                np.full(len(JOINTS), self.damping),
+                stronger * max(self.contraction - 1, 0) * contraction,
+            ]
+        )
 
-    past: Array
-    variation: Array
+    def habits(self, dt: float) -> dict[str, Any]:
+        """Returns the numbers of the kernels that all joints share, by name.
+
+        Args:
+            dt: Control period [s].
+        """
+        return {
+            "reflex": 0.0 if self.stiff else self.reflex,
+            "lead": LEAD,
+            "lag": 1 - exp(-dt / _LAG.value),
+            "correction": 0.0 if self.stiff else self.correction * dt,
+            "noise": self.noise,
+            "tremor": self.tremor,
+            "learning": self.adaptation * _PACE.value if self.learns else 0.0,
+            "forgetting": FORGETTING / RATE,
+            "credit": round(_CREDIT.value / dt),
+        }
 
 
-def start_control(settings: VoluntaryControl, intrinsic: ArrayLike, dt: float) -> ControlState:
-    """Returns the memory of a wearer who has held still, without any noise yet.
-
-    Args:
-        settings: Settings of the wearer's control.
-        intrinsic: Intrinsic torque so far [N·m], shape (..., 4); zeros if the arm was free.
-        dt: Control period [s].
-
-    Raises:
-        InputError: The delay is not a multiple of the control period.
-    """
-    samples = settings.periods(dt)
-    intrinsic = np.asarray(intrinsic, dtype=float)
-    past = np.repeat(intrinsic[..., None, :], samples, axis=-2)
-    return ControlState(past, np.zeros((*intrinsic.shape[:-1], 3, intrinsic.shape[-1])))
-
-
-def voluntary_torque(
-    settings: VoluntaryControl,
-    state: ControlState,
-    *,
-    intrinsic: Array,
-    feedforward: Array,
-    suit_resistance: Array,
-    limits: tuple[Array, Array],
-    dt: float,
-    rng: Generators,
-) -> tuple[Array, ControlState]:
-    """Returns the torque that the wearer adds to the intrinsic one in this control period.
-
-    It goes to the feed-forward input of the engine's actuators, whose position and velocity inputs
-    are the intention.
-
-    Args:
-        settings: Settings of the wearer's control.
-        state: Memory of the period before, or from `start_control`; it is not changed.
-        intrinsic: Torque of the wearer's impedance at this instant, stiffness · (intended - actual
-            angle) + damping · (intended - actual rate) [N·m], shape (..., 4), the state's.
-        feedforward: Torque that moves the bare arm along the intention [N·m], shape (..., 4).
-        suit_resistance: Resistance of the suit along the intention, as the wearer could learn it
-            [N·m], shape (..., 4).
-        limits: Least and greatest torque that the wearer can give now, `strength_limits` of the
-            strength that fatigue has left [N·m], shape (..., 4) each.
-        dt: Control period [s].
-        rng: Random numbers, one generator for all wearers or one for each of a one-dimensional
-            batch; nothing is drawn without noise and tremor.
-
-    Returns:
-        torque: torque of the wearer without the intrinsic one [N·m], shape (..., 4).
-        state: memory for the next period.
-    """
-    window = np.concatenate([state.past, intrinsic[..., None, :]], axis=-2)
-    foreseen = feedforward + settings.suit_learning * suit_resistance
-    low, high = limits
-    total = pull(intrinsic, foreseen, settings.feedback, window[..., 0, :], low, high)
-    variation = state.variation
-    if settings.noise > 0 or settings.tremor > 0:
-        variation = _vary(variation, dt, rng)
-        slow, tremor = variation[..., 0, :], variation[..., 1, :]
-        relative = settings.noise * NOISE_SIZE * slow + settings.tremor * tremor
-        total = np.clip(total * (1 + relative), low, high)
-    return total - intrinsic, ControlState(window[..., 1:, :], variation)
+def sight_periods(dt: float) -> int:
+    """Returns the delay of the slow correction in control periods of `dt` [s]."""
+    return round(_SIGHT.value / dt)
 
 
 def noise_constants(dt: float) -> Array:
@@ -198,17 +281,3 @@ def noise_constants(dt: float) -> Array:
     lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
     turn = 2 * pi * _CENTER.value * dt
     return np.array([lag, ring, cos(turn), sin(turn), sqrt(1 - lag**2), sqrt(1 - ring**2)])
-
-
-def _vary(variation: Array, dt: float, rng: Generators) -> Array:
-    """Returns the next variation: a first-order autoregression and a randomly driven rotation."""
-    lag, ring, cosine, sine, slow_drive, ring_drive = noise_constants(dt)
-    slow, x, y = np.moveaxis(variation, -2, 0)
-    kept = np.stack(
-        [lag * slow, ring * (cosine * x - sine * y), ring * (sine * x + cosine * y)], axis=-2
-    )
-    if isinstance(rng, np.random.Generator):
-        fresh = rng.standard_normal(kept.shape)
-    else:
-        fresh = np.stack([one.standard_normal(kept.shape[-2:]) for one in rng])
-    return kept + np.array([slow_drive, ring_drive, ring_drive])[:, None] * fresh

@@ -9,15 +9,27 @@ from ..arm_env import ArmEnv
 from ..model import resisting_joints
 from ..vector_env import ArmVectorEnv
 from .base import Policy
+from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .trained import TrainedPolicy
+from .transparent import Transparent
 
-SIMPLE = {"none": NoAssist, "gravity": GravityCompensation, "oracle": Oracle}
-SHIPPED = {**SIMPLE, "feedforward": HysteresisFeedforward}
-POLICIES = ("none", "gravity", "feedforward", "oracle")
+SIMPLE = {
+    "none": NoAssist,
+    "transparent": Transparent,
+    "gravity": GravityCompensation,
+    "oracle": Oracle,
+}
+BELIEVING = {
+    "feedforward": HysteresisFeedforward,
+    "complement": Complement,
+    "compensation": Compensation,
+}
+SHIPPED = {**SIMPLE, **BELIEVING}
+POLICIES = ("none", "transparent", "gravity", "feedforward", "complement", "compensation", "oracle")
 
 
 def needed_options(name: str) -> dict[str, Any]:
@@ -42,11 +54,10 @@ def make_policy(
     """Returns a policy for an ActiveSuit environment.
 
     Args:
-        name: Name of the policy ("none", "gravity", "feedforward" or "oracle"), or the folder of a
-            training run.
+        name: Name of the policy, one of `POLICIES`, or the folder of a training run.
         env: Environment in which the policy will act, single or vector, wrapped or not.
-        believed_suit: Suit that "feedforward" believes in: its name or file, or what else
-            `load_suit` takes; by default the simulated one, at its pressure.
+        believed_suit: Suit that the policies with a model of it believe in: its name or file, or
+            what else `load_suit` takes; by default the simulated one, at its pressure.
 
     Raises:
         InputError: There is no such policy or folder, or the environment has no motors or not the
@@ -68,10 +79,12 @@ def make_policy(
         )
     if name in SIMPLE:
         return SIMPLE[name](arm)
-    if name == "feedforward":
-        if believed_suit is None:
-            return HysteresisFeedforward(arm, resisting_joints(episodes.simulation.config))
-        return HysteresisFeedforward(arm, load_suit(believed_suit).joints)
+    if name in BELIEVING:
+        config = episodes.simulation.config
+        own = believed_suit is None
+        return BELIEVING[name](
+            arm, resisting_joints(config) if own else load_suit(believed_suit).joints
+        )
     return TrainedPolicy(name, arm)
 
 

@@ -13,16 +13,9 @@ from numba import njit
 from ...arrays import AnyArray
 from ..model.motor_kernels import clipped as within_heat
 from ..model.motor_kernels import heated
-from ..person.control_kernels import pulled
 from ..person.fatigue_kernels import loaded, tired
-from ..person.strength_kernels import group_torque
-from .inverse_dynamics import arm_torque
-from .measurements import TIME, is_finite, measure
-
-# Columns of `habits`, the wearer's settings.
-LEARNING, FEEDBACK, NOISE, TREMOR = range(4)
-# Places in `ringing`: how noise and tremor go on from one control period to the next.
-SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
+from .measurements import EFFORT, TIME, is_finite, measure
+from .wearer import EXTRA, act, foresee, learn, most
 
 
 @njit(cache=True)
@@ -45,98 +38,6 @@ def drive(
 
 
 @njit(cache=True)
-def vary(row: int, variation: AnyArray, fresh: AnyArray, place: int, ringing: AnyArray) -> None:
-    """Advances the noise of muscles: first-order autoregression and a driven, damped rotation."""
-    for j in range(4):
-        slow, x, y = variation[row, 0, j], variation[row, 1, j], variation[row, 2, j]
-        variation[row, 0, j] = ringing[SLOW] * slow + ringing[SLOW_DRIVE] * fresh[row, place, 0, j]
-        turned = ringing[RING] * (ringing[COSINE] * x - ringing[SINE] * y)
-        variation[row, 1, j] = turned + ringing[RING_DRIVE] * fresh[row, place, 1, j]
-        turned = ringing[RING] * (ringing[SINE] * x + ringing[COSINE] * y)
-        variation[row, 2, j] = turned + ringing[RING_DRIVE] * fresh[row, place, 2, j]
-
-
-@njit(cache=True)
-def act(
-    row: int,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    ctrl: AnyArray,
-    step: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    resistance: AnyArray,
-    past: AnyArray,
-    variation: AnyArray,
-    fresh: AnyArray,
-    fatigued: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    intention: AnyArray,
-    stiffness: AnyArray,
-    damping: AnyArray,
-    strength: AnyArray,
-    shape: AnyArray,
-    habits: AnyArray,
-    spread: AnyArray,
-    ringing: AnyArray,
-) -> None:
-    """Gives the engine's actuators the intention of the coming period, and the added torque."""
-    last, delay = angle.shape[1] - 1, past.shape[1]
-    ahead = step[row] + 1
-    i = min(ahead, last)
-    if fresh.shape[1] > 0:
-        vary(row, variation, fresh, step[row] % fresh.shape[1], ringing)
-    for j in range(4):
-        q, v = qpos[row, joints[j]], qvel[row, joints[j]]
-        target = angle[row, i, j]
-        target_rate = rate[row, i, j] if i == ahead else 0.0
-        intrinsic = stiffness[row, j] * (target - q) + damping[row, j] * (target_rate - v)
-        old = intrinsic
-        if delay > 0:
-            old = past[row, step[row] % delay, j]
-            past[row, step[row] % delay, j] = intrinsic
-        foreseen = own[row, j]
-        if resistance.shape[1] > 0:
-            foreseen += habits[row, LEARNING] * resistance[row, i, j]
-        low = -most(row, 0, j, q, -v, strength, fatigued, shape)
-        high = most(row, 1, j, q, v, strength, fatigued, shape)
-        total = pulled(intrinsic, foreseen, habits[row, FEEDBACK], old, low, high)
-        if fresh.shape[1] > 0:
-            varied = habits[row, NOISE] * spread[j] * variation[row, 0, j]
-            varied += habits[row, TREMOR] * variation[row, 1, j]
-            total = max(low, min(total * (1.0 + varied), high))
-        ctrl[row, intention[0, j]] = target
-        ctrl[row, intention[1, j]] = target_rate
-        ctrl[row, intention[2, j]] = total - intrinsic
-
-
-@njit(cache=True)
-def most(
-    row: int,
-    way: int,
-    joint: int,
-    angle: float,
-    speed: float,
-    strength: AnyArray,
-    fatigued: AnyArray,
-    shape: AnyArray,
-) -> float:
-    """Returns the greatest torque that fatigue has left to a muscle group [N·m]."""
-    return group_torque(
-        strength[row, way, joint] * (1.0 - fatigued[row, way, joint]),
-        angle,
-        speed,
-        shape[0, way, joint],
-        shape[1, way, joint],
-        shape[2, way, joint],
-        shape[3, way, joint],
-        shape[4, way, joint],
-        shape[5, way, joint],
-    )
-
-
-@njit(cache=True)
 def tire(
     row: int,
     qpos: AnyArray,
@@ -146,6 +47,7 @@ def tire(
     rested: AnyArray,
     joints: AnyArray,
     human: AnyArray,
+    impedance: AnyArray,
     strength: AnyArray,
     shape: AnyArray,
     tiring: AnyArray,
@@ -156,20 +58,41 @@ def tire(
 ) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
     for j in range(4):
-        torque = actuator_force[row, human[j]]
+        torque, extra = actuator_force[row, human[j]], impedance[row, EXTRA, j]
         for way in range(2):
             sign = 1.0 if way == 1 else -1.0
             speed = sign * qvel[row, joints[j]]
             available = most(row, way, j, qpos[row, joints[j]], speed, strength, rested, shape)
             fatigued[row, way, j] = tired(
                 fatigued[row, way, j],
-                loaded(sign * torque, available),
+                loaded(sign * torque + extra, available),
                 tiring[j],
                 recovery[j],
                 multiplier[j],
                 resting[j],
                 dt,
             )
+
+
+@njit(cache=True)
+def strain(
+    row: int,
+    measured: AnyArray,
+    qpos: AnyArray,
+    actuator_force: AnyArray,
+    rested: AnyArray,
+    joints: AnyArray,
+    human: AnyArray,
+    impedance: AnyArray,
+    strength: AnyArray,
+    shape: AnyArray,
+) -> None:
+    """Measures effort: torque and extra co-contraction over the strength of a still joint."""
+    for j in range(4):
+        torque = actuator_force[row, human[j]]
+        way = 1 if torque > 0.0 else 0
+        available = most(row, way, j, qpos[row, joints[j]], 0.0, strength, rested, shape)
+        measured[row, EFFORT + j] = (abs(torque) + impedance[row, EXTRA, j]) / available
 
 
 @njit(cache=True, nogil=True)
@@ -184,12 +107,19 @@ def before(
     qpos: AnyArray,
     qvel: AnyArray,
     ctrl: AnyArray,
+    bias: AnyArray,
     step: AnyArray,
     angle: AnyArray,
     rate: AnyArray,
     acceleration: AnyArray,
-    resistance: AnyArray,
+    taught: AnyArray,
+    gains: AnyArray,
+    features: AnyArray,
     past: AnyArray,
+    seen: AnyArray,
+    fed: AnyArray,
+    held: AnyArray,
+    answer: AnyArray,
     variation: AnyArray,
     fresh: AnyArray,
     fatigued: AnyArray,
@@ -198,18 +128,26 @@ def before(
     scratch: AnyArray,
     own: AnyArray,
     joints: AnyArray,
+    human: AnyArray,
     motors: AnyArray,
     intention: AnyArray,
-    stiffness: AnyArray,
-    damping: AnyArray,
+    impedance: AnyArray,
     strength: AnyArray,
     shape: AnyArray,
-    habits: AnyArray,
     spread: AnyArray,
     ringing: AnyArray,
     peak: AnyArray,
     continuous: AnyArray,
     time_constant: AnyArray,
+    reflex: float,
+    lead: float,
+    lag: float,
+    correction: float,
+    noise: float,
+    tremor: float,
+    learning: float,
+    forgetting: float,
+    credit: int,
     dt: float,
 ) -> int:
     """Takes the actions of some rows, and lets motors and wearers act on them.
@@ -229,38 +167,77 @@ def before(
             given = action[row, j]
             new = max(-1.0, min(given, 1.0))
             beyond = beyond or new != given
-            change[row, j] = new - command[row, j]
+            change[row, j] = new - command[row, j] if step[row] > 0 else 0.0
             command[row, j] = new
         clipped[row] += 1 if beyond else 0
         if diverged[row]:
             continue
         drive(row, command, mean_square, ctrl, motors, peak, continuous, time_constant, dt)
         i = int(min(step[row] + 1, angle.shape[1] - 1))
-        arm_torque(row, links, gravity, angle, rate, acceleration, i, scratch, own)
+        foresee(
+            row,
+            i,
+            angle,
+            rate,
+            acceleration,
+            links,
+            gravity,
+            scratch,
+            taught,
+            gains,
+            features,
+            own,
+        )
         act(
             row,
             qpos,
             qvel,
             ctrl,
+            bias,
             step,
             angle,
             rate,
-            resistance,
             past,
+            seen,
+            fed,
+            held,
+            answer,
             variation,
             fresh,
             fatigued,
             own,
             joints,
+            human,
             intention,
-            stiffness,
-            damping,
+            impedance,
             strength,
             shape,
-            habits,
             spread,
             ringing,
+            reflex,
+            lead,
+            lag,
+            correction,
+            noise,
+            tremor,
         )
+        if learning > 0.0 and i > credit:
+            learn(
+                row,
+                i - credit,
+                angle,
+                rate,
+                acceleration,
+                links,
+                gravity,
+                scratch,
+                gains,
+                features,
+                own,
+                answer,
+                learning,
+                forgetting,
+            )
     return -1
 
 
@@ -294,6 +271,7 @@ def after(
     suited: AnyArray,
     suit_torque: AnyArray,
     dissipated: AnyArray,
+    impedance: AnyArray,
     strength: AnyArray,
     shape: AnyArray,
     tiring: AnyArray,
@@ -340,6 +318,7 @@ def after(
                     rested,
                     joints,
                     human,
+                    impedance,
                     strength,
                     shape,
                     tiring,
@@ -380,4 +359,16 @@ def after(
             smoothing,
             dt,
             moved,
+        )
+        strain(
+            row,
+            measured,
+            qpos,
+            actuator_force,
+            rested,
+            joints,
+            human,
+            impedance,
+            strength,
+            shape,
         )

@@ -1,4 +1,4 @@
-"""Intended motions: minimum-jerk moves between random targets, and the suit's resistance."""
+"""Intended motions: minimum-jerk moves between random targets."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from ...arrays import Array
-from ...assets import JOINTS, SuitJoint
+from ...assets import JOINTS
 from ...errors import InputError, shown
 
 ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
@@ -148,17 +148,3 @@ def _out_of_range(angle: Array, ranges: Array, rounding: float) -> int:
             if not low <= angle[i, j] <= high:
                 return j
     return -1
-
-
-def resistance(joints: Mapping[str, SuitJoint], angle: Array) -> Array:
-    """Returns the suit's resistance along a motion [N·m], shape (samples, 4).
-
-    Args:
-        joints: Joints of the suit.
-        angle: Intended angles [rad], shape (samples, 4).
-    """
-    torque = np.zeros_like(angle)
-    for joint, entry in joints.items():
-        column = JOINTS.index(joint)
-        torque[:, column] = entry.response(angle[:, column])
-    return torque

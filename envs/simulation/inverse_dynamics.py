@@ -47,11 +47,12 @@ class Chain:
     down: Array
 
     @classmethod
-    def of(cls, arm: mujoco.MjModel) -> "Chain":
+    def of(cls, arm: mujoco.MjModel, *, dressed: bool = False) -> "Chain":
         """Returns the chain of one arm.
 
         Args:
-            arm: Model of the bare arm, from `bare_arm`.
+            arm: Model of an arm, such as that of `bare_arm`.
+            dressed: Whether the arm's suit and load belong to its links; an exoskeleton never does.
 
         Raises:
             InputError: The arm is no chain of four hinges.
@@ -65,7 +66,8 @@ class Chain:
             or (arm.body_parentid[bodies[1:]] != bodies[:-1]).any()
         ):
             raise InputError("the bare arm is no chain of four hinges: compose it anew")
-        links = np.zeros((len(JOINTS), LINK))
+        links, data = np.zeros((len(JOINTS), LINK)), mujoco.MjData(arm)
+        mujoco.mj_kinematics(arm, data)
         for link, joint, body in zip(links, joints, bodies, strict=True):
             link[POSITION:AXIS] = arm.body_pos[body]
             link[AXIS:MASS] = arm.jnt_axis[joint]
@@ -80,11 +82,32 @@ class Chain:
             link[STIFFNESS] = arm.jnt_stiffness[joint]
             link[REST] = arm.qpos_spring[arm.jnt_qposadr[joint]]
             link[DAMPING] = arm.dof_damping[dof]
-        data = mujoco.MjData(arm)
-        mujoco.mj_kinematics(arm, data)
+            if dressed:
+                _dress(link, arm, data, body, last=body == bodies[-1])
         torso = data.xmat[arm.body_parentid[bodies[0]]].reshape(3, 3)
         down = torso.T @ np.array([0.0, 0.0, -1.0])
         return cls(links[None], (torso.T @ arm.opt.gravity)[None], down[None])
+
+
+def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, last: bool) -> None:
+    """Adds suit and load to the inertia of a link; the arm is straight in `data`."""
+    parts = [body]
+    for i in range(arm.nbody):
+        name = arm.body(i).name
+        worn = name.startswith("suit_") and arm.body_weldid[i] == arm.body_weldid[body]
+        if worn or (name == "payload" and last):
+            parts.append(i)
+    mass, places = arm.body_mass[parts], data.xipos[parts] - data.xpos[body]
+    frame = data.xmat[body].reshape(3, 3)
+    center = mass @ places / mass.sum()
+    inertia = np.zeros((3, 3))
+    for i, m, place in zip(parts, mass, places, strict=True):
+        axes, away = data.ximat[i].reshape(3, 3), place - center
+        inertia += axes * arm.body_inertia[i] @ axes.T
+        inertia += m * (away @ away * np.eye(3) - np.outer(away, away))
+    inertia = frame.T @ inertia @ frame
+    link[MASS], link[CENTER:INERTIA] = mass.sum(), frame.T @ center
+    link[INERTIA:STIFFNESS] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
 @njit(cache=True)

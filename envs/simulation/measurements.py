@@ -34,6 +34,7 @@ _SIZES = (
     ("emg", 4),  # N·m
     ("cuff_sensor", 9),  # N
     ("belief", 4),  # N·m
+    ("effort", 4),  # over strength
 )
 
 
@@ -84,6 +85,7 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vecto
     EMG,
     CUFF_SENSOR,
     BELIEF,
+    EFFORT,
 ) = (columns.start for columns in COLUMNS.values())
 
 

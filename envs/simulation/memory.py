@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...assets import JOINTS
 from .measurements import NOISES, WIDTH
+from .wearer import FEATURES
 
 STRETCH = 64  # control periods for which muscle noise is drawn at once
 
@@ -29,13 +30,19 @@ class Memory:
         angle: Intended joint angles [rad], shape (n, samples, 4).
         rate: Their rates [rad/s], the same shape.
         acceleration: Their accelerations [rad/s²], the same shape.
-        resistance: Resistance of the suit along the intention [N·m], the same shape; no samples
-            for wearers who foresee none of it.
+        taught: Torque that a wearer foresees beside that of the bare arm [N·m], the same shape; no
+            samples where none is taught.
+        gains: What a wearer has learned of the net load, gains on descriptions of the motion,
+            shape (n, 4, FEATURES); none for one who never learns.
         command: Last action, shape (n, motors).
         change: Its change since the action before, shape (n, motors).
         mean_square: Running mean square of the motors' torques [N²·m²], shape (n, motors).
-        past: Intrinsic torques of the wearer without an answer yet [N·m], a ring with the step as
-            its place, shape (n, delay, 4).
+        past: Stretches of muscles without a reflex yet [N·m], a ring with the step as its place,
+            shape (n, delay, 4).
+        seen: Elastic torques that the slow correction has not seen yet [N·m], a ring as well,
+            shape (n, delay, 4).
+        fed: Torque of the reflex [N·m], shape (n, 4).
+        held: Torque of the slow correction [N·m], shape (n, 4).
         variation: Slow noise of the muscles, tremor, and tremor a quarter period later, each with
             variance 1 in the long run, shape (n, 3, 4).
         fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
@@ -52,9 +59,10 @@ class Memory:
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
+        costs: Costs of the episode so far, columns as `envs.reward.COSTS`, shape (n, 6).
         measured: Last valid measurements, shape (n, WIDTH).
         believed: Memory of a believed suit, shape (n, size); whoever follows it gives it its size.
-        seen: Observations before the last one, newest first, shape (n, count, size); whoever makes
+        shown: Observations before the last one, newest first, shape (n, count, size); whoever makes
             observations gives it its size.
     """
 
@@ -67,11 +75,15 @@ class Memory:
     angle: Array
     rate: Array
     acceleration: Array
-    resistance: Array
+    taught: Array
+    gains: Array
     command: Array
     change: Array
     mean_square: Array
     past: Array
+    seen: Array
+    fed: Array
+    held: Array
     variation: Array
     fresh: Array
     felt: Array
@@ -85,9 +97,10 @@ class Memory:
     fall: Array
     offset: Array
     dissipated_before: Array
+    costs: Array
     measured: Array
     believed: Array
-    seen: NDArray[np.float32]
+    shown: NDArray[np.float32]
 
     @classmethod
     def empty(
@@ -97,7 +110,9 @@ class Memory:
         samples: int,
         motors: int,
         delay: int,
-        foresees: bool,
+        sight: int,
+        taught: bool,
+        learns: bool,
         noisy: bool,
         felt: int | None,
     ) -> "Memory":
@@ -107,8 +122,10 @@ class Memory:
             n: Number of rows.
             samples: Number of samples of an intention.
             motors: Number of motors.
-            delay: Delay of the wearer's feedback [control periods].
-            foresees: Whether the wearer foresees some of the suit's resistance.
+            delay: Delay of the wearer's reflex [control periods].
+            sight: Delay of the wearer's slow correction [control periods].
+            taught: Whether wearers may be taught what to foresee.
+            learns: Whether wearers learn from episode to episode.
             noisy: Whether the wearer's muscles have noise or tremor.
             felt: Delay of the torque between person and suit [control periods]; None without
                 sensors that have noise.
@@ -125,11 +142,15 @@ class Memory:
             angle=np.zeros(motion),
             rate=np.zeros(motion),
             acceleration=np.zeros(motion),
-            resistance=np.zeros((n, samples if foresees else 0, joints)),
+            taught=np.zeros((n, samples if taught else 0, joints)),
+            gains=np.zeros((n, joints, FEATURES if learns else 0)),
             command=np.zeros((n, motors)),
             change=np.zeros((n, motors)),
             mean_square=np.zeros((n, motors)),
             past=np.zeros((n, delay, joints)),
+            seen=np.zeros((n, sight, joints)),
+            fed=np.zeros((n, joints)),
+            held=np.zeros((n, joints)),
             variation=np.zeros((n, 3, joints)),
             fresh=np.zeros((n, STRETCH if noisy else 0, 3, joints)),
             felt=np.zeros((n, 1 if felt is None else felt + 1, joints)),
@@ -143,9 +164,10 @@ class Memory:
             fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
+            costs=np.zeros((n, 6)),
             measured=np.zeros((n, WIDTH)),
             believed=np.zeros((n, 0)),
-            seen=np.zeros((n, 0, 0), np.float32),
+            shown=np.zeros((n, 0, 0), np.float32),
         )
 
     def arrays(self) -> dict[str, NDArray]:
@@ -154,7 +176,7 @@ class Memory:
 
     def clear(self, rows: NDArray[np.int64]) -> None:
         """Forgets the last episode of some rows, but not their seeds."""
-        kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "resistance")
+        kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "gains")
         for name, values in self.arrays().items():
             if name not in kept:
                 values[rows] = 0

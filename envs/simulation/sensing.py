@@ -10,9 +10,9 @@ from numba import njit
 from ...arrays import AnyArray
 from ...checks import within
 from ..provenance import Quantity
-from .cycle import FEEDBACK, LEARNING
 from .inverse_dynamics import arm_torque
 from .measurements import CUFF_NOISES, CUFF_SENSOR, CUFFS, EMG, EMG_NOISES, INTERACTION
+from .wearer import foresee
 
 _PADS = "ours: pads between suit and skin yield and slip"
 _EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"
@@ -138,22 +138,20 @@ def listen(
     row: int,
     moved: bool,
     measured: AnyArray,
-    qpos: AnyArray,
-    qvel: AnyArray,
     step: AnyArray,
     shaken: AnyArray,
     angle: AnyArray,
     rate: AnyArray,
     acceleration: AnyArray,
-    resistance: AnyArray,
+    taught: AnyArray,
+    gains: AnyArray,
+    features: AnyArray,
+    fed: AnyArray,
+    held: AnyArray,
     links: AnyArray,
     gravity: AnyArray,
     scratch: AnyArray,
     own: AnyArray,
-    joints: AnyArray,
-    stiffness: AnyArray,
-    damping: AnyArray,
-    habits: AnyArray,
     loudness: AnyArray,
     emg_lead: int,
     emg_noise: float,
@@ -161,15 +159,23 @@ def listen(
 ) -> None:
     """Measures the EMG: the voluntary torque that will act soon, noisy, through a low-pass."""
     last = angle.shape[1] - 1
-    now = int(min(step[row], last))
     soon = int(min(step[row] + emg_lead, last))
-    arm_torque(row, links, gravity, angle, rate, acceleration, soon, scratch, own)
+    foresee(
+        row,
+        soon,
+        angle,
+        rate,
+        acceleration,
+        links,
+        gravity,
+        scratch,
+        taught,
+        gains,
+        features,
+        own,
+    )
     for j in range(4):
-        error = stiffness[row, j] * (angle[row, now, j] - qpos[row, joints[j]])
-        error += damping[row, j] * (rate[row, now, j] - qvel[row, joints[j]])
-        voluntary = own[row, j] + habits[row, FEEDBACK] * error
-        if resistance.shape[1] > 0:
-            voluntary += habits[row, LEARNING] * resistance[row, soon, j]
+        voluntary = own[row, j] + fed[row, j] + held[row, j]
         if moved:
             noise = shaken[row, (step[row] - 1) % shaken.shape[1], EMG_NOISES + j]
             heard = voluntary * (1.0 + loudness[row] * emg_noise * noise)
@@ -197,16 +203,17 @@ def sense(
     angle: AnyArray,
     rate: AnyArray,
     acceleration: AnyArray,
-    resistance: AnyArray,
+    taught: AnyArray,
+    gains: AnyArray,
+    features: AnyArray,
+    fed: AnyArray,
+    held: AnyArray,
     links: AnyArray,
     gravity: AnyArray,
     scratch: AnyArray,
     own: AnyArray,
     joints: AnyArray,
     human: AnyArray,
-    stiffness: AnyArray,
-    damping: AnyArray,
-    habits: AnyArray,
     loudness: AnyArray,
     cuffs: AnyArray,
     cuff_noise: float,
@@ -253,22 +260,20 @@ def sense(
             row,
             moved,
             measured,
-            qpos,
-            qvel,
             step,
             shaken,
             angle,
             rate,
             acceleration,
-            resistance,
+            taught,
+            gains,
+            features,
+            fed,
+            held,
             links,
             gravity,
             scratch,
             own,
-            joints,
-            stiffness,
-            damping,
-            habits,
             loudness,
             emg_lead,
             emg_noise,

@@ -1,16 +1,16 @@
-"""How an episode begins: an arm at rest, held by feedback where its torque is not foreseen."""
+"""How an episode begins: an arm that has been held still, with whatever torque that takes."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 from numba import njit
 
 from ...arrays import AnyArray
-from .cycle import FEEDBACK, LEARNING
-from .inverse_dynamics import arm_torque
+from .wearer import BASE, RELAXATION, SLOPE, foresee
+from .wearer import DAMPING as FIXED
 
-MOST_CORRECTIONS = 30  # to settle an arm; four are usual
+MOST_CORRECTIONS = 30  # to settle an exoskeleton on cuffs; four are usual
 NUDGE = 1e-6  # rad, for derivatives
-BALANCE = 1e-10  # N·m, at which an arm has settled
+BALANCE = 1e-10  # N·m, at which an exoskeleton has settled
 FRESH, MOVED, SETTLED = range(3)
 
 
@@ -21,24 +21,36 @@ def begin(
     angle: AnyArray,
     rate: AnyArray,
     acceleration: AnyArray,
-    resistance: AnyArray,
+    taught: AnyArray,
+    gains: AnyArray,
+    features: AnyArray,
     links: AnyArray,
     gravity: AnyArray,
     scratch: AnyArray,
     own: AnyArray,
     joints: AnyArray,
     exo_joints: AnyArray,
-    habits: AnyArray,
 ) -> None:
     """Puts some arms at their first intention, and computes the torque that wearers foresee."""
     for k in range(rows.shape[0]):
         row = rows[k]
-        arm_torque(row, links, gravity, angle, rate, acceleration, 0, scratch, own)
+        foresee(
+            row,
+            0,
+            angle,
+            rate,
+            acceleration,
+            links,
+            gravity,
+            scratch,
+            taught,
+            gains,
+            features,
+            own,
+        )
         for j in range(4):
             qpos[row, joints[j]] = angle[row, 0, j]
             qpos[row, exo_joints[j]] = angle[row, 0, j]
-            if resistance.shape[1] > 0:
-                own[row, j] += habits[row, LEARNING] * resistance[row, 0, j]
 
 
 @njit(cache=True)
@@ -48,21 +60,20 @@ def imbalance(
     qpos: AnyArray,
     qfrc_passive: AnyArray,
     qfrc_bias: AnyArray,
-    angle: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    stiffness: AnyArray,
-    habits: AnyArray,
+    motor: AnyArray,
+    driven: AnyArray,
 ) -> None:
-    """Computes the torque that is left on some arms at rest [N·m], shape (n, dofs)."""
+    """Computes the torque that the wearer would have to hold of some arms at rest [N·m].
+
+    It is negative where the arm would sink, shape (n, dofs); `motor` is that of the motors.
+    """
     for k in range(rows.shape[0]):
         row = rows[k]
         for i in range(qpos.shape[1]):
             torque[row, i] = qfrc_passive[row, i] - qfrc_bias[row, i]
-        for j in range(4):
-            intrinsic = stiffness[row, j] * (angle[row, 0, j] - qpos[row, joints[j]])
-            held = intrinsic + (own[row, j] + habits[row, FEEDBACK] * intrinsic)
-            torque[row, joints[j]] += held
+        for j in range(driven.shape[0]):
+            if j < motor.shape[1]:
+                torque[row, driven[j]] += motor[row, j]
 
 
 @njit(cache=True)
@@ -71,60 +82,62 @@ def correct(
     torque: AnyArray,
     inverse: AnyArray,
     qpos: AnyArray,
+    dofs: AnyArray,
     moves: AnyArray,
     status: AnyArray,
 ) -> int:
-    """Moves arms that have not settled by the inverse slope; returns how many there are.
+    """Moves exoskeletons that have not settled by the inverse slope; returns how many there are.
 
     The inverse slope improves by Broyden's update.
 
     Args:
         rows: The rows, shape (k,).
-        torque: Torque that is left [N·m], shape (n, dofs).
-        inverse: Inverse of its derivatives by the angles, shape (k, dofs, dofs).
-        qpos: Angles, shape (n, dofs).
-        moves: The last move of each arm and the torque before it, and room for the update, shape
-            (k, 4, dofs).
+        torque: Torque that is left [N·m], shape (n, all dofs).
+        inverse: Inverse of its derivatives by the angles, shape (k, d, d).
+        qpos: Angles, shape (n, all dofs).
+        dofs: Degrees of freedom that nobody holds, shape (d,).
+        moves: The last move of each row and the torque before it, and room for the update, shape
+            (k, 4, d).
         status: FRESH before the first move, MOVED after it, SETTLED at the end, shape (k,).
     """
-    n, unsettled = qpos.shape[1], 0
+    n, unsettled = dofs.shape[0], 0
     for k in range(rows.shape[0]):
         row = rows[k]
         if status[k] == SETTLED:
             continue
         largest = 0.0
         for i in range(n):
-            largest = max(largest, abs(torque[row, i]))
+            largest = max(largest, abs(torque[row, dofs[i]]))
         if not largest > BALANCE:
             status[k] = SETTLED
             continue
         unsettled += 1
         if status[k] == MOVED:
-            _improve(k, row, torque, inverse, moves, n)
+            _improve(k, row, torque, inverse, dofs, moves)
         for i in range(n):
             move = 0.0
             for j in range(n):
-                move -= inverse[k, i, j] * torque[row, j]
+                move -= inverse[k, i, j] * torque[row, dofs[j]]
             moves[k, 0, i] = move
-            moves[k, 1, i] = torque[row, i]
-            qpos[row, i] += move
+            moves[k, 1, i] = torque[row, dofs[i]]
+            qpos[row, dofs[i]] += move
         status[k] = MOVED
     return unsettled
 
 
 @njit(cache=True)
 def _improve(
-    k: int, row: int, torque: AnyArray, inverse: AnyArray, moves: AnyArray, n: int
+    k: int, row: int, torque: AnyArray, inverse: AnyArray, dofs: AnyArray, moves: AnyArray
 ) -> None:
     """Broyden's good update: the inverse B then maps the last change y of torque to the move s.
 
     B += (s - B y) (s' B) / (s' B y), Broyden 1965, Math. Comp. 19(92).
     """
-    denominator = 0.0
+    n, denominator = dofs.shape[0], 0.0
     for i in range(n):
         mapped = 0.0
         for j in range(n):
-            mapped += inverse[k, i, j] * (torque[row, j] - moves[k, 1, j])
+            mapped += inverse[k, i, j] * (torque[row, dofs[j]] - moves[k, 1, j])
         moves[k, 2, i] = moves[k, 0, i] - mapped
         denominator += moves[k, 0, i] * mapped
     if denominator == 0.0:
@@ -142,23 +155,27 @@ def _improve(
 @njit(cache=True)
 def hold(
     rows: AnyArray,
-    qpos: AnyArray,
+    torque: AnyArray,
     ctrl: AnyArray,
-    past: AnyArray,
+    bias: AnyArray,
     angle: AnyArray,
+    held: AnyArray,
     own: AnyArray,
     joints: AnyArray,
+    human: AnyArray,
     intention: AnyArray,
-    stiffness: AnyArray,
-    habits: AnyArray,
+    impedance: AnyArray,
 ) -> None:
-    """Lets wearers hold still where their arms have settled, as they have done for a while."""
+    """Lets wearers hold still: their correction has taken what they do not foresee."""
     for k in range(rows.shape[0]):
         row = rows[k]
         for j in range(4):
-            intrinsic = stiffness[row, j] * (angle[row, 0, j] - qpos[row, joints[j]])
-            for i in range(past.shape[1]):
-                past[row, i, j] = intrinsic
+            needed = -torque[row, joints[j]]
+            held[row, j] = needed - own[row, j]
+            stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * abs(needed)
+            damping = impedance[row, FIXED, j] + impedance[row, RELAXATION, j] * stiffness
+            bias[row, human[j], 1] = -stiffness
+            bias[row, human[j], 2] = -damping
             ctrl[row, intention[0, j]] = angle[row, 0, j]
             ctrl[row, intention[1, j]] = 0.0
-            ctrl[row, intention[2, j]] = own[row, j] + habits[row, FEEDBACK] * intrinsic
+            ctrl[row, intention[2, j]] = needed

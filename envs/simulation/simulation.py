@@ -17,18 +17,20 @@ from ...errors import InputError
 from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
 from ..person import VoluntaryControl
-from ..person.control import NOISE_SIZE, noise_constants
+from ..person.control import NOISE_SIZE, noise_constants, sight_periods
 from ..person.fatigue import RATES
 from ..person.strength import SHAPE
 from . import settling
 from .addresses import Addresses
 from .cycle import after, before
 from .differing import Differing, Variety
-from .intention import Motion, resistance, valid_motion
+from .intention import Motion, valid_motion
+from .inverse_dynamics import Chain, arm_torques
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
 from .sensing import Sensing, sense, smoothing
 from .streams import stream
+from .wearer import FEATURES
 
 Rows = NDArray[np.int64]
 
@@ -52,6 +54,8 @@ class Start:
         misalignment: Vector by which the exoskeleton is off, beside that of the configuration [m],
             shape (3,).
         loudness: Factor of the noise of sensors.
+        taught: Torque that the wearer foresees beside that of the bare arm [N·m], shape
+            (samples, 4); None is none.
     """
 
     motion: Motion
@@ -62,6 +66,7 @@ class Start:
     wearer: int
     misalignment: Array
     loudness: float
+    taught: Array | None
 
 
 class Simulation:
@@ -81,6 +86,7 @@ class Simulation:
         sensing: Noise, delay and bandwidth of sensors.
         noisy: Whether the sensors that have noise are read, which takes time.
         variety: What may differ between rows.
+        taught: Whether wearers may be taught what to foresee.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
@@ -105,6 +111,7 @@ class Simulation:
         sensing: Sensing,
         noisy: bool,
         variety: Variety,
+        taught: bool,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
@@ -122,12 +129,14 @@ class Simulation:
             samples=samples,
             motors=self.addresses.motors.size,
             delay=round(control.delay / control_dt),
-            foresees=control.suit_learning > 0,
+            sight=sight_periods(control_dt),
+            taught=taught,
+            learns=control.learns,
             noisy=control.noise > 0 or control.tremor > 0,
             felt=round(sensing.interaction_delay / control_dt) if noisy else None,
         )
         self.columns = self._measured_columns()
-        self._all = np.arange(n)
+        self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
 
     # --- Episodes -----------------------------------------------------------------------------
@@ -135,8 +144,10 @@ class Simulation:
     def begin(self, rows: Rows, start_of: Callable[[int], Start]) -> None:
         """Begins an episode in some rows: rested wearers hold still at their first intention.
 
-        Their feedback holds torque that they do not foresee. Strength does not limit that torque: a
-        wearer who is too weak drops the arm from there. Seeds and numbers of the episodes are in
+        They have done so for a while, so that their slow correction holds what they do not foresee.
+        Strength does not limit that torque: a wearer who is too weak drops the arm from there. When
+        the first action comes, the motors begin with what it asks, and the wearer with what they
+        leave: nobody has to take over. Seeds and numbers of the episodes are in
         `memory` before.
 
         Args:
@@ -163,11 +174,12 @@ class Simulation:
                 memory.fall[row] = GRAVITY[start.gravity]
             if start.suit is not None:
                 self._put_on(row, start.suit)
-            if memory.resistance.size:
-                known = self.suit if start.suit is None else start.suit
-                memory.resistance[row] = resistance(known, motion[0])
+            if start.taught is not None:
+                memory.taught[row] = start.taught
         self._write_differences(rows)
+        self._motor[rows] = 0.0
         self._settle(rows)
+        self._waiting.update(rows.tolist())
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
@@ -187,6 +199,8 @@ class Simulation:
             InputError: An action is not of finite numbers; nothing has changed.
         """
         moving = self._all if rows is None else rows
+        if self._waiting:
+            self._take_over(action, moving)
         if self.memory.fresh.size or self._noisy:
             self._draw_noise(moving)
         bad = before(moving, action, *self._before)
@@ -197,6 +211,22 @@ class Simulation:
         after(moving, True, *self._after)
         if self._noisy:
             sense(moving, True, *self._sensed)
+
+    def own_torque(self, rows: Rows) -> Array:
+        """Returns the torque that moves the bare arms along their intentions [N·m].
+
+        Args:
+            rows: The rows, shape (k,).
+
+        Returns:
+            The torques, shape (k, samples, 4).
+        """
+        memory, found = self.memory, np.empty((len(rows), self.samples, len(JOINTS)))
+        for row, torque in zip(rows.tolist(), found, strict=True):
+            motion = (memory.angle[row], memory.rate[row], memory.acceleration[row])
+            chain = Chain(self._links[row : row + 1], self._gravity[row : row + 1], self._gravity)
+            torque[:] = arm_torques(chain, *motion)
+        return found
 
     def measured(self, name: str) -> Array:
         """Returns a view of one measurement of all rows, shape (n, size)."""
@@ -216,6 +246,8 @@ class Simulation:
         for name, values in self.memory.arrays().items():
             values[rows] = state[name]
         self._write_differences(rows)
+        self._waiting.difference_update(rows.tolist())
+        self._waiting.update(rows[self.memory.step[rows] == 0].tolist())
         self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
@@ -244,23 +276,25 @@ class Simulation:
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
         self._differing.begin(batch)
-        bound = ("time", "qpos", "qvel", "ctrl", "sensordata", "actuator_force", "plugin_state")
+        bound = ("time", "qpos", "qvel", "act", "ctrl", "sensordata", "actuator_force")
+        bound = (*bound, "plugin_state")
         physics = {name: batch.bind(name) for name in bound}
         self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
+        self._current = physics["act"]
         self.plugin_state = physics["plugin_state"]
         physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias", "qacc")}
+        physics["bias"] = batch.expand("actuator_biasprm")
         physics["warning"] = batch.warning[:, DIVERGENCE, 1]
         names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
         chain = self._differing.chains[0]
         for name in ("links", "gravity"):
             names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
-        for name in ("stiffness", "damping"):
-            names[name] = np.tile(getattr(self.addresses, name), (self.n, 1))
         self._links, self._gravity = names["links"], names["gravity"]
-        self._strength = names["strength"]
-        self._left = np.zeros((self.n, self.model.nq))
+        self._strength, self._impedance = names["strength"], names["impedance"]
+        self._torque, self._motor = names["torque"], names["motor"]
+        self._free = np.setdiff1d(self.addresses.exo_joints, self.addresses.joints)
         self._beginning = _arguments(settling.begin, names, first=1)
-        self._balancing = _arguments(settling.imbalance, names, first=2)
+        self._balancing = _arguments(settling.imbalance, names, first=1)
         self._holding = _arguments(settling.hold, names, first=1)
         self._before = _arguments(before, names, first=2)
         self._after = _arguments(after, names, first=2)
@@ -269,8 +303,7 @@ class Simulation:
     def _constants(self) -> dict[str, Any]:
         n, config, dt = self.n, self.config, self.control_dt
         motors = list(config.exo.motors.values())[: self.addresses.motors.size]
-        control = self.control
-        habits = [control.suit_learning, control.feedback, control.noise, control.tremor]
+        impedance = self._impedance_of(0)
         tiring, recovery, multiplier, resting = RATES
         return {
             "scratch": np.empty((n, len(JOINTS), 8)),
@@ -278,7 +311,12 @@ class Simulation:
             "strength": np.tile(self._differing.strengths[0], (n, 1, 1)),
             "rested": np.zeros((n, 2, len(JOINTS))),
             "shape": SHAPE,
-            "habits": np.tile(np.array(habits, dtype=float), (n, 1)),
+            "impedance": np.tile(impedance, (n, 1, 1)),
+            "features": np.zeros((n, len(JOINTS), FEATURES)),
+            "answer": np.zeros((n, len(JOINTS))),
+            "torque": np.zeros((n, self.model.nq)),
+            "motor": np.zeros((n, self.addresses.motors.size)),
+            **self.control.habits(dt),
             "spread": NOISE_SIZE,
             "ringing": noise_constants(dt),
             "peak": self.addresses.peak_torque,
@@ -303,30 +341,53 @@ class Simulation:
             "tires": self.fatigue,
         }
 
+    def _impedance_of(self, wearer: int) -> Array:
+        persons = self._variety.wearers or (self.config.wearer,)
+        return self.control.impedance(persons[wearer])
+
+    def _take_over(self, action: Array, moving: Rows) -> None:
+        """Lets motors begin with what a first action asks, and wearers with what they leave."""
+        waiting = [row for row in moving.tolist() if row in self._waiting]
+        if not waiting or not np.isfinite(action[moving]).all():
+            return  # `before` says which action is not finite
+        rows, at = np.array(waiting), self.addresses
+        self._waiting.difference_update(waiting)
+        if not at.motors.size:
+            return
+        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # they are cold
+        self._ctrl[rows[:, None], at.motors] = self._motor[rows]
+        self._current[rows] = self._motor[rows]
+        self._settle(rows)
+
     def _settle(self, rows: Rows) -> None:
-        """Puts arms at rest at their first intention, by Newton's method on all of them at once."""
+        """Puts arms at rest at their first intention, and exoskeletons where cuffs hold them."""
         settling.begin(rows, *self._beginning)
-        torque = self._torque_left(rows)
-        slope = np.empty((len(rows), self.model.nq, self.model.nq))
-        for j in range(self.model.nq):
-            angle = self._qpos[rows, j]
-            self._qpos[rows, j] = angle + settling.NUDGE
-            slope[:, :, j] = (self._torque_left(rows) - torque) / settling.NUDGE
-            self._qpos[rows, j] = angle
-        inverse: AnyArray = np.linalg.inv(slope)
-        moves = np.zeros((len(rows), 4, self.model.nq))
-        status = np.full(len(rows), settling.FRESH)
-        self._left[rows] = torque
-        for _ in range(settling.MOST_CORRECTIONS):
-            if not settling.correct(rows, self._left, inverse, self._qpos, moves, status):
-                break
-            self._torque_left(rows)
+        free = self._free
+        torque = self._needed(rows)
+        if free.size:
+            slope = np.empty((len(rows), free.size, free.size))
+            for column, dof in enumerate(free):
+                angle = self._qpos[rows, dof]
+                self._qpos[rows, dof] = angle + settling.NUDGE
+                slope[:, :, column] = (self._needed(rows) - torque)[:, free] / settling.NUDGE
+                self._qpos[rows, dof] = angle
+            inverse: AnyArray = np.linalg.inv(slope)
+            moves = np.zeros((len(rows), 4, free.size))
+            status = np.full(len(rows), settling.FRESH)
+            self._torque[rows] = torque
+            for _ in range(settling.MOST_CORRECTIONS):
+                if not settling.correct(
+                    rows, self._torque, inverse, self._qpos, free, moves, status
+                ):
+                    break
+                self._needed(rows)
         settling.hold(rows, *self._holding)
 
-    def _torque_left(self, rows: Rows) -> Array:
+    def _needed(self, rows: Rows) -> Array:
+        """Returns the torque that is left on arms at rest, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
-        settling.imbalance(rows, self._left, *self._balancing)
-        return self._left[rows]
+        settling.imbalance(rows, *self._balancing)
+        return self._torque[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
@@ -339,6 +400,7 @@ class Simulation:
             chain = differing.chains[wearer[row]]
             self._links[row], self._gravity[row] = chain.links[0], chain.gravity[0]
             self._strength[row] = differing.strengths[wearer[row]]
+            self._impedance[row] = self._impedance_of(int(wearer[row]))
         if self._variety.places:
             self._gravity[rows] = memory.fall[rows, None] * differing.chains[0].down
 

@@ -74,13 +74,21 @@ def cost_table(costs: Sequence[SuitCost]) -> tuple[list[str], list[list[str]]]:
 
 def _score(suit: str, gravity: str, payload: float) -> Score:
     options = {"suit": suit, "gravity": gravity, "payload": {"mass": payload}, "coupling": "none"}
-    return evaluate(TASK, ["none"], episodes=EPISODES, allow_uncertified=True, **options)[0]
+    found = evaluate(
+        TASK,
+        ["none"],
+        episodes=EPISODES,
+        references=False,
+        allow_uncertified=True,
+        **options,
+    )
+    return found.scores["none"]
 
 
 def _ratios(
     suit: str, condition: tuple[str, float], joint: str, suited: Score, unsuited: Score
 ) -> SuitCost:
-    above, below = suited.effort[joint], unsuited.effort[joint]
+    above, below = suited.load[joint], unsuited.load[joint]
     gravity, payload = condition
     return SuitCost(
         suit=suit,

@@ -11,9 +11,9 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import at_least
 from ...envs.animation import LoopPanel
+from ...envs.evaluation import rollout
 from ...envs.making import make_arms
 from ...envs.policies import Policy, make_policy, needed_options
-from ...envs.rollout import rollout
 from ...envs.simulation.intention import Motion, minimum_jerk
 from ...envs.tasks import Task
 from ...envs.vector_env import ArmVectorEnv

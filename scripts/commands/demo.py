@@ -8,25 +8,26 @@ import numpy as np
 
 from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least
-from ...envs.evaluation import Score, evaluate, share_of_oracle
+from ...envs.evaluation import FIRST_SEED, Evaluation, Trace, evaluate
+from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figure
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
-from ...envs.policies import POLICIES
 from ...envs.rendering import RenderingUnavailableError
-from ...envs.rollout import Trace
 from ...identification import Curves, Fit, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
 from ..options import Force, Seed
 from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
 from ..reports.fits import fit_summary, quality_table, write_trials
-from ..reports.motions import score_table, write_trace
+from ..reports.motions import score_table, story, write_scores, write_trace
 from ..reports.parameters import parameter_table
 
 COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
 PLANT = "mock-suit"
 GRAVITIES = ("earth", "microgravity")
+SIMULATED = ("none", "gravity", "feedforward", "compensation", "clairvoyant")
+DRAWN = ("none", "feedforward", "compensation", "clairvoyant")
 PICTURE_STEP = 150  # control periods into the motion
 
 Fits = dict[str, dict[str, Fit]]
@@ -35,7 +36,7 @@ Fits = dict[str, dict[str, Fit]]
 def demo(
     out: Path = Path("runs/demo"),
     trials: int = 30,
-    episodes: int = 3,
+    episodes: int = 20,
     seed: Seed = 0,
     force: Force = False,
 ) -> None:
@@ -51,7 +52,7 @@ def demo(
         episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
-    at_least("episodes", episodes, 1)
+    at_least("episodes", episodes, FEWEST_MOTIONS)
     at_least("seed", seed, 0)
     folder = RunFolder(out, "demo", force=force)
     if not (folder / "fits.json").exists():
@@ -161,44 +162,50 @@ def _identified_suit(fits: Fits) -> Suit:
     )
 
 
-def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[str, list[Score]]:
+def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[str, Evaluation]:
     """Compares all policies; prints, draws and writes the results; returns scores by gravity."""
-    scores, traces = _simulate(suit, episodes, seed)
-    for gravity in GRAVITIES:
-        table(f"Human torque: {ENV}, {gravity}", *score_table(scores[gravity]))
+    found, traces = _simulate(suit, episodes, seed)
+    for gravity, evaluation in found.items():
+        scores = list(evaluation.scores.values())
+        table(f"{ENV}, {gravity}, {episodes} motions", *score_table(scores, evaluation))
+        for sentence in story(evaluation):
+            say(sentence)
+        write_scores(folder, f"motions-{gravity}.csv", scores, FIRST_SEED + seed)
         for policy, trace in traces[gravity].items():
             write_trace(folder, f"trace-{gravity}-{policy}.csv", trace)
         folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
         folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
         folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
-    folder.json("evaluation.json", {g: [score.to_dict() for score in s] for g, s in scores.items()})
-    return scores
+    folder.json("evaluation.json", {g: one.to_dict() for g, one in found.items()})
+    return found
 
 
 def _simulate(
     suit: Path, episodes: int, seed: int
-) -> tuple[dict[str, list[Score]], dict[str, dict[str, Trace]]]:
-    """Runs all policies on Earth and in microgravity; keeps the first motion of each."""
-    scores: dict[str, list[Score]] = {}
+) -> tuple[dict[str, Evaluation], dict[str, dict[str, Trace]]]:
+    """Runs all policies on Earth and in microgravity; keeps the first motion of some."""
+    found: dict[str, Evaluation] = {}
     traces: dict[str, dict[str, Trace]] = {gravity: {} for gravity in GRAVITIES}
-    with progress("simulating", len(GRAVITIES) * len(POLICIES) * episodes) as bar:
+    with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * episodes) as bar:
         for gravity in GRAVITIES:
 
             def report(policy: str, done: list[Trace], kept=traces[gravity]) -> None:
-                kept[policy] = done[0]
+                if policy in DRAWN:
+                    kept[policy] = done[0]
                 bar.advance(len(done))
 
-            scores[gravity] = evaluate(
+            found[gravity] = evaluate(
                 ENV,
-                POLICIES,
+                SIMULATED,
                 episodes=episodes,
-                seed=seed,
+                seed=FIRST_SEED + seed,
                 believed_suit=str(suit),
                 on_policy=report,
                 suit=PLANT,
                 gravity=gravity,
+                threads=0,
             )
-    return scores, traces
+    return found, traces
 
 
 def _picture(folder: RunFolder, seed: int) -> bool:
@@ -220,7 +227,7 @@ def _picture(folder: RunFolder, seed: int) -> bool:
     return True
 
 
-def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], pictured: bool) -> str:
+def _report(fit_tables: dict[str, Rows], found: dict[str, Evaluation], pictured: bool) -> str:
     parts = ["# From measured loops to a compensated arm motion"]
     if pictured:
         parts.append("![The arm](arm.png)")
@@ -231,21 +238,17 @@ def _report(fit_tables: dict[str, Rows], scores: dict[str, list[Score]], picture
         "![Loops](loops.png)",
         "![Convergence](convergence.png)",
     ]
-    for gravity, rows in scores.items():
+    for gravity, evaluation in found.items():
         parts += [
-            f"## Human torque: {ENV}, {gravity}",
-            f"The simulated suit is {PLANT}; feed-forward believes the certified fit above. "
-            "Both come from the same curves, so this shows what a good model is worth, not that "
-            "it is good. The first half second, in which the motors take over, is not scored.",
-            markdown_table(*score_table(rows)),
-            _relief(rows),
+            f"## What the wearer has to do: {ENV}, {gravity}",
+            " ".join(story(evaluation)),
+            f"The simulated suit is {PLANT}; feed-forward and compensation believe the certified "
+            "fit above. Both come from the same curves, so this shows what a good model is worth, "
+            "not that it is good. Wearers have repeated each motion until nothing is left to "
+            "learn. Unsuited and suited are without an exoskeleton; none has one whose motors are "
+            "off; the clairvoyant knows the true suit and the whole motion, and is the bound.",
+            markdown_table(*score_table(list(evaluation.scores.values()), evaluation)),
         ]
         for name in ("trajectory", "torques", "motion-loops"):
             parts.append(f"![{name}]({name}-{gravity}.png)")
     return "\n\n".join(parts) + "\n"
-
-
-def _relief(scores: list[Score]) -> str:
-    shares = share_of_oracle(scores, load_suit(PLANT))
-    listed = ", ".join(f"{joint.replace('_', ' ')} {share:.1%}" for joint, share in shares.items())
-    return f"Feed-forward's share of the oracle's reduction: {listed}."

@@ -1,27 +1,45 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from ...checks import at_least
-from ...envs.evaluation import Score
+from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
+from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_arms
-from ...envs.policies import POLICIES, make_policy, needed_options
-from ...envs.rollout import Trace
+from ...envs.model.config import NO_SUIT
+from ...envs.policies import make_policy, needed_options
+from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
+from ..options import Env, EvaluatedName, Force, Gravity, Json, Suit
 from ..output import RunFolder, conclude, progress
-from ..reports.motions import cuff_remarks, effort_table, score_table
-from ..runs import scene
+from ..reports.motions import cuff_remarks, effort_table, score_table, story, write_scores
+from ..runs import Scene, scene
+
+USUAL_POLICIES = ("none", "transparent", "gravity", "feedforward", "compensation", "clairvoyant")
+TABLE_POLICIES = (
+    *("none", "transparent", "gravity", "feedforward", "compensation", "complement"),
+    *BOUNDS,
+)
+PLACES, SUITS, COUPLINGS = (
+    ("earth", "mars", "moon", "microgravity"),
+    ("mock-suit", "emu-like"),
+    ("rigid", "cuffs"),
+)
 
 
 def evaluate(
     env: Env = None,
-    policies: tuple[PolicyName, ...] = tuple(POLICIES),
-    episodes: int = 5,
-    seed: Seed = 0,
+    policies: tuple[EvaluatedName, ...] = USUAL_POLICIES,
+    episodes: int = 20,
+    seed: int = FIRST_SEED,
     suit: Suit = None,
     gravity: Gravity = None,
+    naive: bool = False,
+    table: bool = False,
     out: Path | None = None,
     force: Force = False,
     arm: ArmOptions = USUAL,
@@ -29,40 +47,56 @@ def evaluate(
 ) -> None:
     """Compare assist policies by what the wearer has to do.
 
+    Beside them are the same motions without suit and exoskeleton (unsuited) and without the
+    exoskeleton (suited). Relief is the share of the suit's cost that a policy gives back.
     Trained policies are evaluated in the task and with the options that they were trained with.
 
     Args:
-        policies: Names of policies, or folders of training runs, which must have the same options.
+        policies: Names of policies and bounds, or folders of training runs, which must have the
+            same options.
         episodes: Number of motions of each policy; all policies get the same motions.
-        out: Folder for result.json: a new or an empty one, or that of an earlier evaluate.
+        seed: Seed of the first motion.
+        naive: Score wearers who have learned nothing of suit and exoskeleton, instead of those who
+            have repeated each motion until nothing is left to learn.
+        table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
+        out: Folder for result.json and motions.csv: a new or an empty one, or that of an earlier
+            evaluate.
     """
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
-    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=policies)
-    for policy in policies:  # reports a mistake before the folder is made
-        make_policy(policy, make_arms(chosen.env, 1, **chosen.options, **needed_options(policy)))
+    if table:
+        policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
+    scenes = list(_scenes(arm, env, suit, gravity, policies, table=table))
+    for chosen in scenes[:1]:
+        _check(chosen, policies)
+    if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
+        at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
-    scores = run(chosen.env, policies, episodes, seed, **chosen.options)
-    result = {
-        "env": chosen.env,
-        "episodes": episodes,
-        "seed": seed,
-        **chosen.options,
-        "policies": [score.to_dict() for score in scores],
-    }
-    where = f"{chosen.place}, {episodes} episodes"
-    tables = {
-        f"Human torque: {where}": score_table(scores),
-        "Effort per episode": effort_table(scores),
-    }
-    conclude(result, tables, cuff_remarks(scores), folder=folder, json=json)
+    results, tables, remarks = [], {}, []
+    for chosen in scenes:
+        found = run(chosen.env, policies, episodes, seed, naive=naive, **chosen.options)
+        scores = list(found.scores.values())
+        with_references = found if found.suit_cost is not None else None
+        results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
+        title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
+        tables[title] = score_table(scores, with_references)
+        if not table:
+            tables["Cost per motion"] = effort_table(scores)
+            remarks += [*story(found), *cuff_remarks(scores)]
+        if folder:
+            name = "motions.csv" if not table else f"motions-{len(results)}.csv"
+            write_scores(folder, name, scores, seed)
+    result: dict[str, Any] = {"episodes": episodes, "seed": seed}
+    result |= {"settings": results} if table else results[0]
+    conclude(result, tables, remarks, folder=folder, json=json)
 
 
 def run(
-    env: str, policies: tuple[str, ...], episodes: int, seed: int, **options: object
-) -> list[Score]:
+    env: str, policies: tuple[str, ...], episodes: int, seed: int, *, naive: bool, **options: Any
+) -> Evaluation:
     """Evaluates policies and shows a progress bar."""
-    with progress(env, max(1, len(policies) * episodes)) as bar:
+    references = options.get("suit") != NO_SUIT
+    with progress(env, (len(policies) + 2 * references) * episodes) as bar:
 
         def report(policy: str, traces: list[Trace]) -> None:
             del policy
@@ -73,6 +107,37 @@ def run(
             policies,
             episodes=episodes,
             seed=seed,
+            references=references,
+            settled=not naive,
             on_policy=report,
-            **options,  # type: ignore[arg-type]
+            threads=0,
+            **options,
         )
+
+
+def _scenes(
+    arm: ArmOptions,
+    env: str | None,
+    suit: str | None,
+    gravity: str | None,
+    policies: tuple[str, ...],
+    *,
+    table: bool,
+) -> Iterator[Scene]:
+    if not table:
+        yield scene(arm, env=env, suit=suit, gravity=gravity, policies=policies)
+        return
+    if suit is not None or gravity is not None or arm.coupling is not None:
+        raise InputError("--table has its own suits, places and couplings: leave yours out")
+    for coupling, worn, place in itertools.product(COUPLINGS, SUITS, PLACES):
+        chosen = scene(arm, env=env, suit=worn, gravity=place, policies=policies)
+        yield Scene(env=chosen.env, options={**chosen.options, "coupling": coupling})
+
+
+def _check(chosen: Scene, policies: tuple[str, ...]) -> None:
+    """Reports a mistake before a folder is made."""
+    for policy in policies:
+        needed = {} if policy in BOUNDS else needed_options(policy)
+        arms = make_arms(chosen.env, 1, **chosen.options, **needed)
+        if policy not in BOUNDS:
+            make_policy(policy, arms)

@@ -6,7 +6,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ...checks import at_least
-from ...envs.evaluation import score
+from ...envs.evaluation import Trace, rollout, score
 from ...envs.figures import (
     cuff_forces_figure,
     motion_loops_figure,
@@ -15,7 +15,6 @@ from ...envs.figures import (
 )
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
-from ...envs.rollout import Trace, rollout
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
@@ -37,6 +36,8 @@ def simulate(
     json: Json = False,
 ) -> None:
     """Simulate one assisted arm motion, headless.
+
+    The wearer has learned nothing of suit and exoskeleton yet.
 
     Args:
         out: Folder for trace.csv, result.json and the figures: a new or an empty one, or that of an

@@ -7,19 +7,21 @@ from typing import Annotated
 
 import tyro
 
-from ...assets import load_suit
+from ...assets import Suit, load_suit
 from ...checks import at_least
-from ...envs.evaluation import share_of_oracle
+from ...envs.evaluation import FIRST_SEED, Evaluation
+from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ..arm_options import USUAL, ArmOptions
-from ..options import SUIT, Env, Force, Json, Seed, choice, gravity_option, suits
+from ..options import SUIT, Env, Force, Json, choice, gravity_option, suits
 from ..output import RunFolder, conclude
-from ..reports.motions import cuff_remarks, score_table
+from ..reports.motions import cuff_remarks, interval_text, score_table
 from ..runs import scene
 from .evaluate import run
 
 GRAVITY = "microgravity"
+BOUND = "clairvoyant-suit"
 
 
 def validate(
@@ -28,8 +30,8 @@ def validate(
     plant: Annotated[str, choice(suits)] = SUIT,
     env: Env = None,
     gravity: Annotated[str | None, gravity_option(GRAVITY)] = None,
-    episodes: int = 5,
-    seed: Seed = 0,
+    episodes: int = 20,
+    seed: int = FIRST_SEED,
     out: Path | None = None,
     force: Force = False,
     arm: ArmOptions = USUAL,
@@ -38,34 +40,36 @@ def validate(
     """Validate an identified suit model in closed loop.
 
     The controller cancels the torque that its model of the suit predicts, while the simulated arm
-    wears the suit PLANT. The score compares the wearer's relief with that of the oracle, a policy
-    that knows the true torque of PLANT. By default there is no gravity, so that only the suit's
-    torque remains.
+    wears the suit PLANT. The score compares the wearer's relief with that of a bound, the
+    clairvoyant, who knows the true torque of PLANT and the whole motion, and cancels that torque
+    alone. By default there is no gravity, so that only the suit's torque remains.
 
     Args:
         suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
         plant: Suit that is simulated: name of a shipped one, or path of a suit file.
         episodes: Number of motions of each policy; all policies get the same motions.
+        seed: Seed of the first motion.
         out: Folder for result.json: a new or an empty one, or that of an earlier validate.
     """
     believed, worn = load_suit(suit), load_suit(plant)
-    at_least("episodes", episodes, 1)
+    at_least("episodes", episodes, FEWEST_MOTIONS)
     at_least("seed", seed, 0)
     chosen = scene(arm, env=env, suit=plant, gravity=gravity, usual={"gravity": GRAVITY})
     make_env(chosen.env, **chosen.options)[0].close()
     folder = RunFolder(out, "validate", force=force) if out else None
-    scores = run(
+    found = run(
         chosen.env,
-        ("none", "feedforward", "oracle"),
+        ("none", "feedforward", BOUND),
         episodes,
         seed,
+        naive=False,
         believed_suit=suit,
         **chosen.options,
     )
-    share = share_of_oracle(scores, worn)
+    scores, share = list(found.scores.values()), _share_by_joint(found, worn)
     lacking = {
         "feedforward": [joint for joint in ASSISTED if joint not in believed.joints],
-        "oracle": [joint for joint in ASSISTED if joint not in worn.joints],
+        BOUND: [joint for joint in ASSISTED if joint not in worn.joints],
     }
     result = {
         "believed_suit": suit,
@@ -74,16 +78,42 @@ def validate(
         "episodes": episodes,
         "seed": seed,
         **chosen.options,
-        "share_of_oracle": share,
+        "share_of_bound_by_joint": share,
         "believed_suit_lacks": lacking["feedforward"],
-        "plant_lacks": lacking["oracle"],
-        "policies": [score.to_dict() for score in scores],
+        "plant_lacks": lacking[BOUND],
+        **found.to_dict(),
     }
     place = f"{chosen.env}, {chosen.options['gravity']}"
     title = f"Human torque: {place}; believes {suit}, wears {plant}"
-    remarks = [*_remarks(share, lacking, suit, plant), *cuff_remarks(scores)]
-    tables = {title: score_table(scores, lacking)}
+    remarks = [*_overall(found), *_remarks(share, lacking, suit, plant), *cuff_remarks(scores)]
+    tables = {title: score_table(scores, found)}
     conclude(result, tables, remarks, folder=folder, json=json)
+
+
+def _overall(found: Evaluation) -> Iterator[str]:
+    relief, share = found.relief("feedforward"), found.share_of_bound("feedforward", BOUND)
+    if relief is None or share is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+        return
+    yield (
+        f"feed-forward gives back {interval_text(relief)} of what the suit costs, "
+        f"{interval_text(share)} of what the bound does"
+    )
+
+
+def _share_by_joint(found: Evaluation, worn: Suit) -> dict[str, float]:
+    """Returns feed-forward's reduction of torque over the bound's, by assisted joint of the suit.
+
+    It is NaN where the bound reduces nothing.
+    """
+    off, forward, bound = (found.scores[n].human_rms for n in ("none", "feedforward", BOUND))
+    return {
+        joint: (off[joint] - forward[joint]) / (off[joint] - bound[joint])
+        if off[joint] > bound[joint]
+        else math.nan
+        for joint in ASSISTED
+        if joint in worn.joints
+    }
 
 
 def _remarks(
@@ -93,8 +123,8 @@ def _remarks(
         if joint in lacking["feedforward"]:
             yield f"{joint}: not assisted, because {suit} has no such joint"
         elif math.isnan(value):
-            yield f"{joint}: the oracle reduces nothing that the reduction could be compared with"
+            yield f"{joint}: the bound reduces nothing that the reduction could be compared with"
         else:
-            yield f"{joint}: {value:.1%} of the oracle's reduction"
-    for joint in lacking["oracle"]:
+            yield f"{joint}: {value:.1%} of the bound's reduction"
+    for joint in lacking[BOUND]:
         yield f"{joint}: nothing to assist, because {plant} has no such joint"

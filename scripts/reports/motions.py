@@ -1,56 +1,56 @@
 """Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
 
 from ...assets import JOINTS
-from ...envs.evaluation import Score
+from ...envs.evaluation import Evaluation, Interval, Score, Trace
 from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
-from ...envs.rollout import Trace
 from ..output import Rows, RunFolder
 
 
-def score_table(
-    scores: Sequence[Score], lacking: Mapping[str, Collection[str]] | None = None
-) -> Rows:
-    """Returns one row per policy and assisted joint: the wearer's torque, tracking and cost.
+def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -> Rows:
+    """Returns one row per policy: effort, relief, torque by joint, tracking and success.
 
     Args:
         scores: Scores of the policies.
-        lacking: Joints that the suit which a policy goes by does not have, by policy; their rows
-            say so.
+        evaluation: Evaluation that they are from, if it has references.
     """
-    lacking = lacking or {}
-    header = ["policy", "joint", "RMS\n[N·m]", "peak\n[N·m]", "RMS\nsaved"]
-    header += ["error\n[rad]", "assist\n[J]", "return"]
+    header = ["policy", "effort\n[% of\nstrength]"]
+    if evaluation is not None:
+        header += ["relief\n(95 % interval)", "share of\nbound"]
+    header += ["abduction / shoulder\n/ elbow / wrist [N·m]", "error\n[mrad]", "success", "reward"]
+    return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
-    def cells(score: Score, joint: str) -> list[str]:
-        episode = [f"{score.assist_energy:.1f}", f"{score.mean_return:.0f}"]
-        return [
-            f"{score.human_rms[joint]:.2f}",
-            f"{score.human_peak[joint]:.2f}",
-            "-" if score.reduction is None else f"{score.reduction[joint]:.1%}",
-            f"{score.tracking_rmse[joint]:.4f}",
-            *(episode if joint == ASSISTED[0] else ("", "")),
-        ]
 
-    def name(score: Score) -> str:
-        return score.policy + (f" ({score.failures} failed)" if score.failures else "")
+def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
+    yield f"{100 * float(np.mean(score.effort)):.1f}"
+    if evaluation is not None:
+        yield interval_text(evaluation.relief(score.policy))
+        share = evaluation.share_of_bound(score.policy)
+        yield "-" if share is None else f"{share.value:.0%}"
+    yield " / ".join(f"{score.human_rms[joint]:.3g}" for joint in JOINTS)
+    yield f"{1e3 * float(np.mean(score.tracking)):.0f}"
+    yield f"{np.mean(score.success):.0%}"
+    yield f"{np.mean(score.reward):.3f}"
 
-    rows = _rows(scores, name, cells)
-    joints = [(score.policy, joint) for score in scores for joint in ASSISTED]
-    for row, (policy, joint) in zip(rows, joints, strict=True):
-        row[1] += " (not in suit)" if joint in lacking.get(policy, ()) else ""
-    return header, rows
+
+def interval_text(interval: Interval | None) -> str:
+    """Returns a value with its interval, or a dash."""
+    if interval is None:
+        return "-"
+    return f"{interval.value:.2f} ({interval.low:.2f} to {interval.high:.2f})"
 
 
 def effort_table(scores: Sequence[Score]) -> Rows:
-    """Returns one row per policy and assisted joint: what an episode costs the wearer."""
+    """Returns one row per policy and assisted joint: what a motion costs the wearer."""
     header = ["policy", "joint", "impulse\n[N·m·s]", "work on\nthe arm [J]", "taken\n[J]"]
     header += ["cost of\ntorque", "cost of\nwork [J]", "smoothness\nSPARC"]
 
     def cells(score: Score, joint: str) -> list[str]:
-        cost = score.effort[joint]
+        cost = score.load[joint]
         return [
             f"{cost['impulse']:.1f}",
             f"{cost['positive_work']:.2f}",
@@ -60,24 +60,52 @@ def effort_table(scores: Sequence[Score]) -> Rows:
             f"{cost['spectral_arc_length']:.2f}",
         ]
 
-    return header, _rows(scores, lambda score: score.policy, cells)
+    return header, _rows(scores, cells)
 
 
-def _rows(
-    scores: Sequence[Score],
-    name: Callable[[Score], str],
-    cells: Callable[[Score, str], list[str]],
-) -> list[list[str]]:
-    """Returns a row per policy and joint; only the first row of a policy has its name."""
+def _rows(scores: Sequence[Score], cells: Callable[[Score, str], list[str]]) -> list[list[str]]:
+    """Returns a row per policy and assisted joint; only a policy's first row has its name."""
     return [
         [
-            name(score) if joint == ASSISTED[0] else "",
+            score.policy if joint == ASSISTED[0] else "",
             joint.removesuffix("_flexion"),
             *cells(score, joint),
         ]
         for score in scores
         for joint in ASSISTED
     ]
+
+
+def story(evaluation: Evaluation) -> Iterator[str]:
+    """Yields sentences: what suit and exoskeleton cost, and what each policy gives back."""
+    cost = evaluation.suit_cost
+    if cost is None:
+        return
+    suited = evaluation.scores["suited"]
+    unsuited, worn = (
+        100 * float(np.mean(evaluation.scores[name].effort)) for name in ("unsuited", "suited")
+    )
+    yield (
+        f"The suit raises the wearer's effort from {unsuited:.1f} to {worn:.1f} % of strength, by "
+        f"{100 * cost.value:.1f} ({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
+    )
+    off = evaluation.scores.get("none")
+    if off is not None:
+        change = 100 * (np.mean(off.effort) - np.mean(suited.effort))
+        yield (
+            f"The exoskeleton with its motors off adds {change:.1f} points: relief "
+            f"{interval_text(evaluation.relief('none'))}."
+        )
+    for name in evaluation.scores:
+        relief = evaluation.relief(name)
+        if name in ("unsuited", "suited", "none") or relief is None:
+            continue
+        share = evaluation.share_of_bound(name)
+        told = "" if share is None else f", {share.value:.0%} of the bound"
+        carried = "; above 1 it carries the person" if relief.low > 1 else ""
+        yield f"{name}: relief {interval_text(relief)}{told}{carried}."
+    if evaluation.relief("suited") is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
 
 
 def cuff_remarks(scores: Sequence[Score]) -> list[str]:
@@ -108,3 +136,16 @@ def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
         columns.append(values)
     rows = zip(*(column for block in columns for column in block.T), strict=True)
     folder.csv(name, header, ([f"{value:.6g}" for value in row] for row in rows))
+
+
+def write_scores(folder: RunFolder, name: str, scores: Sequence[Score], first_seed: int) -> None:
+    """Writes one line per policy and motion: effort, torque, tracking, reward and success."""
+    joints = [f"{joint}_torque_nm" for joint in JOINTS]
+    header = ["policy", "seed", "effort", *joints, "tracking_rad", "reward", "success"]
+    rows = []
+    for score in scores:
+        for i, effort in enumerate(score.effort):
+            torque = [f"{score.torque[joint][i]:.6g}" for joint in JOINTS]
+            rest = [f"{score.tracking[i]:.6g}", f"{score.reward[i]:.6g}", f"{score.success[i]:d}"]
+            rows.append([score.policy, str(first_seed + i), f"{effort:.6g}", *torque, *rest])
+    folder.csv(name, header, rows)

@@ -6,13 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ..arrays import Array
-from ..errors import InputError
-from .policies.base import Policy
-from .simulation.measurements import COLUMNS
-from .vector_env import ArmVectorEnv
+from ...arrays import Array
+from ...errors import InputError
+from ..policies.base import Policy
+from ..reward import cost_terms, is_success
+from ..simulation.measurements import COLUMNS
+from ..vector_env import ArmVectorEnv
 
-SERIES = ("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque")
+SERIES = (
+    *("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque"),
+    "effort",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +31,13 @@ class Trace:
         human_torque: The wearer's torque [N·m], shape (n, 4).
         suit_torque: The suit's torque on the joints [N·m], shape (n, 4).
         assist_torque: The motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
+        effort: The wearer's torque over the strength of a still joint, shape (n, 4).
         cuff_force: Force of the cuffs on upper arm, forearm and hand [N], shape (n, 3, 3); None
             without cuffs.
         assist_energy: Energy of the motors, the integral of |torque x rate| [J].
         rewards: Reward of each control period, shape (n,).
+        costs: Cost terms of the episode, as `info["cost_terms"]` at its end.
+        success: Whether the episode went well, as `info["is_success"]` at its end.
         terminated: Whether the episode ended by failure.
     """
 
@@ -41,9 +48,12 @@ class Trace:
     human_torque: Array
     suit_torque: Array
     assist_torque: Array
+    effort: Array
     cuff_force: Array | None
     assist_energy: float
     rewards: Array
+    costs: dict[str, float]
+    success: bool
     terminated: bool
 
 
@@ -52,6 +62,7 @@ def rollout(
     policy: Policy,
     seeds: Sequence[int],
     *,
+    taught: Array | None = None,
     on_step: Callable[[int], None] = lambda _: None,
 ) -> list[Trace]:
     """Runs one whole episode in every row, all under one policy.
@@ -60,6 +71,8 @@ def rollout(
         arms: Vector environment with as many rows as seeds.
         policy: Policy that acts on the observations of all rows.
         seeds: Seed of each row; the row's episode is the first of that seed.
+        taught: Torque that the wearers foresee beside those of their bare arms [N·m], shape (rows,
+            samples, 4), for arms that were made with taught=True.
         on_step: Function that is called before every control period with its number, from 0.
 
     Returns:
@@ -73,11 +86,13 @@ def rollout(
             f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
             "whole episodes need 'NextStep' without stagger, so leave both out"
         )
-    observation, _ = arms.reset(seed=list(seeds))
+    options = None if taught is None else {"taught": taught}
+    observation, _ = arms.reset(seed=list(seeds), options=options)
     policy.reset()
     measured, rewards = [], []
     ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
     failed = np.zeros(len(seeds), np.bool_)
+    costs = np.zeros_like(arms.episodes.simulation.memory.costs)
     while (ends == 0).any():
         on_step(len(rewards))
         observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
@@ -85,14 +100,15 @@ def rollout(
         rewards.append(reward)
         ended = (ends == 0) & (terminated | truncated)
         ends[ended], failed[ended] = len(rewards), terminated[ended]
+        costs[ended] = arms.episodes.simulation.memory.costs[ended]
     series, returns = np.array(measured), np.array(rewards)
     return [
-        _trace(series[:end, row], returns[:end, row], bool(failed[row]), arms.has_cuffs)
+        _trace(series[:end, row], returns[:end, row], costs[row], bool(failed[row]), arms.has_cuffs)
         for row, end in enumerate(ends.tolist())
     ]
 
 
-def _trace(measured: Array, rewards: Array, terminated: bool, cuffs: bool) -> Trace:
+def _trace(measured: Array, rewards: Array, costs: Array, terminated: bool, cuffs: bool) -> Trace:
     force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
     return Trace(
         time=measured[:, COLUMNS["time"].start],
@@ -100,5 +116,7 @@ def _trace(measured: Array, rewards: Array, terminated: bool, cuffs: bool) -> Tr
         cuff_force=force if cuffs else None,
         assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
         rewards=rewards,
+        costs=cost_terms(costs, len(rewards)),
+        success=is_success(costs, len(rewards), ended=terminated),
         terminated=terminated,
     )

@@ -1,0 +1,20 @@
+"""Closed-loop evaluation of policies: motions, settled wearers, references, bounds and scores."""
+
+from .bounds import BOUNDS
+from .compare import FIRST_SEED, REFERENCES, Evaluation, evaluate
+from .rollout import Trace, rollout
+from .scores import Score, score
+from .statistics import Interval
+
+__all__ = [
+    "BOUNDS",
+    "FIRST_SEED",
+    "REFERENCES",
+    "Evaluation",
+    "Interval",
+    "Score",
+    "Trace",
+    "evaluate",
+    "rollout",
+    "score",
+]

@@ -1,0 +1,142 @@
+"""The score of a policy: one value per motion, and what follows from all of them."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ..model.cuffs import CUFFS
+from ..person import EffortMetrics, effort_metrics
+from ..reward import COSTS
+from .rollout import Trace
+
+Values = tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """Score of a policy over some motions; a tuple has one value per motion, in their order.
+
+    Attributes:
+        policy: Name of the policy.
+        effort: Root mean square, over time and four joints, of the wearer's torque over strength.
+        torque: Root mean square of the wearer's torque [N·m], by joint.
+        peak: Largest |torque| of the wearer over all motions [N·m], by joint.
+        tracking: Root mean square, over time and four joints, of the tracking error [rad].
+        tracking_rmse: Root mean square of the tracking error over all motions [rad], by joint.
+        reward: Mean reward of a control period of the whole motion, in [0, 1].
+        success: Whether the motion went well (see `envs.reward.is_success`).
+        costs: Cost terms of the motion, by name.
+        load: Mean over motions of the wearer's `EffortMetrics`, by joint.
+        cuff_peak: Greatest force over all motions [N] by limb segment; None without cuffs.
+        assist_energy: Energy of the motors [J].
+        failures: Number of episodes that ended early.
+        naive_effort: Effort of a wearer who has learned nothing; empty where it was not run.
+        naive_tracking: Tracking error of that wearer [rad]; empty where it was not run.
+    """
+
+    policy: str
+    effort: Values
+    torque: dict[str, Values]
+    peak: dict[str, float]
+    tracking: Values
+    tracking_rmse: dict[str, float]
+    reward: Values
+    success: tuple[bool, ...]
+    costs: dict[str, Values]
+    load: dict[str, dict[str, float]]
+    cuff_peak: dict[str, float] | None
+    assist_energy: Values
+    failures: int
+    naive_effort: Values = ()
+    naive_tracking: Values = ()
+
+    @property
+    def human_rms(self) -> dict[str, float]:
+        """Root mean square of the wearer's torque over all motions [N·m], by joint."""
+        return {joint: _rms(values) for joint, values in self.torque.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the score as plain values."""
+        return asdict(self)
+
+
+def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> Score:
+    """Summarizes the motions of one policy.
+
+    Args:
+        policy: Name of the policy.
+        traces: Motions, one per episode.
+        naive: The same motions of wearers who have learned nothing.
+    """
+    human = np.concatenate([trace.human_torque for trace in traces])
+    error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
+    return Score(
+        policy=policy,
+        effort=_effort(traces),
+        torque={
+            joint: tuple(_rms(trace.human_torque[:, column]) for trace in traces)
+            for column, joint in enumerate(JOINTS)
+        },
+        peak=_by_joint(np.abs(human).max(axis=0)),
+        tracking=_tracking(traces),
+        tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
+        reward=tuple(float(trace.rewards.sum() / _periods(traces)) for trace in traces),
+        success=tuple(trace.success for trace in traces),
+        costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
+        load=_load(traces),
+        cuff_peak=_cuff_peak(traces),
+        assist_energy=tuple(trace.assist_energy for trace in traces),
+        failures=sum(trace.terminated for trace in traces),
+        naive_effort=_effort(naive),
+        naive_tracking=_tracking(naive),
+    )
+
+
+def _periods(traces: Sequence[Trace]) -> int:
+    """Returns the control periods of a whole motion: one that ends early earns nothing more."""
+    return max(len(trace.rewards) for trace in traces)
+
+
+def _effort(traces: Sequence[Trace]) -> Values:
+    return tuple(_rms(trace.effort) for trace in traces)
+
+
+def _tracking(traces: Sequence[Trace]) -> Values:
+    return tuple(_rms(trace.angle - trace.target_angle) for trace in traces)
+
+
+def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
+    """Returns mean effort metrics by joint; NaN if no record has the three samples they need."""
+    found = [
+        effort_metrics(trace.human_torque, trace.rate, trace.time[1] - trace.time[0])
+        for trace in traces
+        if len(trace.time) > 2
+    ]
+    names = [field.name for field in fields(EffortMetrics) if field.name not in ("rms", "peak")]
+    return {
+        joint: {
+            name: float(np.mean([getattr(one, name)[column] for one in found])) if found else np.nan
+            for name in names
+        }
+        for column, joint in enumerate(JOINTS)
+    }
+
+
+def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
+    forces = [trace.cuff_force for trace in traces if trace.cuff_force is not None]
+    if not forces:
+        return None
+    peak = np.linalg.norm(np.concatenate(forces), axis=-1).max(axis=0)
+    return dict(zip(CUFFS, map(float, peak), strict=True))
+
+
+def _rms(values: Array | Values) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _by_joint(values: Array) -> dict[str, float]:
+    return dict(zip(JOINTS, map(float, values), strict=True))

@@ -1,0 +1,108 @@
+"""The settled wearer: one who has repeated a motion until nothing is left to learn.
+
+Learning ends where u = (forgetting · own + rate · torque) / (forgetting + rate), with the torque
+that the motion takes under the policy. That torque is read from rollouts of an arm which stiff
+hands lead along the intention. Two are enough: the second one starts from what the first one found.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError
+from ..making import make_arms
+from ..person import VoluntaryControl
+from ..person.control import FORGETTING, RATE
+from ..policies import Policy
+from .rollout import Trace, rollout
+
+ROLLOUTS = 2
+SMOOTHING = 2  # control periods, by which torque is smoothed: nobody learns faster changes
+SHARE = RATE / (RATE + FORGETTING)  # of a load, which is learned in the end
+
+
+class Wearers:
+    """Wearers of one kind of arm in three states: naive, led by stiff hands, and settled.
+
+    Args:
+        env_id: Id of a registered environment.
+        rows: Number of motions.
+        **options: Options of the environment.
+
+    Attributes:
+        arms: Rows of arms whose wearers can be taught; policies are made for them.
+    """
+
+    def __init__(self, env_id: str, rows: int, **options: Any) -> None:
+        control = options.pop("control", None)
+        if isinstance(control, VoluntaryControl):
+            control = asdict(control)
+        elif not isinstance(control, Mapping | None):
+            raise InputError(f"control is {control!r}: give a dict of its fields")
+        usual = {**(control or {}), "adaptation": 0.0}
+        calm = {**usual, "stiff": True, "noise": 0.0, "tremor": 0.0}
+        self.arms = make_arms(env_id, rows, **options, control=usual, taught=True)
+        self._led = make_arms(env_id, rows, **options, control=calm, taught=True)
+
+    def naive(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
+        """Returns the motions of wearers who foresee nothing but their own arm."""
+        return rollout(self.arms, policy, seeds)
+
+    def settled(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
+        """Returns the motions of wearers who have learned them under the policy.
+
+        Raises:
+            InputError: The policy ends episodes although the arm is led.
+        """
+        return rollout(self.arms, policy, seeds, taught=self.lesson(policy, seeds))
+
+    def lesson(self, policy: Policy, seeds: Sequence[int], *, rollouts: int = ROLLOUTS) -> Array:
+        """Returns what wearers learn of the net load under a policy [N·m].
+
+        Returns:
+            The torque beside that of the bare arm, shape (rows, samples, 4).
+
+        Raises:
+            InputError: The policy ends episodes although the arm is led.
+        """
+        taught = np.zeros((len(seeds), self._led.episodes.simulation.samples, len(JOINTS)))
+        for _ in range(rollouts):
+            taught = self.learned(self.led(policy, seeds, taught))
+        return taught
+
+    def learned(self, traces: Sequence[Trace]) -> Array:
+        """Returns what wearers learn of motions that were led just now, as `lesson` does [N·m]."""
+        own = self._led.episodes.simulation.own_torque(np.arange(len(traces)))
+        return SHARE * (smoothed([trace.human_torque for trace in traces]) - own)
+
+    def led(self, policy: Policy, seeds: Sequence[int], taught: Array) -> list[Trace]:
+        """Returns the motions of arms that stiff hands lead along the intention.
+
+        Raises:
+            InputError: The policy ends episodes although the arm is led.
+        """
+        traces = rollout(self._led, policy, seeds, taught=taught)
+        for seed, trace in zip(seeds, traces, strict=True):
+            if trace.terminated:
+                raise InputError(
+                    f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
+                    "it is led along the motion, so that no wearer can settle: use settled=False, "
+                    "or mend the policy"
+                )
+        return traces
+
+    def close(self) -> None:
+        """Frees the arms."""
+        self.arms.close()
+        self._led.close()
+
+
+def smoothed(series: Sequence[Array]) -> Array:
+    """Returns series of all control periods with a first sample before, smoothed over time."""
+    found = np.array([np.concatenate([one[:1], one]) for one in series])
+    return gaussian_filter1d(found, SMOOTHING, axis=1, mode="nearest")

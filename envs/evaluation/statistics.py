@@ -1,0 +1,337 @@
+"""Intervals around what an evaluation measures: what other motions or trainings would tell.
+
+The intervals of means and ratios are bootstrap-t: each resample is studentized by its own
+jackknife standard error (Efron & Tibshirani 1993, "An introduction to the bootstrap", chapters 11
+and 12). In 2,000 repeats with 20 (50) motions, which the tests repeat, nominal 95 % intervals
+held the truth in 95.5 (95.7) % for normal values, 95.2 (94.8) % for gamma values of shape 2, 93.9
+(94.8) % for t values with 5 degrees of freedom, 95.0 (94.9) % for paired differences of values with
+a correlation of 0.9, and 95.0 (95.5) % for ratios whose denominators have a coefficient of
+variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of such values held it
+in only 91 to 94 % with 20 motions.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import root_scalar
+
+from ...arrays import Array
+from ...checks import at_least, numbers, within
+from ...errors import InputError
+
+# With fewer motions percentiles of resamples are coarse: 7 motions have 1,716 different resamples,
+# fewer than are drawn, while 8 have 6,435; with 8 the coverage is still 93 to 96 %.
+FEWEST_MOTIONS = 8
+# Of 4 runs a resample repeats a single one in 1.6 % of cases and has no error of its own, which
+# decides about the ends of the interval; of 5 in 0.2 %.
+FEWEST_RUNS = 5
+FEWEST_RESAMPLES = 200  # so that at the highest level one lies beyond each end
+LEVELS = 0.5, 0.99
+LEAST_ERROR = 0.2  # of the data's standard error, for resamples that happen to be nearly constant
+BLOCK = 2**20  # values of a series that are resampled at a time
+
+Estimate = Callable[[NDArray[np.int64]], tuple[Array, Array]]
+Statistic = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A measured value and the interval that its truth lies in, in the unit of the value.
+
+    Attributes:
+        value: What was measured.
+        low: Lower end; -inf where the data set no limit.
+        high: Upper end; inf where the data set no limit.
+    """
+
+    value: float
+    low: float
+    high: float
+
+    def to_dict(self) -> dict[str, float]:
+        """Returns the interval as plain values."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        """Returns such as "0.87 (0.81 to 0.93)": two digits of the width, three of a value."""
+        width = self.high - self.low
+        form = ".3g"
+        if np.isfinite(width) and width > 0:
+            form = f".{max(0, 1 - int(np.floor(np.log10(width))))}f"
+        return f"{self.value:{form}} ({self.low:{form}} to {self.high:{form}})"
+
+
+def interval_of(
+    statistic: Statistic,
+    *series: ArrayLike,
+    level: float = 0.95,
+    resamples: int = 2000,
+    seed: int = 0,
+) -> Interval:
+    """Returns the bootstrap-t interval of a smooth function of means over motions.
+
+    All series are resampled by the same motions, so that paired values stay paired. If all values
+    of each series are equal the interval is a point, which says nothing about rare events: for
+    yes-or-no values such as failures use `scipy.stats.binomtest`.
+
+    Args:
+        statistic: A function of one mean for each series that works on arrays element by element,
+            such as `lambda over, under: over / under` for a ratio of sums.
+        *series: Values by motion, each of shape (motions,).
+        level: How often the interval should hold the truth, 0.5 to 0.99.
+        resamples: Number of bootstrap resamples.
+        seed: Seed of the resamples; the same seed gives the same interval.
+
+    Raises:
+        InputError: There are fewer than 8 motions, values that are not finite or series of
+            different lengths, the statistic is not finite, or an option is out of range.
+    """
+    _check_options(level, resamples, seed)
+    columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
+
+    def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
+        return _jackknifed(statistic, [column[index] for column in columns])
+
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return _bootstrap_t(estimate, columns[0].size, columns[0].size, level, resamples, seed)
+
+
+def mean_interval(values: ArrayLike, **options: Any) -> Interval:
+    """Returns the interval of a mean over motions.
+
+    Args:
+        values: Values by motion, shape (motions,).
+        **options: The `level`, `resamples` and `seed` of `interval_of`.
+
+    Raises:
+        InputError: As `interval_of`.
+    """
+    (values,) = _columns(values=values)
+    return interval_of(lambda mean: mean, values, **options)
+
+
+def difference_interval(one: ArrayLike, other: ArrayLike, **options: Any) -> Interval:
+    """Returns the interval of the mean of one - other on the same motions.
+
+    Args:
+        one: Values by motion, shape (motions,).
+        other: Values on the same motions, shape (motions,).
+        **options: The `level`, `resamples` and `seed` of `interval_of`.
+
+    Raises:
+        InputError: As `interval_of`.
+    """
+    one, other = _columns(one=one, other=other)
+    return mean_interval(one - other, **options)
+
+
+def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any) -> Interval:
+    """Returns the interval of sum(numerator) / sum(denominator) over the same motions.
+
+    Where the sum of the denominators could as well be 0, which their own interval tells, the ratio
+    has no limits and the interval is infinite, as is that of Fieller (1954).
+
+    Args:
+        numerator: Values by motion, shape (motions,).
+        denominator: Values on the same motions, shape (motions,).
+        **options: The `level`, `resamples` and `seed` of `interval_of`.
+
+    Raises:
+        InputError: As `interval_of`, or the denominators sum to 0.
+    """
+    over, under = _columns(numerator=numerator, denominator=denominator)
+    if under.mean() == 0:
+        raise InputError("the denominators sum to 0: a ratio needs a sum other than 0")
+    below = mean_interval(under, **options)
+    if below.low <= 0 <= below.high:
+        return Interval(float(over.mean() / under.mean()), -np.inf, np.inf)
+    return interval_of(np.divide, over, under, **options)
+
+
+def interquartile_mean_interval(
+    scores: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 0
+) -> Interval:
+    """Returns the interval of the interquartile mean of all scores over other trainings.
+
+    The interquartile mean is that of Agarwal et al. (2021), "Deep RL at the edge of the statistical
+    precipice". They resample runs task by task, as their runs of two tasks are two trainings. Here
+    all episodes of a run share one training, so that whole runs are resampled: with 10 runs that
+    differ twice as much as their episodes the interval then held the truth in 95 % of repeats,
+    while resampling episode by episode, or episodes within each run, held it in 42 to 43 %. The
+    standard error is that of a trimmed mean (Tukey & McLaughlin 1963), by runs.
+
+    Args:
+        scores: Scores of shape (runs, episodes); an episode has the same motion in all runs.
+        level: How often the interval should hold the truth, 0.5 to 0.99.
+        resamples: Number of bootstrap resamples.
+        seed: Seed of the resamples; the same seed gives the same interval.
+
+    Raises:
+        InputError: There are fewer than 5 runs, scores that are not finite or of another shape, or
+            an option is out of range.
+    """
+    _check_options(level, resamples, seed)
+    rows = _rows("scores", scores)
+
+    def estimate(index: NDArray[np.int64]) -> tuple[Array, Array]:
+        return _interquartile(rows[index])
+
+    return _bootstrap_t(estimate, rows.shape[0], rows.size, level, resamples, seed)
+
+
+def improvement_interval(one: ArrayLike, other: ArrayLike, *, level: float = 0.95) -> Interval:
+    """Returns the interval of the probability of improvement P(X > Y) + P(X = Y) / 2.
+
+    X is the score of a run of one policy, Y that of a run of the other in the same episode; all
+    pairs of runs count, as in Agarwal et al. (2021). The interval is method 5 of Newcombe (2006),
+    Statistics in Medicine 25, 559-573, with runs as the independent values. It needs no resamples,
+    and it keeps a width where every run of one policy is better; bootstraps do not, and held the
+    truth in only 62 % of repeats with 5 runs each and a truth of 0.92, this one in 95 %. With many
+    episodes that vary on their own it is wider than needed.
+
+    Args:
+        one: Scores of shape (runs,) or (runs, episodes), larger is better.
+        other: Scores of shape (other runs,) or (other runs, episodes), of other trainings.
+        level: How often the interval should hold the truth, 0.5 to 0.99.
+
+    Raises:
+        InputError: There are fewer than 5 runs of a policy, scores that are not finite, or of
+            another number of episodes, or the level is out of range.
+    """
+    within("level", level, *LEVELS)
+    x, y = _rows("one", one), _rows("other", other)
+    if x.shape[1] != y.shape[1]:
+        raise InputError(
+            f"one has {x.shape[1]} episodes and other {y.shape[1]}: give scores of the same ones"
+        )
+    better = sum(np.sign(run - y).sum() for run in x) / (x.shape[0] * y.size)
+    value = float(0.5 + 0.5 * better)
+    pairs, mean = x.shape[0] * y.shape[0], (x.shape[0] + y.shape[0]) / 2
+    z = NormalDist().inv_cdf(0.5 + level / 2)
+
+    def lower(found: float) -> float:
+        def beyond(truth: float) -> float:
+            spread = (1 - truth) / (2 - truth) + truth / (1 + truth)
+            variance = truth * (1 - truth) / pairs * (1 + (mean - 1) * spread)
+            return (found - truth) ** 2 - z**2 * variance
+
+        # At 1 itself the equation has a second root, which is not the end.
+        bracket = 0.0, min(found, float(np.nextafter(1, 0)))
+        return float(root_scalar(beyond, bracket=bracket).root) if found > 0 else 0.0
+
+    low, high = lower(value), 1 - lower(1 - value)  # the equation is the same from both ends
+    return Interval(value, low, high)
+
+
+def _bootstrap_t(
+    estimate: Estimate, count: int, size: int, level: float, resamples: int, seed: int
+) -> Interval:
+    """Returns the interval from an estimate and its error by resample of `count` units."""
+    (value,), (error,) = estimate(np.arange(count)[None])
+    value, error = float(value), float(error)
+    if not (np.isfinite(value) and np.isfinite(error)):
+        raise InputError(
+            f"the statistic is {value} with a standard error of {error}: "
+            "give one that is finite, also without any one motion"
+        )
+    if error == 0:
+        return Interval(value, value, value)
+    rng = np.random.default_rng(seed)
+    block = max(1, BLOCK // size)
+    ratios = []
+    for start in range(0, resamples, block):
+        index = rng.integers(0, count, (min(block, resamples - start), count))
+        values, errors = estimate(index)
+        ratios.append((values - value) / np.maximum(errors, LEAST_ERROR * error))
+    ratio = np.concatenate(ratios)
+    # A resample without a value counts against both ends.
+    lowest = np.sort(np.where(np.isnan(ratio), -np.inf, ratio))
+    highest = np.sort(np.where(np.isnan(ratio), np.inf, ratio))
+    rank = int((resamples + 1) * (1 - level) / 2 + 1e-9)
+    return Interval(
+        value,
+        float(value - error * highest[resamples - rank]),
+        float(value - error * lowest[rank - 1]),
+    )
+
+
+def _jackknifed(statistic: Statistic, samples: list[Array]) -> tuple[Array, Array]:
+    """Returns the statistic and its jackknife standard error of samples (resamples, motions)."""
+    count = samples[0].shape[-1]
+    sums = [sample.sum(axis=-1) for sample in samples]
+    values = statistic(*(total / count for total in sums))
+    without = statistic(
+        *(
+            (total[:, None] - sample) / (count - 1)
+            for total, sample in zip(sums, samples, strict=True)
+        )
+    )
+    if np.shape(values) != sums[0].shape or np.shape(without) != samples[0].shape:
+        raise InputError(
+            f"the statistic returns shape {np.shape(without)} for means of shape "
+            f"{samples[0].shape}: use a function that works element by element"
+        )
+    apart = without - without.mean(axis=-1, keepdims=True)
+    return values, np.sqrt((count - 1) / count * np.einsum("ri,ri->r", apart, apart))
+
+
+def _interquartile(scores: Array) -> tuple[Array, Array]:
+    """Returns the interquartile means and their errors of scores (resamples, runs, episodes)."""
+    runs = scores.shape[1]
+    ordered = np.sort(scores.reshape(scores.shape[0], -1), axis=-1)
+    size = ordered.shape[1]
+    cut = size // 4
+    values = ordered[:, cut : size - cut].mean(axis=-1)
+    lowest, highest = ordered[:, cut, None, None], ordered[:, size - cut - 1, None, None]
+    winsorized = np.clip(scores, lowest, highest).mean(axis=-1)
+    spread = winsorized.std(axis=-1, ddof=1)
+    return values, spread / np.sqrt(runs) * size / (size - 2 * cut)
+
+
+def _check_options(level: float, resamples: int, seed: int) -> None:
+    within("level", level, *LEVELS)
+    at_least("resamples", resamples, FEWEST_RESAMPLES)
+    at_least("seed", seed, 0)
+
+
+def _columns(**series: ArrayLike) -> list[Array]:
+    """Returns checked series of values by motion."""
+    if not series:
+        raise InputError("no series is given: give at least one")
+    columns = [np.array(numbers(name, values, "")) for name, values in series.items()]
+    if len({column.size for column in columns}) > 1:
+        sizes = " and ".join(str(column.size) for column in columns)
+        raise InputError(
+            f"{', '.join(series)} have {sizes} motions: give values of the same motions"
+        )
+    if columns[0].size < FEWEST_MOTIONS:
+        raise InputError(
+            f"an interval needs at least {FEWEST_MOTIONS} motions, "
+            f"and there are {columns[0].size}: give more episodes"
+        )
+    return columns
+
+
+def _rows(name: str, scores: ArrayLike) -> Array:
+    """Returns checked scores of shape (runs, episodes)."""
+    try:
+        rows = np.asarray(scores)
+    except ValueError:
+        rows = np.empty(0, dtype=object)
+    if rows.ndim == 1:
+        rows = rows[:, None]
+    if rows.ndim != 2 or rows.dtype.kind not in "iuf" or rows.size == 0:
+        raise InputError(f"{name} is no table of numbers: give the shape (runs, episodes)")
+    if not np.isfinite(rows).all():
+        run, episode = np.argwhere(~np.isfinite(rows))[0]
+        raise InputError(f"{name}[{run}, {episode}] is {rows[run, episode]}: give finite numbers")
+    if rows.shape[0] < FEWEST_RUNS:
+        raise InputError(
+            f"an interval needs at least {FEWEST_RUNS} runs, "
+            f"and {name} has {rows.shape[0]}: give more trainings"
+        )
+    return rows.astype(np.float64)
