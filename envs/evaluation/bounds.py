@@ -1,7 +1,7 @@
 """The clairvoyant: what motors can do for one who knows the suit and the whole motion.
 
 The torque that a led wearer still gives becomes the motors' plan; its lag is inverted inside their
-limits; after four passes little is left to take over. It is a bound in practice, no theorem.
+limits; after six passes little is left to take over. It is a bound in practice, no theorem.
 """
 
 import math
@@ -15,7 +15,7 @@ from ..model import ASSISTED
 from ..policies.planned import Planned
 from .settled import Wearers, smoothed
 
-PASSES = 4
+PASSES = 6
 BOUNDS = ("clairvoyant-suit", "clairvoyant")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
 
@@ -36,10 +36,9 @@ def clairvoyant(wearers: Wearers, seeds: Sequence[int], *, suit_only: bool = Fal
     gain = 1 - np.exp(-math.tau * bandwidth * simulation.control_dt)
     wanted = np.zeros((len(seeds), simulation.samples, len(ASSISTED)))
     plan = Planned(inverted(wanted, gain, peak) / peak)
-    taught = np.zeros((len(seeds), simulation.samples, len(JOINTS)))
+    untaught = np.zeros((len(seeds), simulation.samples, len(JOINTS)))
     for _ in range(PASSES):
-        traces = wearers.led(plan, seeds, taught)
-        taught = wearers.learned(traces)
+        traces = wearers.led(plan, seeds, untaught)
         if suit_only:
             wanted = -smoothed([trace.suit_torque for trace in traces])[..., assisted]
         else:

@@ -21,7 +21,7 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     header = ["policy", "effort\n[% of\nstrength]"]
     if evaluation is not None:
         header += ["relief\n(95 % interval)", "share of\nbound"]
-    header += ["abduction / shoulder\n/ elbow / wrist [N·m]", "error\n[mrad]", "success", "reward"]
+    header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
 
@@ -31,7 +31,7 @@ def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
         yield interval_text(evaluation.relief(score.policy))
         share = evaluation.share_of_bound(score.policy)
         yield "-" if share is None else f"{share.value:.0%}"
-    yield " / ".join(f"{score.human_rms[joint]:.3g}" for joint in JOINTS)
+    yield "/".join(f"{score.human_rms[joint]:.3g}" for joint in JOINTS)
     yield f"{1e3 * float(np.mean(score.tracking)):.0f}"
     yield f"{np.mean(score.success):.0%}"
     yield f"{np.mean(score.reward):.3f}"
