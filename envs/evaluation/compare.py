@@ -1,5 +1,6 @@
 """Closed-loop evaluation: policies, references and bounds on the same intended motions."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -10,7 +11,7 @@ from ...assets import AnySuit
 from ...checks import at_least
 from ...errors import InputError, shown, unknown_name
 from ..model.config import NO_SUIT
-from ..policies import Policy, make_policy, needed_options
+from ..policies import POLICIES, Policy, make_policy, needed_options
 from ..randomization import Randomization
 from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
@@ -130,6 +131,9 @@ def evaluate(
             there is no suit, or a policy ends episodes, so that no wearer can settle.
     """
     named = _named(policies)
+    for given in named.values():
+        if isinstance(given, str):
+            check_name(given)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     if references and env_options.get("suit") == NO_SUIT:
@@ -147,6 +151,7 @@ def evaluate(
             name, make_policy("none", wearers.arms), wearers, seeds, settled, on_policy
         )
         wearers.close()
+    scores = {name: scores[name] for name in REFERENCES if name in scores}
     for name, given in named.items():
         needed = needed_options(given) if isinstance(given, str) and given not in BOUNDS else {}
         options = {**env_options, **needed, "effort_scale": scale}
@@ -175,6 +180,17 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     if terms:
         kept["randomize"] = {name: term for name, term in terms.items() if name not in dropped}
     return {**kept, "coupling": "none"}
+
+
+def check_name(policy: str) -> None:
+    """Checks that there is a policy or bound of a name, or a folder.
+
+    Raises:
+        InputError: There is none.
+    """
+    known = (*POLICIES, *BOUNDS)
+    if policy not in known and not os.path.isdir(policy):
+        raise unknown_name("policy", policy, (*known, "the folder of a training run"))
 
 
 def _named(policies: Policies) -> dict[str, str | Make]:

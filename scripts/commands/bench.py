@@ -15,7 +15,9 @@ from ..output import table, to_json
 if TYPE_CHECKING:
     from ..benchmarks.timing import Row
 
-Topic = Literal["all", "hysteresis", "engine", "model", "env", "identify", "exactness"]
+Topic = Literal[
+    "all", "hysteresis", "engine", "model", "env", "identify", "exactness", "sensitivity"
+]
 
 
 def bench(
@@ -28,7 +30,8 @@ def bench(
 
     Args:
         topic: Part whose speed is measured, or all of them; or exactness, which compares the
-            kernels with their readable references, with SciPy and with the engine.
+            kernels with their readable references, with SciPy and with the engine; or sensitivity,
+            which halves and doubles assumed numbers (about ten minutes).
         repeats: Number of pairs of measurements of each row.
     """
     at_least("repeats", repeats, 1)
@@ -42,11 +45,28 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
     # Not needed by other commands, and slow to import.
     import mujoco
 
-    from ..benchmarks import effort, engine, env, exactness, hysteresis, identify, model, starts
+    from ..benchmarks import (
+        effort,
+        engine,
+        env,
+        exactness,
+        hysteresis,
+        identify,
+        model,
+        sensitivity,
+        starts,
+    )
     from .study import study
 
     if topic == "exactness":
         exactness.report(json)
+        return
+    if topic == "sensitivity":
+        cases = sensitivity.sensitivity()
+        if json:
+            print(to_json({"cases": [case.to_dict() for case in cases]}))
+        else:
+            table("assumed numbers halved and doubled", *sensitivity.sensitivity_table(cases))
         return
     topics: dict[str, Callable[[int], list[Row]]] = {
         "hysteresis": hysteresis.rows,

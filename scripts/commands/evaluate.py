@@ -8,6 +8,7 @@ from typing import Any
 from ...checks import at_least
 from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
+from ...envs.evaluation.compare import check_name
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
@@ -66,6 +67,8 @@ def evaluate(
     at_least("seed", seed, 0)
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
+    for policy in policies:
+        check_name(policy)
     scenes = list(_scenes(arm, env, suit, gravity, policies, table=table))
     for chosen in scenes[:1]:
         _check(chosen, policies)

@@ -21,20 +21,24 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     header = ["policy", "effort\n[% of\nstrength]"]
     if evaluation is not None:
         header += ["relief\n(95 % interval)", "share of\nbound"]
-    header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
+    header += ["abduction/shoulder/\nelbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
 
 def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
     yield f"{100 * float(np.mean(score.effort)):.1f}"
     if evaluation is not None:
-        yield interval_text(evaluation.relief(score.policy))
+        yield interval_text(evaluation.relief(score.policy)).replace(" (", "\n(")
         share = evaluation.share_of_bound(score.policy)
         yield "-" if share is None else f"{share.value:.0%}"
-    yield "/".join(f"{score.human_rms[joint]:.3g}" for joint in JOINTS)
+    yield "/".join(_short(score.human_rms[joint]) for joint in JOINTS)
     yield f"{1e3 * float(np.mean(score.tracking)):.0f}"
     yield f"{np.mean(score.success):.0%}"
     yield f"{np.mean(score.reward):.3f}"
+
+
+def _short(torque: float) -> str:
+    return f"{torque:.1f}" if torque >= 1 else f"{torque:.2f}"
 
 
 def interval_text(interval: Interval | None) -> str:
