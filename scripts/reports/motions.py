@@ -18,9 +18,9 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
         scores: Scores of the policies.
         evaluation: Evaluation that they are from, if it has references.
     """
-    header = ["policy", "effort\n[% of\nstrength]"]
+    header = ["policy", "effort\n[%]"]
     if evaluation is not None:
-        header += ["relief\n(95 % interval)", "share of\nbound"]
+        header += ["relief\n(95 % interval)", "of the\nbound"]
     header += ["abduction/shoulder/\nelbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
