@@ -20,15 +20,17 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     """
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
-        header += ["relief\n(95 % interval)", "of the\nbound"]
-    header += ["abduction/shoulder/\nelbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
+        header += ["relief,\n95 % interval", "of the\nbound"]
+    header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
 
 def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
     yield f"{100 * float(np.mean(score.effort)):.1f}"
     if evaluation is not None:
-        yield interval_text(evaluation.relief(score.policy)).replace(" (", "\n(")
+        relief = evaluation.relief(score.policy)
+        ends = "" if relief is None else f"\n{relief.low:.2f} to {relief.high:.2f}"
+        yield "-" if relief is None else f"{relief.value:.2f}{ends}"
         share = evaluation.share_of_bound(score.policy)
         yield "-" if share is None else f"{share.value:.0%}"
     yield "/".join(_short(score.human_rms[joint]) for joint in JOINTS)
