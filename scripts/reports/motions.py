@@ -21,7 +21,7 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
         header += ["relief,\n95 % interval", "of the\nbound"]
-    header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "success", "reward"]
+    header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "went\nwell", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
 
