@@ -14,6 +14,8 @@ from ..reward import COSTS
 from .rollout import Trace
 
 Values = tuple[float, ...]
+BEGINNING = 0.5  # s
+TINY = 1e-9  # of a sum of rewards
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +30,7 @@ class Score:
         tracking: Root mean square, over time and four joints, of the tracking error [rad].
         tracking_rmse: Root mean square of the tracking error over all motions [rad], by joint.
         reward: Mean reward of a control period of the whole motion, in [0, 1].
+        beginning: Share of the first half second in the sum of the rewards.
         success: Whether the motion went well (see `envs.reward.is_success`).
         costs: Cost terms of the motion, by name.
         load: Mean over motions of the wearer's `EffortMetrics`, by joint.
@@ -45,6 +48,7 @@ class Score:
     tracking: Values
     tracking_rmse: dict[str, float]
     reward: Values
+    beginning: Values
     success: tuple[bool, ...]
     costs: dict[str, Values]
     load: dict[str, dict[str, float]]
@@ -85,6 +89,10 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         tracking=_tracking(traces),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
         reward=tuple(float(trace.rewards.sum() / _periods(traces)) for trace in traces),
+        beginning=tuple(
+            float(trace.rewards[trace.time <= BEGINNING].sum() / max(trace.rewards.sum(), TINY))
+            for trace in traces
+        ),
         success=tuple(trace.success for trace in traces),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
         load=_load(traces),

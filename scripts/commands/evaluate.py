@@ -17,7 +17,14 @@ from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Env, EvaluatedName, Force, Gravity, Json, Suit
 from ..output import RunFolder, conclude, progress
-from ..reports.motions import cuff_remarks, effort_table, score_table, story, write_scores
+from ..reports.motions import (
+    agreement,
+    cuff_remarks,
+    effort_table,
+    score_table,
+    story,
+    write_scores,
+)
 from ..runs import Scene, scene
 
 USUAL_POLICIES = ("none", "transparent", "gravity", "feedforward", "compensation", "clairvoyant")
@@ -83,7 +90,9 @@ def evaluate(
         results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
         title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
         tables[title] = score_table(scores, with_references)
-        if not table:
+        if table:
+            remarks.append(f"{title}: {agreement(found)}")
+        else:
             tables["Cost per motion"] = effort_table(scores)
             remarks += [*story(found), *cuff_remarks(scores)]
         if folder:

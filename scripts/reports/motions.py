@@ -1,11 +1,13 @@
 """Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
 
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
+from scipy.stats import kendalltau
 
 from ...assets import JOINTS
-from ...envs.evaluation import Evaluation, Interval, Score, Trace
+from ...envs.evaluation import REFERENCES, Evaluation, Interval, Score, Trace
 from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
 from ..output import Rows, RunFolder
@@ -112,6 +114,21 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         yield f"{name}: relief {interval_text(relief)}{told}{carried}."
     if evaluation.relief("suited") is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+
+
+def agreement(evaluation: Evaluation) -> str:
+    """Returns a sentence: levels of the reward, and whether it ranks policies as relief does."""
+    scores = evaluation.scores
+    levels = ", ".join(f"{name} {np.mean(one.reward):.2f}" for name, one in scores.items())
+    beginning = 100 * np.mean([np.mean(one.beginning) for one in scores.values()])
+    told = f"mean reward: {levels}; first half second {beginning:.1f} % of the return"
+    reliefs = {name: evaluation.relief(name) for name in scores if name not in REFERENCES}
+    known = {name: relief.value for name, relief in reliefs.items() if relief is not None}
+    if len(known) > 1:
+        rewards = [float(np.mean(scores[name].reward)) for name in known]
+        found: Any = kendalltau(list(known.values()), rewards)
+        told += f"; rank correlation of reward with relief {found.statistic:.2f}"
+    return told
 
 
 def cuff_remarks(scores: Sequence[Score]) -> list[str]:
