@@ -10,7 +10,6 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from ...arrays import Array
 from ...assets import JOINTS
@@ -104,5 +103,7 @@ class Wearers:
 
 def smoothed(series: Sequence[Array]) -> Array:
     """Returns series of all control periods with a first sample before, smoothed over time."""
+    from scipy.ndimage import gaussian_filter1d  # slow to import
+
     found = np.array([np.concatenate([one[:1], one]) for one in series])
     return gaussian_filter1d(found, SMOOTHING, axis=1, mode="nearest")

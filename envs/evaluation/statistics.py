@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import root_scalar
 
 from ...arrays import Array
 from ...checks import at_least, numbers, within
@@ -212,6 +211,7 @@ def improvement_interval(one: ArrayLike, other: ArrayLike, *, level: float = 0.9
     value = float(0.5 + 0.5 * better)
     pairs, mean = x.shape[0] * y.shape[0], (x.shape[0] + y.shape[0]) / 2
     z = NormalDist().inv_cdf(0.5 + level / 2)
+    from scipy.optimize import root_scalar  # slow to import
 
     def lower(found: float) -> float:
         def beyond(truth: float) -> float:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import kendalltau
 
 from ...assets import JOINTS
 from ...envs.evaluation import REFERENCES, Evaluation, Interval, Score, Trace
@@ -118,6 +117,8 @@ def story(evaluation: Evaluation) -> Iterator[str]:
 
 def agreement(evaluation: Evaluation) -> str:
     """Returns a sentence: levels of the reward, and whether it ranks policies as relief does."""
+    from scipy.stats import kendalltau  # slow to import
+
     scores = evaluation.scores
     levels = ", ".join(f"{name} {np.mean(one.reward):.2f}" for name, one in scores.items())
     beginning = 100 * np.mean([np.mean(one.beginning) for one in scores.values()])
