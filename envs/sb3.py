@@ -65,6 +65,7 @@ class ArmVecEnv(VecEnv):
             infos[row] = {
                 "terminal_observation": info["final_obs"][row],
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
+                "is_success": bool(info["final_info"]["is_success"][row]),
             }
         return observation, reward.astype(np.float32), ended, infos
 

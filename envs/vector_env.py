@@ -343,14 +343,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         found = {
             name: values[:, 0] if values.shape[1] == 1 else values for name, values in found.items()
         }
-        costs, periods = memory.costs, memory.step
-        ends = episodes.terminated
-        found["is_success"] = np.array(
-            [
-                is_success(row, int(count), ended=bool(end))
-                for row, count, end in zip(costs, periods, ends, strict=True)
-            ]
-        )
+        found["is_success"] = self._successes()
         if full:
             found["clipped_actions"] = memory.clipped.copy()
             found["diverged"] = memory.diverged.copy()
@@ -359,6 +352,12 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             terms |= {name: episodes.terms[:, i].copy(), f"_{name}": mask.copy()}
         found["reward_terms"] = terms
         return {**found, **{f"_{name}": mask.copy() for name in found}}
+
+    def _successes(self) -> Bools:
+        """Returns whether the episode of each row has gone well so far."""
+        memory, lost = self.episodes.simulation.memory, self.episodes.terminated.tolist()
+        ends = zip(memory.costs, memory.step.tolist(), lost, strict=True)
+        return np.array([is_success(costs, periods, ended=end) for costs, periods, end in ends])
 
     def _final(self, ended: Bools) -> dict[str, Any]:
         """Returns the last observations and measurements of the episodes that have ended."""
@@ -369,7 +368,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return {
             "final_obs": last,
             "_final_obs": ended.copy(),
-            "final_info": self._infos(ended),
+            "final_info": {
+                **self._infos(ended),
+                "is_success": self._successes(),
+                "_is_success": ended.copy(),
+            },
             "_final_info": ended.copy(),
         }
 
