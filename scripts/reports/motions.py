@@ -1,6 +1,6 @@
 """Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ from ...assets import JOINTS
 from ...envs.evaluation import REFERENCES, Evaluation, Interval, Score, Trace
 from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
-from ..output import Rows, RunFolder
+from ..output import Rows, RunFolder, markdown_table
 
 
 def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -> Rows:
@@ -113,6 +113,42 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         yield f"{name}: relief {interval_text(relief)}{told}{carried}."
     if evaluation.relief("suited") is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+
+
+def relief_matrix(evaluations: Mapping[str, Evaluation]) -> Rows:
+    """Returns one row per policy and one column per setting: relief with its interval.
+
+    Args:
+        evaluations: Evaluations of the same policies, by the name of the setting.
+    """
+    names = [name for name in next(iter(evaluations.values())).scores if name not in REFERENCES]
+    header = ["policy", *evaluations]
+    rows = [
+        [name, *(interval_text(one.relief(name)) for one in evaluations.values())] for name in names
+    ]
+    costs = [one.suit_cost for one in evaluations.values()]
+    cells = ["-" if cost is None else f"{100 * cost.value:.1f} %" for cost in costs]
+    return header, [["the suit costs, of strength", *cells], *rows]
+
+
+def settings_page(evaluations: Mapping[tuple[str, str, str], Evaluation]) -> str:
+    """Returns Markdown of evaluations in many settings: relief first, then a table of each.
+
+    Args:
+        evaluations: Evaluations of the same policies by place, suit and coupling.
+    """
+    parts = []
+    for suit, coupling in dict.fromkeys(key[1:] for key in evaluations):
+        here = {key[0]: one for key, one in evaluations.items() if key[1:] == (suit, coupling)}
+        parts += [f"### Relief: {suit}, {coupling}", markdown_table(*relief_matrix(here))]
+    parts.append("### Each setting")
+    for (place, suit, coupling), one in evaluations.items():
+        parts.append(f"**{place}, {suit}, {coupling}**")
+        header, rows = score_table(list(one.scores.values()), one)
+        rows = [[cell.replace("\n", ", ") for cell in row] for row in rows]
+        parts += [markdown_table([cell.replace("\n", " ") for cell in header], rows)]
+        parts.append(f"{agreement(one).capitalize()}.")
+    return "\n\n".join(parts) + "\n"
 
 
 def agreement(evaluation: Evaluation) -> str:
