@@ -22,6 +22,7 @@ from ..reports.motions import (
     cuff_remarks,
     effort_table,
     score_table,
+    settings_page,
     story,
     write_scores,
 )
@@ -67,7 +68,7 @@ def evaluate(
         naive: Score wearers who have learned nothing of suit and exoskeleton, instead of those who
             have repeated each motion until nothing is left to learn.
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
-        out: Folder for result.json and motions.csv: a new or an empty one, or that of an earlier
+        out: Folder for result.json and motions.csv (with --table also tables.md): a new or an empty one, or that of an earlier
             evaluate.
     """
     at_least("episodes", episodes, 1)
@@ -83,6 +84,7 @@ def evaluate(
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
     results, tables, remarks = [], {}, []
+    settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
         found = run(chosen.env, policies, episodes, seed, naive=naive, **chosen.options)
         scores = list(found.scores.values())
@@ -91,6 +93,8 @@ def evaluate(
         title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
         tables[title] = score_table(scores, with_references)
         if table:
+            place, worn, coupling = (chosen.options[o] for o in ("gravity", "suit", "coupling"))
+            settings[place, worn, coupling] = found
             remarks.append(f"{title}: {agreement(found)}")
         else:
             tables["Cost per motion"] = effort_table(scores)
@@ -98,6 +102,8 @@ def evaluate(
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
+    if folder and table:
+        folder.text("tables.md", settings_page(settings))
     result: dict[str, Any] = {"episodes": episodes, "seed": seed}
     result |= {"settings": results} if table else results[0]
     conclude(result, tables, remarks, folder=folder, json=json)
