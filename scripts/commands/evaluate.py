@@ -68,8 +68,8 @@ def evaluate(
         naive: Score wearers who have learned nothing of suit and exoskeleton, instead of those who
             have repeated each motion until nothing is left to learn.
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
-        out: Folder for result.json and motions.csv (with --table also tables.md): a new or an empty one, or that of an earlier
-            evaluate.
+        out: Folder for result.json and motions.csv, and tables.md with --table: a new or an empty
+            one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
