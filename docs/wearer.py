@@ -24,6 +24,7 @@ SWING = Task(
 
 
 def stiffness(axis):
+    """Stiffness over the torque of the muscles, beside what is published."""
     torque = np.linspace(0, 30, 2)
     for joint, name in ((SHOULDER, "shoulder"), (ELBOW, "elbow")):
         alone, growth = VoluntaryControl(contraction=0).impedance(PERSON)[:2, joint]
@@ -52,6 +53,7 @@ def push():
 
 
 def step_response(axis):
+    """What answers a push, and when."""
     at_once, reflex, correction = push()
     time = DT * np.arange(len(reflex))
     axis.plot(time, at_once, color="tab:gray", label="stiffness, at once")
@@ -103,6 +105,7 @@ def learning(axis):
 
 
 def strength(axis):
+    """Strength over angle, still and at speed, beside what is published."""
     degrees = np.linspace(0, 130, 200)
     fast = np.radians(50.0)
     peak = isometric_strength(PERSON)

@@ -60,8 +60,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
     square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
     the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint. It is made
-    up when it is read. "effort" is the wearer's torque over the strength of a still joint, "cost_terms"
-    what an episode has cost so far, and "is_success" whether it has gone well so far.
+    up when it is read. "effort" is the wearer's torque over the strength of a still joint,
+    "cost_terms" what an episode has cost so far, and "is_success" whether it has gone well so far.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
     more than 1 rad from the intention, or in a suit whose torque met its pole, or diverged.

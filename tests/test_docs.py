@@ -81,7 +81,8 @@ def test_the_plugin_example_is_short_and_stands_on_its_page():
 def command_lines(text):
     """The commands of this package in the shell blocks of a page, without what follows a #."""
     shell = "\n".join(re.findall(r"^```bash\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
-    return [shlex.split(line, comments=True)[1:] for line in re.findall("^activesuit .+", shell, re.M)]
+    lines = re.findall("^activesuit .+", shell, re.MULTILINE)
+    return [shlex.split(line, comments=True)[1:] for line in lines]
 
 
 LINES = [line for name in PAGES for line in command_lines(page(name))]

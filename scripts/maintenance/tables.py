@@ -1,4 +1,4 @@
-"""Remakes the tables of the docs that code holds: `python -m activesuit.scripts.maintenance.tables`.
+"""Remakes tables of the docs from code: `python -m activesuit.scripts.maintenance.tables`.
 
 Each stands between two marks of its page, so that the text around it is written by hand.
 """
