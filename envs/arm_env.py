@@ -26,9 +26,10 @@ ROW = np.zeros(1, np.int64)
 class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     """One arm: a wearer who follows an intention, a suit that resists, motors that help.
 
-    The wearer tracks a minimum-jerk intention with engine-native PID actuators, delayed feedback
-    and a feed-forward of the bare arm, within human strength (see `envs.person`). The suit resists
-    every joint inside the physics. The agent sets the assist torque of shoulder and elbow.
+    The wearer follows a minimum-jerk intention by stiffness inside the physics, a reflex, a slow
+    correction, and the torque of the bare arm with what was learned of the rest, within human
+    strength (see `envs.person.control`). The suit resists every joint inside the physics. The agent
+    sets the assist torque of shoulder and elbow.
 
     Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
     motors' peak. Values outside are clipped and counted in `info["clipped_actions"]`. A motor that
@@ -59,17 +60,18 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
     square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
     the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint. It is made
-    up when it is read.
+    up when it is read. "effort" is the wearer's torque over the strength of a still joint,
+    "cost_terms" what an episode has cost so far, and "is_success" whether it has gone well so far.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
     more than 1 rad from the intention, or in a suit whose torque met its pole, or diverged.
 
-    Reward: the sum of `info["reward_terms"]`: minus human effort, tracking error and unsteadiness;
-    never below -271 for the default wearer, whose strength bounds the effort.
+    Reward: 1 / (1 + the sum of `info["reward_terms"]`), in [0, 1], where the terms are the squares
+    of effort over that of the suited arm without an exoskeleton, of the tracking error over 0.1 rad
+    and of the action's change over 0.25. The period in which the arm is lost earns 0.
 
     Where MuJoCo reports that the physics diverged, `info["diverged"]` is true, and that step shows
-    the last valid observation and measurements; its reward is that of a tracking error of 1 rad at
-    both joints. All numbers stay finite.
+    the last valid observation and measurements. All numbers stay finite.
 
     Args:
         task: Task, or the name of a shipped one.

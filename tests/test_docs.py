@@ -2,12 +2,15 @@
 
 import re
 import runpy
+import shlex
 import shutil
 from importlib import import_module
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
+from activesuit.scripts.main import COMMANDS
+from activesuit.scripts.parsing import parsed
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -75,6 +78,27 @@ def test_the_plugin_example_is_short_and_stands_on_its_page():
     assert sum(not line.lstrip().startswith(comments) for line in code) <= 40
 
 
+def command_lines(text):
+    """The commands of this package in the shell blocks of a page, without what follows a #."""
+    shell = "\n".join(re.findall(r"^```bash\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
+    lines = re.findall("^activesuit .+", shell, re.MULTILINE)
+    return [shlex.split(line, comments=True)[1:] for line in lines]
+
+
+LINES = [line for name in PAGES for line in command_lines(page(name))]
+
+
+@pytest.mark.parametrize("line", LINES, ids=" ".join)
+def test_a_command_line_has_options_that_there_are(line):
+    name = line[0].replace("-", "_")
+    command = getattr(import_module(f"activesuit.scripts.commands.{name}"), name)
+    parsed(command, line[0], line[1:])
+
+
+def test_the_page_of_commands_has_an_example_of_each():
+    assert {line[0] for line in command_lines(page("commands.md"))} == set(COMMANDS)
+
+
 def test_all_pages_are_in_the_navigation():
     navigation = re.findall(r"^  - [^:]+: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
     assert sorted(navigation) == PAGES
@@ -86,7 +110,10 @@ def test_links_to_files_exist(name):
         assert (DOCS / target).exists(), target
 
 
-MODULES = ["hysteresis", "hysteresis.engine", "identification", "envs", "envs.model", "envs.person"]
+MODULES = [
+    *("hysteresis", "hysteresis.engine", "identification", "assets"),
+    *("envs", "envs.model", "envs.person", "envs.policies", "envs.evaluation"),
+]
 
 
 @pytest.mark.parametrize("module", MODULES)
