@@ -17,8 +17,8 @@ class ArmVecEnv(VecEnv):
     """Stable-Baselines3's face of an `ArmVectorEnv`, with the same episodes.
 
     The info of a row whose episode goes on is empty, and one dict is shared by all of them. Where
-    an episode has ended it holds `terminal_observation` and `TimeLimit.truncated`, and, if the
-    rows were made with `info="metrics"` or "full", `is_success`, which learners log.
+    an episode has ended it holds `terminal_observation`, `TimeLimit.truncated` and `is_success`,
+    which learners log.
 
     Args:
         arms: Vector environment with `autoreset_mode="SameStep"`.
@@ -68,8 +68,6 @@ class ArmVecEnv(VecEnv):
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
                 "is_success": bool(info["final_info"]["is_success"][row]),
             }
-            if "is_success" in info["final_info"]:
-                infos[row]["is_success"] = bool(info["final_info"]["is_success"][row])
         return observation, reward.astype(np.float32), ended, infos
 
     def close(self) -> None:

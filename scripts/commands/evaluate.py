@@ -8,7 +8,7 @@ from typing import Any
 from ...checks import at_least
 from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
-from ...envs.evaluation.compare import check_name
+from ...envs.evaluation.compare import Policies, check_name
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
@@ -110,7 +110,7 @@ def evaluate(
 
 
 def run(
-    env: str, policies: tuple[str, ...], episodes: int, seed: int, *, naive: bool, **options: Any
+    env: str, policies: Policies, episodes: int, seed: int, *, naive: bool, **options: Any
 ) -> Evaluation:
     """Evaluates policies and shows a progress bar."""
     references = options.get("suit") != NO_SUIT

@@ -13,6 +13,8 @@ from ...envs.evaluation import FIRST_SEED, Evaluation
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
+from ...envs.policies import Policy, make_policy
+from ...envs.vector_env import ArmVectorEnv
 from ..arm_options import USUAL, ArmOptions
 from ..options import SUIT, Env, Force, Json, choice, gravity_option, suits
 from ..output import RunFolder, conclude
@@ -21,7 +23,7 @@ from ..runs import scene
 from .evaluate import run
 
 GRAVITY = "microgravity"
-BOUND = "clairvoyant-suit"
+TRUE = "true model"
 
 
 def validate(
@@ -40,9 +42,9 @@ def validate(
     """Validate an identified suit model in closed loop.
 
     The controller cancels the torque that its model of the suit predicts, while the simulated arm
-    wears the suit PLANT. The score compares the wearer's relief with that of a bound, the
-    clairvoyant, who knows the true torque of PLANT and the whole motion, and cancels that torque
-    alone. By default there is no gravity, so that only the suit's torque remains.
+    wears the suit PLANT. The score compares the wearer's relief with that by the same controller
+    with the true model of PLANT. By default there is no gravity, so that only the suit's torque
+    remains.
 
     Args:
         suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
@@ -59,7 +61,7 @@ def validate(
     folder = RunFolder(out, "validate", force=force) if out else None
     found = run(
         chosen.env,
-        ("none", "feedforward", BOUND),
+        {"none": "none", "feedforward": "feedforward", TRUE: _true_feedforward},
         episodes,
         seed,
         naive=False,
@@ -69,7 +71,7 @@ def validate(
     scores, share = list(found.scores.values()), _share_by_joint(found, worn)
     lacking = {
         "feedforward": [joint for joint in ASSISTED if joint not in believed.joints],
-        BOUND: [joint for joint in ASSISTED if joint not in worn.joints],
+        TRUE: [joint for joint in ASSISTED if joint not in worn.joints],
     }
     result = {
         "believed_suit": suit,
@@ -78,9 +80,9 @@ def validate(
         "episodes": episodes,
         "seed": seed,
         **chosen.options,
-        "share_of_bound_by_joint": share,
+        "share_of_true_model_by_joint": share,
         "believed_suit_lacks": lacking["feedforward"],
-        "plant_lacks": lacking[BOUND],
+        "plant_lacks": lacking[TRUE],
         **found.to_dict(),
     }
     place = f"{chosen.env}, {chosen.options['gravity']}"
@@ -90,26 +92,30 @@ def validate(
     conclude(result, tables, remarks, folder=folder, json=json)
 
 
+def _true_feedforward(arms: ArmVectorEnv) -> Policy:
+    return make_policy("feedforward", arms)
+
+
 def _overall(found: Evaluation) -> Iterator[str]:
-    relief, share = found.relief("feedforward"), found.share_of_bound("feedforward", BOUND)
+    relief, share = found.relief("feedforward"), found.share_of_bound("feedforward", TRUE)
     if relief is None or share is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
         return
     yield (
         f"feed-forward gives back {interval_text(relief)} of what the suit costs, "
-        f"{interval_text(share)} of what the bound does"
+        f"{interval_text(share)} of what the true model does"
     )
 
 
 def _share_by_joint(found: Evaluation, worn: Suit) -> dict[str, float]:
-    """Returns feed-forward's reduction of torque over the bound's, by assisted joint of the suit.
+    """Returns the believed model's reduction of torque over the true one's, by assisted joint.
 
-    It is NaN where the bound reduces nothing.
+    It is NaN where the true model reduces nothing.
     """
-    off, forward, bound = (found.scores[n].human_rms for n in ("none", "feedforward", BOUND))
+    off, forward, true = (found.scores[n].human_rms for n in ("none", "feedforward", TRUE))
     return {
-        joint: (off[joint] - forward[joint]) / (off[joint] - bound[joint])
-        if off[joint] > bound[joint]
+        joint: (off[joint] - forward[joint]) / (off[joint] - true[joint])
+        if off[joint] > true[joint]
         else math.nan
         for joint in ASSISTED
         if joint in worn.joints
@@ -123,8 +129,8 @@ def _remarks(
         if joint in lacking["feedforward"]:
             yield f"{joint}: not assisted, because {suit} has no such joint"
         elif math.isnan(value):
-            yield f"{joint}: the bound reduces nothing that the reduction could be compared with"
+            yield f"{joint}: the true model reduces nothing to compare with"
         else:
-            yield f"{joint}: {value:.1%} of the bound's reduction"
-    for joint in lacking[BOUND]:
+            yield f"{joint}: {value:.1%} of the true model's reduction"
+    for joint in lacking[TRUE]:
         yield f"{joint}: nothing to assist, because {plant} has no such joint"
