@@ -13,13 +13,13 @@ from activesuit.envs.model import ASSISTED
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, effort_metrics, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
-from activesuit.envs.rollout import rollout
+from activesuit.envs.evaluation import rollout
 from activesuit.errors import InputError
 from arms import addresses, memory, physics
 
 ENV = "ActiveSuit/ArmTracking-v0"
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (200, 2))
-VARIED = {"control": {"noise": 1.0, "tremor": 0.05, "suit_learning": 0.5}, "fatigue": True}
+VARIED = {"control": {"noise": 1.0, "tremor": 0.05, "contraction": 2.0}, "fatigue": True}
 LATE = {"exo": {"encoder_delay": 0.02}}
 
 
@@ -49,7 +49,7 @@ def test_gymnasium_checker(options):
         {"coupling": "none", "suit": "none"},
         {"side": "left", "tilt": (0.5, -0.3)},
         {"payload": {"mass": 2.0}},
-        {"control": {"suit_learning": 1.0}},
+        {"control": {"stiff": True}},
         {"wearer": {"sex": "female", "stature": 1.5, "mass": 50.0}, "gravity": "moon"},
     ],
 )

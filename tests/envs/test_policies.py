@@ -9,7 +9,7 @@ from activesuit.envs.evaluation import evaluate, score
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import POLICIES, NoAssist, make_policy, needed_options
-from activesuit.envs.rollout import rollout
+from activesuit.envs.evaluation import rollout
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
 

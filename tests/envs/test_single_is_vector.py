@@ -19,7 +19,7 @@ TERMS = {
 }
 VARIED = {
     "fatigue": True,
-    "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3},
+    "control": {"noise": 1.0, "tremor": 0.01, "adaptation": 0.8},
     "randomize": TERMS,
 }
 SUITES = ["encoders", "interaction", "emg", "preview", "belief", "privileged"]
