@@ -353,9 +353,9 @@ class Episodes:
         chain = Chain.of(simulation.model, dressed=True)
         strength = isometric_strength(simulation.config.wearer)
         rngs = (stream(seed, 0, "motion") for seed in range(SCALED_BY))
-        samples, ranges = simulation.samples, simulation.model.jnt_range[: len(JOINTS)]
+        samples, dt = simulation.samples, simulation.control_dt
         motions = [
-            valid_motion(self.task.motion(rng, samples, simulation.control_dt), samples, ranges)
+            valid_motion(self.task.motion(rng, samples, dt), samples, simulation.ranges)
             for rng in rngs
         ]
         return suited_effort(chain, strength, simulation.suit, motions)

@@ -27,7 +27,8 @@ class Score:
         peak: Largest |torque| of the wearer over all motions [N·m], by joint.
         tracking: Root mean square, over time and four joints, of the tracking error [rad].
         tracking_rmse: Root mean square of the tracking error over all motions [rad], by joint.
-        reward: Mean reward of a control period of the whole motion, in [0, 1].
+        reward: Mean reward of a control period of the whole motion, in [0, 1]; what an episode that
+            ends early leaves out earns nothing.
         success: Whether the motion went well (see `envs.reward.is_success`).
         costs: Cost terms of the motion, by name.
         load: Mean over motions of the wearer's `EffortMetrics`, by joint.
@@ -84,7 +85,7 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         peak=_by_joint(np.abs(human).max(axis=0)),
         tracking=_tracking(traces),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
-        reward=tuple(float(trace.rewards.sum() / _periods(traces)) for trace in traces),
+        reward=tuple(float(trace.rewards.sum() / trace.periods) for trace in traces),
         success=tuple(trace.success for trace in traces),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
         load=_load(traces),
@@ -94,11 +95,6 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         naive_effort=_effort(naive),
         naive_tracking=_tracking(naive),
     )
-
-
-def _periods(traces: Sequence[Trace]) -> int:
-    """Returns the control periods of a whole motion: one that ends early earns nothing more."""
-    return max(len(trace.rewards) for trace in traces)
 
 
 def _effort(traces: Sequence[Trace]) -> Values:

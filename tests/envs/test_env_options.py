@@ -91,7 +91,7 @@ def test_options_are_plain_data():
 
 
 def test_on_cuffs_the_exoskeleton_measures_itself():
-    env = make(coupling="cuffs", sensors=["encoders", "cuffs"])
+    env = make(coupling="cuffs", sensors=["encoders", "cuffs"], sensing={"cuff_noise": 0.0})
     env.reset(seed=0)
     for action in 0.3 * ACTIONS:
         env.step(action)
@@ -117,7 +117,7 @@ def test_on_cuffs_the_motors_work_on_the_joints_that_they_turn():
         work += 0.01 * np.abs(info["assist_torque"] * rate).sum()
         on_arm += 0.01 * np.abs(info["assist_torque"] * info["rate"][addresses(env).assisted]).sum()
     assert info["assist_energy"] == pytest.approx(work)
-    assert abs(work - on_arm) > 0.2 * work
+    assert abs(work - on_arm) > 0.1 * work
 
 
 def test_without_an_exoskeleton_there_is_nothing_to_act_with():
@@ -180,7 +180,7 @@ def test_a_motor_that_is_driven_hard_ends_at_its_continuous_torque():
 
 @pytest.mark.parametrize("wearer", [{}, {"sex": "female", "mass": 50.0, "strength": 5.0}])
 def test_nobody_asks_for_more_than_their_strength(wearer):
-    env = make(wearer=wearer, payload={"mass": 3.0})
+    env = make(wearer=wearer, payload={"mass": 3.0}, control={"adaptation": 0.0})
     info = env.reset(seed=1)[1]
     strength, at = isometric_strength(Person(**wearer)), addresses(env)
     gains, least = env.episodes.simulation.batch.expand("actuator_biasprm")[0], []
@@ -197,7 +197,7 @@ def test_nobody_asks_for_more_than_their_strength(wearer):
         assert min(least) == pytest.approx(0, abs=1e-9)
         assert error > 0.2
     else:
-        assert min(least) > 1
+        assert min(least) > -1e-9
         assert error < 0.15
 
 

@@ -155,7 +155,7 @@ def test_a_diverged_episode_is_scored_as_failed():
         assert np.isfinite(list(by_joint.values())).all()
     assert np.isfinite([result.assist_energy, result.reward]).all()
     # What is lost early earns nothing more.
-    assert max(result.reward) < 0.1 * min(found["none"].reward)
+    assert max(result.reward) < 0.2 * min(found["none"].reward)
 
 
 @pytest.mark.parametrize(
