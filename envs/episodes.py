@@ -22,6 +22,7 @@ from .randomization import Randomization
 from .reward import TERMS, account, cost_terms, is_success, judge, suited_effort
 from .simulation import Simulation
 from .simulation.differing import Variety
+from .simulation.intention import valid_motion
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.saving import check_state
@@ -352,7 +353,11 @@ class Episodes:
         chain = Chain.of(simulation.model, dressed=True)
         strength = isometric_strength(simulation.config.wearer)
         rngs = (stream(seed, 0, "motion") for seed in range(SCALED_BY))
-        motions = [self.task.motion(rng, simulation.samples, simulation.control_dt) for rng in rngs]
+        samples, dt = simulation.samples, simulation.control_dt
+        motions = [
+            valid_motion(self.task.motion(rng, samples, dt), samples, simulation.ranges)
+            for rng in rngs
+        ]
         return suited_effort(chain, strength, simulation.suit, motions)
 
     def _believe(self, config: ArmConfig) -> None:

@@ -13,7 +13,7 @@ from ..checks import at_least, flag, within
 from ..errors import InputError, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
-from .reward import TERMS, is_success
+from .reward import COSTS, TERMS, cost_terms, is_success
 from .simulation.measurements import SENSED
 from .tasks import ARM_TRACKING, Task, task_of
 
@@ -42,8 +42,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             "Disabled" (`reset(options={"reset_mask": mask})` resets the rows that the mask names).
         stagger: Whether the episodes after a reset of all rows end at random times, so that later
             ones do not all begin together.
-        info: Content of `info`: "none"; "metrics" (energies, load of the motors, terms of the
-            reward); or "full" (all that `ArmEnv` gives).
+        info: Content of `info`: "none"; "metrics" (energies, load of the motors, success, terms of
+            the reward); or "full" (all that `ArmEnv` gives).
         render_mode: None or "rgb_array", a picture of each row.
         camera: Name of the camera to render from.
         width: Width of a picture [pixels].
@@ -347,11 +347,12 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if full:
             found["clipped_actions"] = memory.clipped.copy()
             found["diverged"] = memory.diverged.copy()
-        terms: dict[str, Any] = {}
-        for i, name in enumerate(TERMS):
-            terms |= {name: episodes.terms[:, i].copy(), f"_{name}": mask.copy()}
-        found["reward_terms"] = terms
-        return {**found, **{f"_{name}": mask.copy() for name in found}}
+            each = [cost_terms(row, int(count)) for row, count in zip(costs, periods, strict=True)]
+            by_name = {name: np.array([one[name] for one in each]) for name in COSTS}
+            found["cost_terms"] = _with_masks(by_name, mask)
+        terms = {name: episodes.terms[:, i].copy() for i, name in enumerate(TERMS)}
+        found["reward_terms"] = _with_masks(terms, mask)
+        return _with_masks(found, mask)
 
     def _successes(self) -> Bools:
         """Returns whether the episode of each row has gone well so far."""
@@ -375,6 +376,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             },
             "_final_info": ended.copy(),
         }
+
+
+def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:
+    return {**values, **{f"_{name}": mask.copy() for name in values}}
 
 
 def _mode(given: AutoresetMode | str) -> AutoresetMode:

@@ -417,7 +417,7 @@ def _folder(path: Path) -> list[str]:
 def run_command(rng: Rng) -> list[str]:
     """Returns a command that reads run/."""
     commands = [
-        ["evaluate", "--policies", "run", "--episodes", "1", "--out", "out"],
+        ["evaluate", "--policies", "run", "--naive", "--episodes", "8", "--out", "out"],
         ["simulate", "--policy", "run", "--out", "out"],
         ["train", "--resume", "--out", "run", "--steps", "1"],
     ]

@@ -55,9 +55,9 @@ def same(*arguments: str) -> Command:
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
     "study": same("study", *SMALL),
-    "demo": same("demo", "--trials", "2", "--episodes", "1"),
+    "demo": same("demo", "--trials", "2", "--episodes", "8"),
     "train": Command([*TRAIN, "--steps", "2048"], [*TRAIN, "--steps", "4096", "--resume"]),
-    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "2"),
+    "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
     "simulate": same("simulate"),
     "animate": Command(["animate"], ["animate", "--force"], "motion.gif"),
 }

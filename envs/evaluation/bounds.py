@@ -37,12 +37,15 @@ def clairvoyant(wearers: Wearers, seeds: Sequence[int], *, suit_only: bool = Fal
     wanted = np.zeros((len(seeds), simulation.samples, len(ASSISTED)))
     plan = Planned(inverted(wanted, gain, peak) / peak)
     untaught = np.zeros((len(seeds), simulation.samples, len(JOINTS)))
+    samples = simulation.samples
     for _ in range(PASSES):
         traces = wearers.led(plan, seeds, untaught)
         if suit_only:
-            wanted = -smoothed([trace.suit_torque for trace in traces])[..., assisted]
+            resisted = smoothed([trace.suit_torque for trace in traces], samples)
+            wanted = -resisted[..., assisted]
         else:
-            wanted = wanted + smoothed([trace.human_torque for trace in traces])[..., assisted]
+            given = smoothed([trace.human_torque for trace in traces], samples)
+            wanted = wanted + given[..., assisted]
         plan = Planned(inverted(wanted, gain, peak) / peak)
     return plan
 

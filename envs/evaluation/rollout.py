@@ -39,6 +39,7 @@ class Trace:
         costs: Cost terms of the episode, as `info["cost_terms"]` at its end.
         success: Whether the episode went well, as `info["is_success"]` at its end.
         terminated: Whether the episode ended by failure.
+        periods: Number of control periods of the whole motion, however early the episode ended.
     """
 
     time: Array
@@ -55,6 +56,7 @@ class Trace:
     costs: dict[str, float]
     success: bool
     terminated: bool
+    periods: int
 
 
 def rollout(
@@ -102,13 +104,29 @@ def rollout(
         ends[ended], failed[ended] = len(rewards), terminated[ended]
         costs[ended] = arms.episodes.simulation.memory.costs[ended]
     series, returns = np.array(measured), np.array(rewards)
+    limits = arms.episodes.simulation.memory.limit
     return [
-        _trace(series[:end, row], returns[:end, row], costs[row], bool(failed[row]), arms.has_cuffs)
+        _trace(
+            series[:end, row],
+            returns[:end, row],
+            costs[row],
+            terminated=bool(failed[row]),
+            periods=int(limits[row]),
+            cuffs=arms.has_cuffs,
+        )
         for row, end in enumerate(ends.tolist())
     ]
 
 
-def _trace(measured: Array, rewards: Array, costs: Array, terminated: bool, cuffs: bool) -> Trace:
+def _trace(
+    measured: Array,
+    rewards: Array,
+    costs: Array,
+    *,
+    terminated: bool,
+    periods: int,
+    cuffs: bool,
+) -> Trace:
     force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
     return Trace(
         time=measured[:, COLUMNS["time"].start],
@@ -119,4 +137,5 @@ def _trace(measured: Array, rewards: Array, costs: Array, terminated: bool, cuff
         costs=cost_terms(costs, len(rewards)),
         success=is_success(costs, len(rewards), ended=terminated),
         terminated=terminated,
+        periods=periods,
     )

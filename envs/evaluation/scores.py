@@ -29,7 +29,8 @@ class Score:
         peak: Largest |torque| of the wearer over all motions [N·m], by joint.
         tracking: Root mean square, over time and four joints, of the tracking error [rad].
         tracking_rmse: Root mean square of the tracking error over all motions [rad], by joint.
-        reward: Mean reward of a control period of the whole motion, in [0, 1].
+        reward: Mean reward of a control period of the whole motion, in [0, 1]; what an episode that
+            ends early leaves out earns nothing.
         beginning: Share of the first half second in the sum of the rewards.
         success: Whether the motion went well (see `envs.reward.is_success`).
         costs: Cost terms of the motion, by name.
@@ -88,7 +89,7 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         peak=_by_joint(np.abs(human).max(axis=0)),
         tracking=_tracking(traces),
         tracking_rmse=_by_joint(np.sqrt(np.mean(error**2, axis=0))),
-        reward=tuple(float(trace.rewards.sum() / _periods(traces)) for trace in traces),
+        reward=tuple(float(trace.rewards.sum() / trace.periods) for trace in traces),
         beginning=tuple(
             float(trace.rewards[trace.time <= BEGINNING].sum() / max(trace.rewards.sum(), TINY))
             for trace in traces
@@ -102,11 +103,6 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         naive_effort=_effort(naive),
         naive_tracking=_tracking(naive),
     )
-
-
-def _periods(traces: Sequence[Trace]) -> int:
-    """Returns the control periods of a whole motion: one that ends early earns nothing more."""
-    return max(len(trace.rewards) for trace in traces)
 
 
 def _effort(traces: Sequence[Trace]) -> Values:

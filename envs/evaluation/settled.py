@@ -77,7 +77,8 @@ class Wearers:
     def learned(self, traces: Sequence[Trace]) -> Array:
         """Returns what wearers learn of motions that were led just now, as `lesson` does [N·m]."""
         own = self._led.episodes.simulation.own_torque(np.arange(len(traces)))
-        return SHARE * (smoothed([trace.human_torque for trace in traces]) - own)
+        torque = smoothed([trace.human_torque for trace in traces], own.shape[1])
+        return SHARE * (torque - own)
 
     def led(self, policy: Policy, seeds: Sequence[int], taught: Array) -> list[Trace]:
         """Returns the motions of arms that stiff hands lead along the intention.
@@ -101,9 +102,16 @@ class Wearers:
         self._led.close()
 
 
-def smoothed(series: Sequence[Array]) -> Array:
-    """Returns series of all control periods with a first sample before, smoothed over time."""
+def smoothed(series: Sequence[Array], samples: int) -> Array:
+    """Returns series of all control periods with a first sample before, smoothed over time.
+
+    Where episodes are shorter than the intention, the last value stays.
+
+    Args:
+        series: Values of each motion, shape (periods, size).
+        samples: Number of samples of the intention.
+    """
     from scipy.ndimage import gaussian_filter1d  # slow to import
 
-    found = np.array([np.concatenate([one[:1], one]) for one in series])
-    return gaussian_filter1d(found, SMOOTHING, axis=1, mode="nearest")
+    found = [np.pad(one, ((1, samples - 1 - len(one)), (0, 0)), mode="edge") for one in series]
+    return gaussian_filter1d(np.array(found), SMOOTHING, axis=1, mode="nearest")

@@ -94,6 +94,7 @@ class Simulation:
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
         suit: Joints that the compiled suit resists, at the pressure at which it is worn.
+        ranges: Ranges of the bare arm's joints [rad], shape (4, 2), in which motions are.
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
@@ -121,7 +122,7 @@ class Simulation:
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
-        self._arm = bare_arm(config)
+        self.ranges = bare_arm(config).jnt_range
         self.suit = resisting_joints(config)
         self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
         self.memory = Memory.empty(
@@ -163,7 +164,7 @@ class Simulation:
         self.batch.reset(self._ids(rows), stage=NOTHING)
         for row in rows.tolist():
             start = start_of(row)
-            motion = valid_motion(start.motion, self.samples, self._arm.jnt_range)
+            motion = valid_motion(start.motion, self.samples, self.ranges)
             memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
             memory.offset[row], memory.loudness[row] = start.encoder_offset, start.loudness
             memory.wearer[row], memory.misalignment[row] = start.wearer, start.misalignment

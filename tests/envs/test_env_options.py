@@ -8,18 +8,17 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import evaluate
+from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, effort_metrics, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
-from activesuit.envs.rollout import rollout
 from activesuit.errors import InputError
 from arms import addresses, memory, physics
 
 ENV = "ActiveSuit/ArmTracking-v0"
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (200, 2))
-VARIED = {"control": {"noise": 1.0, "tremor": 0.05, "suit_learning": 0.5}, "fatigue": True}
+VARIED = {"control": {"noise": 1.0, "tremor": 0.05, "contraction": 2.0}, "fatigue": True}
 LATE = {"exo": {"encoder_delay": 0.02}}
 
 
@@ -49,7 +48,7 @@ def test_gymnasium_checker(options):
         {"coupling": "none", "suit": "none"},
         {"side": "left", "tilt": (0.5, -0.3)},
         {"payload": {"mass": 2.0}},
-        {"control": {"suit_learning": 1.0}},
+        {"control": {"stiff": True}},
         {"wearer": {"sex": "female", "stature": 1.5, "mass": 50.0}, "gravity": "moon"},
     ],
 )
@@ -92,7 +91,7 @@ def test_options_are_plain_data():
 
 
 def test_on_cuffs_the_exoskeleton_measures_itself():
-    env = make(coupling="cuffs", sensors=["encoders", "cuffs"])
+    env = make(coupling="cuffs", sensors=["encoders", "cuffs"], sensing={"cuff_noise": 0.0})
     env.reset(seed=0)
     for action in 0.3 * ACTIONS:
         env.step(action)
@@ -118,7 +117,7 @@ def test_on_cuffs_the_motors_work_on_the_joints_that_they_turn():
         work += 0.01 * np.abs(info["assist_torque"] * rate).sum()
         on_arm += 0.01 * np.abs(info["assist_torque"] * info["rate"][addresses(env).assisted]).sum()
     assert info["assist_energy"] == pytest.approx(work)
-    assert abs(work - on_arm) > 0.2 * work
+    assert abs(work - on_arm) > 0.1 * work
 
 
 def test_without_an_exoskeleton_there_is_nothing_to_act_with():
@@ -139,7 +138,8 @@ def test_without_an_exoskeleton_there_is_nothing_to_act_with():
 
 def test_what_is_worn_costs_effort():
     worn = [{"coupling": "none", "suit": "none"}, {"coupling": "none"}, {}]
-    rms = [evaluate(ENV, ["none"], episodes=1, **options)[0].human_rms for options in worn]
+    fixed = {"episodes": 1, "references": False, "settled": False}
+    rms = [evaluate(ENV, ["none"], **fixed, **one).scores["none"].human_rms for one in worn]
     for joint in ASSISTED:
         assert rms[0][joint] < 0.8 * rms[1][joint] < 0.8 * rms[2][joint]
 
@@ -180,23 +180,24 @@ def test_a_motor_that_is_driven_hard_ends_at_its_continuous_torque():
 
 @pytest.mark.parametrize("wearer", [{}, {"sex": "female", "mass": 50.0, "strength": 5.0}])
 def test_nobody_asks_for_more_than_their_strength(wearer):
-    env = make(wearer=wearer, payload={"mass": 3.0})
+    env = make(wearer=wearer, payload={"mass": 3.0}, control={"adaptation": 0.0})
     info = env.reset(seed=1)[1]
     strength, at = isometric_strength(Person(**wearer)), addresses(env)
-    least = []
+    gains, least = env.episodes.simulation.batch.expand("actuator_biasprm")[0], []
     for _ in range(100):
         low, high = strength_limits(strength, info["angle"], info["rate"])
         angle, rate = info["angle"], info["rate"]
         info = env.step(np.zeros(2))[-1]
         intended, ahead, torque = physics(env, "ctrl")[at.intention]
-        torque = torque + at.stiffness * (intended - angle) + at.damping * (ahead - rate)
+        stiffness, damping = -gains[at.human, 1:3].T
+        torque = torque + stiffness * (intended - angle) + damping * (ahead - rate)
         least.append(np.minimum(torque - low, high - torque).min())
     error = np.abs(info["angle"] - info["target_angle"])[1]
     if wearer:  # she is too weak for this
         assert min(least) == pytest.approx(0, abs=1e-9)
         assert error > 0.2
     else:
-        assert min(least) > 1
+        assert min(least) > -1e-9
         assert error < 0.15
 
 
@@ -213,17 +214,6 @@ def test_an_effort_tires_only_who_can_tire():
     assert 0.01 < flexor[-1] < 0.1
     assert fatigue[-1][0].max() < 1e-3  # extensors hardly work
     assert not tiring.reset(seed=0)[1]["fatigue"].any()
-
-
-def test_a_wearer_who_knows_the_suit_follows_more_closely():
-    rmse = []
-    for learning in (0.0, 1.0):
-        options = {"gravity": "microgravity", "control": {"suit_learning": learning}}
-        options["coupling"] = "none"  # without the friction of motors, which no wearer foresees
-        (score,) = evaluate(ENV, ["none"], episodes=1, **options)
-        rmse.append(score.tracking_rmse)
-    for joint in ASSISTED:
-        assert rmse[1][joint] < 0.35 * rmse[0][joint]
 
 
 def test_noise_only_where_it_is_asked_for():
@@ -265,24 +255,17 @@ def test_the_usual_delay_fits_every_control_period(control_dt):
 
 
 def test_scores_tell_effort_and_cuff_forces():
-    traces = []
-    (score,) = evaluate(
-        ENV,
-        {"none": lambda arms: make_policy("none", arms)},
-        episodes=1,
-        coupling="cuffs",
-        on_policy=lambda policy, done: traces.extend(done),
-    )
-    (trace,) = traces
-    late = trace.time > 0.5
-    wanted = effort_metrics(trace.human_torque[late], trace.rate[late], 0.01)
-    for joint in ASSISTED:
-        column = JOINTS.index(joint)
-        assert score.effort[joint]["impulse"] == pytest.approx(wanted.impulse[column])
-        assert score.effort[joint]["work_cost"] == pytest.approx(wanted.work_cost[column])
-        assert score.human_rms[joint] == pytest.approx(wanted.rms[column])
-    force = np.linalg.norm(trace.cuff_force, axis=2).max(axis=0)
-    assert score.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
     arms = make(coupling="cuffs").rows(1, max_episode_steps=200)
-    (short,) = rollout(arms, make_policy("none", arms), [0])
-    assert short.cuff_force.shape == (200, 3, 3)
+    (trace,) = rollout(arms, make_policy("none", arms), [0])
+    result = score("none", [trace])
+    wanted = effort_metrics(trace.human_torque, trace.rate, 0.01)
+    for column, joint in enumerate(JOINTS):
+        assert result.load[joint]["impulse"] == pytest.approx(wanted.impulse[column])
+        assert result.load[joint]["work_cost"] == pytest.approx(wanted.work_cost[column])
+        assert result.human_rms[joint] == pytest.approx(wanted.rms[column])
+        assert result.peak[joint] == pytest.approx(wanted.peak[column])
+    assert trace.cuff_force.shape == (200, 3, 3)
+    force = np.linalg.norm(trace.cuff_force, axis=2).max(axis=0)
+    assert result.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
+    worst = max(force / list(FORCE_LIMITS.values()))
+    assert result.costs["cuff_force"] == (pytest.approx(worst),)

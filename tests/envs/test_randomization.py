@@ -89,12 +89,11 @@ def test_pressure_scales_the_share_of_the_gas_where_it_is_known():
     assert min(changes) < 1 < max(changes)
 
 
-def test_a_preconditioned_suit_is_drawn_and_foreseen_with_its_memory(sampled):
+def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
     env = ArmEnv(
         suit=sampled,
         preconditioned=True,
         randomize={"suit": "samples", "pressure": 0.3},
-        control={"suit_learning": 1.0},
     )
     worn = []
     for seed in range(6):
@@ -104,9 +103,6 @@ def test_a_preconditioned_suit_is_drawn_and_foreseen_with_its_memory(sampled):
         assert info["suit_torque"][ELBOW] == pytest.approx(-entry.response([angle])[0], abs=1e-9)
         virgin = entry.model_copy(update={"start_path": ()})
         assert abs(info["suit_torque"][ELBOW] + virgin.response([angle])[0]) > 0.01
-        intended = info["target_angle"][ELBOW]
-        foreseen = env.episodes.simulation.memory.resistance[0, 0, ELBOW]
-        assert foreseen == pytest.approx(entry.response([intended])[0], abs=1e-9)
         worn.append(entry.model.Ms)
     assert len(set(worn)) == 6
 

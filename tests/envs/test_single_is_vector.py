@@ -19,7 +19,7 @@ TERMS = {
 }
 VARIED = {
     "fatigue": True,
-    "control": {"noise": 1.0, "tremor": 0.01, "suit_learning": 0.3},
+    "control": {"noise": 1.0, "tremor": 0.01, "adaptation": 0.8},
     "randomize": TERMS,
 }
 SUITES = ["encoders", "interaction", "emg", "preview", "belief", "privileged"]
@@ -40,7 +40,7 @@ def make(n, threads=1, mode="NextStep", coupling="rigid", **options):
 
 def assert_same(info, told, row):
     for name, value in info.items():
-        if name == "reward_terms":
+        if name in ("reward_terms", "cost_terms"):
             assert value == {term: told[name][term][row] for term in value}
         else:
             np.testing.assert_array_equal(np.ravel(value), np.ravel(told[name][row]), name)
@@ -178,7 +178,7 @@ def test_metrics_are_some_of_the_info():
     assert set(info) == {
         *("human_energy", "_human_energy", "assist_energy", "_assist_energy"),
         *("dissipated_energy", "_dissipated_energy", "motor_load", "_motor_load"),
-        *("reward_terms", "_reward_terms"),
+        *("reward_terms", "_reward_terms", "is_success", "_is_success"),
     }
 
 

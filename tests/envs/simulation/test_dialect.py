@@ -10,20 +10,23 @@ import inspect
 
 import pytest
 from activesuit.envs.model import motor_kernels
-from activesuit.envs.person import control_kernels, fatigue_kernels, strength_kernels
+from activesuit.envs.person import fatigue_kernels, strength_kernels
 from activesuit.envs.simulation import (
     cycle,
     inverse_dynamics,
     measurements,
     sensing,
     settling,
+    wearer,
 )
 
 ROW_FUNCTIONS = [
-    *(cycle.drive, cycle.vary, cycle.act, cycle.most, cycle.tire),
+    *(cycle.drive, cycle.tire, cycle.strain),
+    *(wearer.vary, wearer.most, wearer.describe, wearer.foreseen, wearer.foresee),
+    *(wearer.learn, wearer.act),
     *(sensing.touch, sensing.listen),
     *(measurements.is_finite, measurements.measure, inverse_dynamics.arm_torque),
-    *(motor_kernels.heated, motor_kernels.clipped, control_kernels.pulled),
+    *(motor_kernels.heated, motor_kernels.clipped),
     *(fatigue_kernels.loaded, fatigue_kernels.tired),
     *(strength_kernels.velocity_factor, strength_kernels.group_torque),
 ]
@@ -79,8 +82,9 @@ def test_row_functions_keep_to_the_dialect(function):
     assert list(faults(function)) == []
 
 
-def test_every_function_of_the_cycle_is_looked_at():
-    compiled = {value for value in vars(cycle).values() if hasattr(value, "py_func")}
+@pytest.mark.parametrize("module", [cycle, wearer], ids=lambda m: m.__name__)
+def test_every_function_of_a_cycle_is_looked_at(module):
+    compiled = {value for value in vars(module).values() if hasattr(value, "py_func")}
     assert compiled <= {*ROW_FUNCTIONS, *LOOPS}
 
 

@@ -60,10 +60,13 @@ def test_interaction_comes_late_and_noisy():
 
 
 def test_emg_tells_the_voluntary_torque_ahead_of_time():
-    _, emg, told, env = series(EXACT, control={"feedback": 0.0})
+    calm = {"reflex": 0.0, "correction": 0.0, "adaptation": 0.0}
+    _, emg, told, env = series(EXACT, control=calm)
     memory, chain = env.episodes.simulation.memory, Chain.of(bare_arm(env.config))
     own = arm_torques(chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
-    np.testing.assert_allclose(emg, own[np.arange(1, PERIODS + 1) + 5], rtol=1e-5, atol=1e-5)
+    held = memory.held[0]
+    told_ahead = own[np.arange(1, PERIODS + 1) + 5] + held
+    np.testing.assert_allclose(emg, told_ahead, rtol=1e-5, atol=1e-5)
     with_feedback, *_ = (series(EXACT)[1],)
     assert np.abs(with_feedback - emg).max() > 0.5
     assert told["time"][0] == pytest.approx(0.01)

@@ -10,11 +10,11 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.animation import LoopPanel
+from activesuit.envs.evaluation import rollout
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ArmConfig, compose
 from activesuit.envs.policies import make_policy
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
-from activesuit.envs.rollout import rollout
 from activesuit.scripts import output
 from activesuit.scripts.commands import animate, view
 from activesuit.scripts.film import filmed

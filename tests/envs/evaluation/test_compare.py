@@ -1,0 +1,273 @@
+"""Policies, references and bounds on the same motions, and what their scores say."""
+
+import json
+
+import numpy as np
+import pytest
+from activesuit.assets import CURVES, Suit, curves_path
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.evaluation.bounds import inverted
+from activesuit.envs.evaluation.compare import reference_options
+from activesuit.envs.model import ASSISTED
+from activesuit.envs.policies import NoAssist, make_policy
+from activesuit.envs.reward import COSTS
+from activesuit.errors import InputError
+from activesuit.identification import identify, load_curves
+from helpers import shorten_tasks
+
+ENV = "ActiveSuit/ArmTracking-v0"
+MOTIONS = 8
+
+
+class Push:
+    """Pushes the arm down a little, whatever happens."""
+
+    sensors = ("encoders",)
+
+    def __init__(self, arms):
+        self.shape = arms.action_space.shape
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return np.full(self.shape, -0.1)
+
+
+class Lose(Push):
+    """Pushes with all it has."""
+
+    def act(self, observation):
+        return np.full(self.shape, -1.0)
+
+
+@pytest.fixture(scope="module")
+def short():
+    with pytest.MonkeyPatch.context() as patch:
+        shorten_tasks(patch, 2.0)
+        yield
+
+
+@pytest.fixture(scope="module")
+def believed(tmp_path_factory):
+    """A suit file with certified fits of the shipped curves: what a user's controller believes."""
+    fits = {
+        joint: identify(load_curves(curves_path(name)), seed=1) for name, joint in CURVES.items()
+    }
+    path = tmp_path_factory.mktemp("suit") / "identified.json"
+    Suit.from_fits(fits).save(path)
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def weightless(short, believed):
+    """Everything there is, on short motions without gravity; and how many motions were told."""
+    told = {}
+    policies = {
+        **{name: name for name in ("none", "transparent", "gravity", "feedforward", "oracle")},
+        **{name: name for name in ("complement", "compensation")},
+        **{"mine": Push, "clairvoyant-suit": "clairvoyant-suit", "clairvoyant": "clairvoyant"},
+    }
+    found = evaluate(
+        ENV,
+        policies,
+        episodes=MOTIONS,
+        gravity="microgravity",
+        believed_suit=believed,
+        threads=1,
+        on_policy=lambda name, traces: told.update({name: len(traces)}),
+    )
+    assert told == dict.fromkeys(["suited", "unsuited", *policies], MOTIONS)
+    return found
+
+
+def test_references_are_the_scale_of_relief(weightless):
+    for name, value in (("suited", 0.0), ("unsuited", 1.0)):
+        relief = weightless.relief(name)
+        assert relief.value == pytest.approx(value, abs=1e-12)
+        assert relief.low == pytest.approx(value, abs=1e-9)
+        assert relief.high == pytest.approx(value, abs=1e-9)
+    cost = weightless.suit_cost
+    assert 0.02 < cost.low < cost.value < cost.high < 0.2
+    suited, none = (np.array(weightless.scores[name].effort) for name in ("suited", "none"))
+    unsuited = np.array(weightless.scores["unsuited"].effort)
+    by_hand = np.sum(suited - none) / np.sum(suited - unsuited)
+    assert weightless.relief("none").value == pytest.approx(by_hand)
+    assert by_hand < 0  # friction and inertia of motors that are off
+
+
+def test_share_of_the_bound(weightless):
+    assert weightless.share_of_bound("clairvoyant").value == pytest.approx(1)
+    for name in ("feedforward", "compensation"):
+        by_hand = weightless.relief(name).value / weightless.relief("clairvoyant").value
+        assert weightless.share_of_bound(name).value == pytest.approx(by_hand)
+    assert weightless.share_of_bound("none", "oracle").value < 0
+    assert weightless.share_of_bound("none", "nothing") is None
+
+
+def test_what_each_policy_gives_back(weightless):
+    relief = {name: weightless.relief(name).value for name in weightless.scores}
+    assert relief["mine"] < relief["none"] < relief["feedforward"] < relief["compensation"]
+    assert relief["compensation"] < relief["clairvoyant"]
+    assert relief["gravity"] == pytest.approx(relief["none"], abs=1e-6)  # nothing has weight
+    # Certified fits of the shipped curves are nearly as good as the true suit.
+    assert weightless.share_of_bound("feedforward", "clairvoyant-suit").value > 0.6
+    assert relief["feedforward"] == pytest.approx(relief["oracle"], abs=0.15)
+
+
+def test_no_policy_exceeds_the_clairvoyant_by_more_than_its_interval(weightless):
+    best = np.array(weightless.scores["clairvoyant"].reward)
+    for name, score in weightless.scores.items():
+        if name in ("unsuited", "suited", "clairvoyant"):
+            continue
+        ahead = np.array(score.reward) - best
+        assert ahead.mean() < 2.4 * ahead.std(ddof=1) / np.sqrt(MOTIONS), name
+
+
+def test_scores_keep_one_value_per_motion(weightless):
+    for name, score in weightless.scores.items():
+        assert score.policy == name
+        per_motion = [score.effort, score.tracking, score.reward, score.success]
+        per_motion += [score.naive_effort, score.naive_tracking, score.assist_energy]
+        per_motion += [*score.torque.values(), *score.costs.values()]
+        assert {len(values) for values in per_motion} == {MOTIONS}
+        assert set(score.costs) == set(COSTS)
+        assert min(score.reward) > 0
+        assert max(score.reward) <= 1
+        assert score.failures == 0
+    suited = weightless.scores["suited"]
+    assert np.mean(suited.tracking) < 0.5 * np.mean(suited.naive_tracking)  # they have learned
+    assert weightless.scores["none"].success == (True,) * MOTIONS
+    assert not any(weightless.scores["suited"].assist_energy)
+
+
+def test_an_evaluation_becomes_json(weightless):
+    found = json.loads(json.dumps(weightless.to_dict()))
+    assert found["settled"] is True
+    assert found["suit_cost"]["value"] == weightless.suit_cost.value
+    assert list(found["scores"]) == list(weightless.scores)
+    assert found["scores"]["none"]["relief"] == weightless.relief("none").to_dict()
+
+
+def test_what_rewards_say_agrees_with_relief(weightless):
+    names = ["mine", "none", "feedforward", "clairvoyant"]
+    rewards = [np.mean(weightless.scores[name].reward) for name in names]
+    assert rewards == sorted(rewards)
+
+
+# --- Few motions --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def naive(short):
+    """Two motions of wearers who have learned nothing, under a name and a class."""
+    return evaluate(ENV, ["none", Push], episodes=2, settled=False, threads=1)
+
+
+def test_wearers_who_have_learned_nothing(naive):
+    assert list(naive.scores) == ["suited", "unsuited", "none", "Push"]
+    for score in naive.scores.values():
+        assert score.effort == score.naive_effort
+        assert score.tracking == score.naive_tracking
+    assert not naive.settled
+
+
+def test_two_motions_have_no_interval(naive):
+    for ask in (lambda: naive.suit_cost, lambda: naive.relief("none"), naive.to_dict):
+        with pytest.raises(InputError, match="at least 8 motions, and there are 2: give more"):
+            ask()
+
+
+def test_without_references_there_is_no_relief(short):
+    found = evaluate(ENV, ["none"], episodes=1, suit="none", references=False, settled=False)
+    assert found.suit_cost is None
+    assert found.relief("none") is None
+    assert found.share_of_bound("none") is None
+    assert json.loads(json.dumps(found.to_dict()))["scores"]["none"]["relief"] is None
+
+
+def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
+    found = evaluate(
+        ENV, ["none"], episodes=MOTIONS, suit="emu-like", pressure=0.0, gravity="microgravity",
+        settled=False, threads=1,
+    )  # fmt: skip
+    assert found.suit_cost.value < 0.01
+    assert found.relief("none") is None
+
+
+def test_who_loses_the_arm_cannot_be_settled_with(short):
+    weak = {"sex": "female", "stature": 1.5, "mass": 50.0, "strength": 5.0}
+    options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "episodes": 1}
+    found = evaluate(ENV, {"lose": Lose}, settled=False, **options)
+    assert found.scores["lose"].failures == 1
+    with pytest.raises(InputError, match=r"loses the arm after .* s \(seed 10000\).*settled=False"):
+        evaluate(ENV, {"lose": Lose}, **options)
+
+
+# --- References and bounds ----------------------------------------------------------------------
+
+
+def test_references_have_the_same_wearer_but_no_exoskeleton():
+    options = {
+        **{"suit": "emu-like", "pressure": 0.5, "coupling": "cuffs", "gravity": "moon"},
+        **{"misalignment": (0.01, 0, 0), "payload": {"mass": 2.0}, "sensors": ["cuffs"]},
+        "randomize": {"misalignment": 0.02, "payload": [0, 3], "pressure": 0.2},
+    }
+    kept = {"gravity": "moon", "payload": {"mass": 2.0}, "coupling": "none"}
+    drawn = {"payload": [0, 3], "pressure": 0.2}
+    suited = {**kept, "suit": "emu-like", "pressure": 0.5, "randomize": drawn}
+    assert reference_options("suited", options) == suited
+    unsuited = {**kept, "suit": "none", "randomize": {"payload": [0, 3]}}
+    assert reference_options("unsuited", options) == unsuited
+
+
+def test_a_plan_inverts_the_lag_of_motors():
+    rng = np.random.default_rng(0)
+    wanted = np.cumsum(rng.normal(size=(3, 50, 2)), axis=1)
+    gain, peak = np.array([0.6, 0.4]), np.array([30.0, 8.0])
+    commands = inverted(wanted, gain, peak)
+    assert (np.abs(commands) <= peak).all()
+    given = commands[:, 0].copy()
+    unlimited = inverted(wanted, gain, np.full(2, 1e9))
+    answer = unlimited[:, 0].copy()
+    for i in range(1, 49):
+        answer += gain * (unlimited[:, i] - answer)
+        np.testing.assert_allclose(answer, wanted[:, i + 1], atol=1e-9)
+        given += gain * (commands[:, i] - given)
+    assert (np.abs(given) <= peak).all()
+
+
+# --- Bad input ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("policies", "options", "message"),
+    [
+        (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
+        (["nune"], {}, "unknown policy 'nune'.*'none'"),
+        (["none"], {"episodes": 0}, "episodes is 0"),
+        (["none"], {"seed": -1}, "seed is -1"),
+        ([], {}, "no policy given"),
+        ({}, {}, "no policy given"),
+        ("none", {}, r"policies is 'none': give a list"),
+        (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
+        ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
+        (["clairvoyant"], {"coupling": "none"}, "unknown policy without motors 'clairvoyant'"),
+        (["none"], {"control": 3}, "control is 3: give a dict of its fields"),
+        ({"mine": lambda arms: 3}, {}, r"policy 'mine' makes 3, which has no reset\(\)"),
+    ],
+)
+def test_mistakes(short, policies, options, message):
+    with pytest.raises(InputError, match=message) as raised:
+        evaluate(ENV, policies, **{"references": "suit" in options, "episodes": 1, **options})
+    assert len(str(raised.value).splitlines()) == 1
+
+
+def test_functions_make_policies_too(short):
+    mine = {"off": lambda arms: make_policy("none", arms), "none": "none"}
+    found = evaluate(ENV, mine, episodes=1, references=False, settled=False)
+    assert found.scores["off"].torque == found.scores["none"].torque
+    for joint in ASSISTED:
+        assert found.scores["off"].human_rms[joint] == pytest.approx(
+            found.scores["off"].torque[joint][0]
+        )

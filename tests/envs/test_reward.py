@@ -1,0 +1,180 @@
+"""The reward, the costs beside it, and that nobody gains from ending early."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS
+from activesuit.envs import ArmEnv, Task
+from activesuit.envs.evaluation import rollout, score
+from activesuit.envs.model.cuffs import FORCE_LIMITS
+from activesuit.envs.person import Person, isometric_strength, strength_limits
+from activesuit.envs.policies import make_policy
+from activesuit.envs.reward import COSTS, TRACKING, cost_terms, is_success
+from activesuit.envs.vector_env import ArmVectorEnv
+from arms import addresses, memory, physics
+
+ASSISTED = [1, 2]
+STILL = Task(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
+
+
+@pytest.fixture(scope="module", params=["rigid", "cuffs"])
+def motion(request):
+    """A motion under random actions, with all that the environment tells of it."""
+    env = ArmEnv(coupling=request.param, exo={"elbow": {"continuous_torque": 4.0}})
+    env.reset(seed=2)
+    rng, told = np.random.default_rng(1), []
+    actions = np.repeat(rng.uniform(-0.8, 0.8, (50, 2)), 2, axis=0)
+    for action in actions:
+        _, reward, ended, _, info = env.step(action)
+        assert not ended
+        told.append({**info, "reward": reward})
+    series = {
+        name: np.array([one[name] for one in told])
+        for name in told[0]
+        if name not in ("reward_terms", "cost_terms")
+    }
+    return SimpleNamespace(env=env, actions=actions, told=told, **series)
+
+
+def test_rewards_by_hand(motion):
+    env = motion.env
+    change = np.diff(motion.actions, axis=0, prepend=motion.actions[:1])
+    strength = isometric_strength(env.config.wearer)
+    low, high = strength_limits(strength, motion.angle, np.zeros_like(motion.angle))
+    torque = motion.human_torque
+    effort = torque / np.where(torque > 0, high, -low)
+    np.testing.assert_allclose(motion.effort, np.abs(effort), rtol=1e-9)
+    error = motion.angle - motion.target_angle
+    x, e, d = (np.mean(part**2, axis=1) for part in (effort, error, change))
+    scale = env.episodes.effort_scale
+    expected = 1 / (1 + x / scale**2 + e / 0.1**2 + d / 0.25**2)
+    np.testing.assert_allclose(motion.reward, expected, rtol=1e-9)
+    assert motion.reward.min() > 0
+    assert motion.reward.max() < 1
+
+
+def test_costs_by_hand(motion):
+    costs = motion.told[-1]["cost_terms"]
+    assert tuple(costs) == COSTS
+    change = np.diff(motion.actions, axis=0)
+    assert costs["chatter"] == pytest.approx(np.sum(change**2))
+    error = motion.angle - motion.target_angle
+    assert costs["tracking"] == pytest.approx(np.sqrt(np.mean(error**2)))
+    power = motion.assist_torque * motion.rate[:, ASSISTED]
+    assert costs["wrong_way_work"] == pytest.approx(0.01 * np.sum(np.maximum(0, -power)))
+    assert costs["wrong_way_work"] > 0.05
+    assert costs["heat"] == pytest.approx(motion.motor_load.max())
+    if motion.env.config.coupling == "cuffs":
+        force = np.linalg.norm(motion.cuff_force, axis=2) / list(FORCE_LIMITS.values())
+        assert costs["cuff_force"] == pytest.approx(force.max())
+        assert costs["cuff_force"] > 0.1
+    else:
+        assert costs["cuff_force"] == 0
+    assert costs["range_stops"] == 0
+
+
+def test_the_scale_is_the_suited_arms_effort():
+    scale = {
+        (gravity, suit): ArmEnv(gravity=gravity, suit=suit, coupling=coupling).episodes.effort_scale
+        for gravity, suit, coupling in (
+            *(("earth", "mock-suit", "rigid"), ("earth", "none", "rigid")),
+            *(("microgravity", "mock-suit", "none"), ("microgravity", "none", "none")),
+        )
+    }
+    assert scale["earth", "mock-suit"] > scale["earth", "none"] > 0.05
+    assert scale["microgravity", "mock-suit"] > 2 * scale["microgravity", "none"]
+    without = ArmEnv(coupling="none").episodes.effort_scale
+    assert without == pytest.approx(scale["earth", "mock-suit"], rel=1e-9)
+    given = ArmVectorEnv(1, effort_scale=0.2, threads=1).episodes.effort_scale
+    assert given == 0.2
+
+
+def test_joints_at_their_stops_are_counted():
+    env = ArmEnv(STILL, control={"adaptation": 0.0}, gravity="microgravity", coupling="none")
+    env.reset(seed=0)
+    for period in range(40):
+        # The wrist is bent to the end of its range for a while.
+        physics(env, "qfrc_applied")[JOINTS.index("wrist_flexion")] = 40.0 * (5 <= period < 25)
+        info = env.step(np.zeros(0))[-1]
+    assert 0.1 < info["cost_terms"]["range_stops"] < 0.25
+
+
+def test_a_lost_arm_earns_nothing():
+    env = ArmEnv()
+    env.reset(seed=0)
+    env.step(np.zeros(2))
+    physics(env, "qpos")[1] += 1.2
+    _, reward, ended, _, info = env.step(np.zeros(2))
+    assert ended
+    assert reward == 0
+    assert not info["is_success"]
+
+
+def play(env, actions, seed=0):
+    env.reset(seed=seed)
+    rewards = [env.step(action)[1] for action in actions]
+    return np.sum(rewards), env.episodes.info(0)
+
+
+def test_chatter_shows_and_costs():
+    env, periods = ArmEnv(STILL), 150
+    calm = np.zeros((periods, 2))
+    chatter = 2.0 / addresses(env).peak_torque * (-1.0) ** np.arange(periods)[:, None]  # 50 Hz
+    smooth, info = play(env, calm)
+    shaken, told = play(env, chatter)
+    assert info["cost_terms"]["chatter"] == 0
+    expected = (periods - 1) * np.sum((4.0 / addresses(env).peak_torque) ** 2)
+    assert told["cost_terms"]["chatter"] == pytest.approx(expected)
+    assert shaken < 0.95 * smooth
+
+
+class Down:
+    """Pushes the arm down with all that motors have."""
+
+    def __init__(self, arms):
+        self.shape = arms.action_space.shape
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return np.full(self.shape, -1.0)
+
+
+def test_who_ends_early_scores_below_who_goes_on():
+    weak = Person.percentile("female", 5)
+    options = {"wearer": weak, "payload": {"mass": 5.0}, "threads": 1}
+    arms = ArmVectorEnv(4, **options)
+    found = {}
+    for name, policy in (("none", make_policy("none", arms)), ("down", Down(arms))):
+        found[name] = score(name, rollout(arms, policy, range(4)))
+    assert found["down"].failures == 4
+    assert (np.array(found["down"].reward) < np.array(found["none"].reward)).all()
+    assert max(found["down"].reward) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("changed", "well"),
+    [
+        ({}, True),
+        ({"tracking": 0.11}, False),
+        ({"cuff_force": 1.01}, False),
+        ({"heat": 1.01}, False),
+        ({"chatter": 1e6, "wrong_way_work": 1e6, "range_stops": 9.0}, True),
+    ],
+)
+def test_success(changed, well):
+    terms = {name: 0.5 for name in COSTS} | {"tracking": 0.09} | changed
+    costs = np.array([terms[name] for name in COSTS])
+    costs[TRACKING] = 100 * terms["tracking"] ** 2
+    assert cost_terms(costs, 100) == pytest.approx(terms)
+    assert is_success(costs, 100, ended=False) is well
+    assert not is_success(costs, 100, ended=True)
+
+
+def test_costs_begin_anew_with_each_episode():
+    env = ArmEnv(STILL)
+    play(env, np.random.default_rng(0).uniform(-1, 1, (20, 2)))
+    assert memory(env).costs.any()
+    assert not env.reset()[1]["cost_terms"]["chatter"]
