@@ -347,7 +347,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if full:
             found["clipped_actions"] = memory.clipped.copy()
             found["diverged"] = memory.diverged.copy()
-            each = [cost_terms(row, int(count)) for row, count in zip(costs, periods, strict=True)]
+            each = [
+                cost_terms(row, int(count))
+                for row, count in zip(memory.costs, memory.step, strict=True)
+            ]
             by_name = {name: np.array([one[name] for one in each]) for name in COSTS}
             found["cost_terms"] = _with_masks(by_name, mask)
         terms = {name: episodes.terms[:, i].copy() for i, name in enumerate(TERMS)}
