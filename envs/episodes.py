@@ -205,7 +205,7 @@ class Episodes:
         for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
             if seed is not None or memory.episode[row] < 0:
                 memory.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
-                memory.episode[row], memory.gains[row] = -1, 0.0
+                memory.episode[row], memory.growing[row] = -1, 0.0
         memory.episode[rows] += 1
         memory.limit[rows] = self._periods
         if stagger:

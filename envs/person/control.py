@@ -101,9 +101,9 @@ _RATE = Quantity(
 _FORGETTING = Quantity("control.forgetting", 0.01, "1", "ours: a tenth of learning", "assumed")
 _PACE = Quantity(
     "control.learning.pace",
-    0.05,
+    0.02,
     "1",
-    "ours: step of normalized least mean squares; three or four motions then halve the error",
+    "ours: step of normalized least mean squares; five other motions then halve the error",
     "assumed",
 )
 _CREDIT = Quantity(

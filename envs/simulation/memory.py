@@ -32,8 +32,9 @@ class Memory:
         acceleration: Their accelerations [rad/s²], the same shape.
         taught: Torque that a wearer foresees beside that of the bare arm [N·m], the same shape; no
             samples where none is taught.
-        gains: What a wearer has learned of the net load, gains on descriptions of the motion,
-            shape (n, 4, FEATURES); none for one who never learns.
+        gains: What a wearer foresees of the net load, gains on descriptions of the motion, shape
+            (n, 4, FEATURES); none for one who never learns.
+        growing: What the wearer will foresee in the next episode, the same shape.
         command: Last action, shape (n, motors).
         change: Its change since the action before, shape (n, motors).
         mean_square: Running mean square of the motors' torques [N²·m²], shape (n, motors).
@@ -77,6 +78,7 @@ class Memory:
     acceleration: Array
     taught: Array
     gains: Array
+    growing: Array
     command: Array
     change: Array
     mean_square: Array
@@ -144,6 +146,7 @@ class Memory:
             acceleration=np.zeros(motion),
             taught=np.zeros((n, samples if taught else 0, joints)),
             gains=np.zeros((n, joints, FEATURES if learns else 0)),
+            growing=np.zeros((n, joints, FEATURES if learns else 0)),
             command=np.zeros((n, motors)),
             change=np.zeros((n, motors)),
             mean_square=np.zeros((n, motors)),
@@ -176,7 +179,7 @@ class Memory:
 
     def clear(self, rows: NDArray[np.int64]) -> None:
         """Forgets the last episode of some rows, but not their seeds."""
-        kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "gains")
+        kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "growing")
         for name, values in self.arrays().items():
             if name not in kept:
                 values[rows] = 0

@@ -161,6 +161,7 @@ class Simulation:
         """
         memory = self.memory
         memory.clear(rows)
+        memory.gains[rows] = memory.growing[rows]
         self.batch.reset(self._ids(rows), stage=NOTHING)
         for row in rows.tolist():
             start = start_of(row)

@@ -135,6 +135,7 @@ def learn(
     gravity: AnyArray,
     scratch: AnyArray,
     gains: AnyArray,
+    growing: AnyArray,
     features: AnyArray,
     own: AnyArray,
     answer: AnyArray,
@@ -143,7 +144,8 @@ def learn(
 ) -> None:
     """Credits the answer that was needed now to what the motion was at an earlier sample.
 
-    Normalized least mean squares, whose rest is the balance of learning and forgetting.
+    Normalized least mean squares, whose rest is the balance of learning and forgetting. What grows
+    is foreseen from the next episode on: in this one reflex and correction hold the load already.
     """
     arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
     describe(row, sample, angle, rate, acceleration, own, features)
@@ -151,10 +153,11 @@ def learn(
         size = 0.0
         for k in range(gains.shape[2]):
             size += features[row, j, k] * features[row, j, k]
-        missing = answer[row, j] - forgetting * foreseen(row, j, gains, features)
+        load = answer[row, j] + foreseen(row, j, gains, features)
+        missing = load - (1.0 + forgetting) * foreseen(row, j, growing, features)
         step = learning * missing / size
         for k in range(gains.shape[2]):
-            gains[row, j, k] += step * features[row, j, k]
+            growing[row, j, k] += step * features[row, j, k]
 
 
 @njit(cache=True)
