@@ -56,20 +56,15 @@ def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
 
 def bare_arm(config: ArmConfig) -> mujoco.MjModel:
     """Returns the wearer's arm alone, for inverse dynamics: no suit, exoskeleton or load."""
-    spec = mujoco.MjSpec.from_file(str(SCENE))
-    fit_person(spec, config.wearer)
-    for part in [*spec.keys, *spec.sensors]:
-        spec.delete(part)
-    remove_suit(spec)
-    remove_exoskeleton(spec)
-    # Inertias are explicit, so shapes can go too: inverse dynamics is then three times faster.
-    shapes = [*spec.geoms, *spec.sites, *spec.meshes, *spec.materials, *spec.textures]
-    for part in [*spec.actuators, *shapes]:
-        spec.delete(part)
-    for joint in spec.joints:
-        joint.armature = 0.0
-    _place(spec, config)
-    return spec.compile()
+    alone = ArmConfig(
+        suit=NO_SUIT,
+        gravity=config.gravity,
+        wearer=config.wearer,
+        side=config.side,
+        tilt=config.tilt,
+        coupling="none",
+    )
+    return copy.copy(_bare(alone))
 
 
 def worn_suit(config: ArmConfig) -> Suit | None:
@@ -103,6 +98,24 @@ def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
     """
     suit = worn_suit(config)
     return {} if suit is None else dict(suit.joints)
+
+
+@lru_cache(maxsize=8)
+def _bare(config: ArmConfig) -> mujoco.MjModel:
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    fit_person(spec, config.wearer)
+    for part in [*spec.keys, *spec.sensors]:
+        spec.delete(part)
+    remove_suit(spec)
+    remove_exoskeleton(spec)
+    # Inertias are explicit, so shapes can go too: inverse dynamics is then three times faster.
+    shapes = [*spec.geoms, *spec.sites, *spec.meshes, *spec.materials, *spec.textures]
+    for part in [*spec.actuators, *shapes]:
+        spec.delete(part)
+    for joint in spec.joints:
+        joint.armature = 0.0
+    _place(spec, config)
+    return spec.compile()
 
 
 @lru_cache(maxsize=8)

@@ -152,7 +152,7 @@ def test_reward_follows_from_its_terms_and_energy_adds_up():
         assert reward == pytest.approx(1 / (1 + sum(info["reward_terms"].values())))
         rates = env.data.qvel[[1, 2]]
         assist += np.abs(info["assist_torque"] * rates).sum() * 0.01
-        assert info["dissipated_energy"] >= last - 1e-9
+        assert info["dissipated_energy"] >= last - 1e-6  # J, of the start's long way
         last = info["dissipated_energy"]
     assert info["assist_energy"] == pytest.approx(assist)
     assert last > 0.01

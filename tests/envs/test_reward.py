@@ -118,7 +118,7 @@ def play(env, actions, seed=0):
 
 
 def test_chatter_shows_and_costs():
-    env, periods = ArmEnv(STILL), 150
+    env, periods = ArmEnv(gravity="microgravity"), 300
     calm = np.zeros((periods, 2))
     chatter = 2.0 / addresses(env).peak_torque * (-1.0) ** np.arange(periods)[:, None]  # 50 Hz
     smooth, info = play(env, calm)

@@ -29,6 +29,11 @@ class Again(Task):
         return super().motion(np.random.default_rng(5), samples, dt)
 
 
+STILL = Task(
+    name="Still",
+    hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)},
+    duration=2.0,
+)
 AGAIN = Again(name="Again", span=ARM_TRACKING.span, duration=4.0)
 MOTION = "Test/Again-v0"
 
@@ -86,7 +91,7 @@ def test_after_effects_point_the_other_way_and_are_forgotten(practised):
     bare = ArmEnv(AGAIN, suit="none", **options)
     bare.reset(seed=0)
     before, _ = episode(bare)
-    memory(bare).gains[:] = memory(practised.env).gains  # the suit is taken off
+    memory(bare).growing[:] = memory(practised.env).growing  # the suit is taken off
     errors = repeated(bare, 12)
     loaded = practised.errors[0]
     usual = before[:, MOVED]
@@ -107,7 +112,8 @@ def test_a_seed_forgets_and_no_seed_remembers(practised):
     env = ArmEnv(AGAIN, coupling="none", gravity="microgravity")
     env.reset(seed=0)
     episode(env)
-    kept = memory(env).gains.copy()
+    kept = memory(env).growing.copy()
+    assert not memory(env).gains.any()  # what was learned is foreseen in the next episode
     env.reset()
     np.testing.assert_array_equal(memory(env).gains, kept)
     assert kept.any()
@@ -183,7 +189,7 @@ def test_who_has_learned_the_exoskeleton_gains_from_it(settled):
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
 def test_motors_begin_with_the_first_action_and_the_arm_stays(coupling):
-    env = ArmEnv(coupling=coupling, control={"adaptation": 0.0})
+    env = ArmEnv(STILL, coupling=coupling, control={"adaptation": 0.0})
     gravity = make_policy("gravity", env)
     for first in (None, np.array([0.2, -0.1])):
         observation, info = env.reset(seed=3)
@@ -195,7 +201,7 @@ def test_motors_begin_with_the_first_action_and_the_arm_stays(coupling):
     observation, info = env.reset(seed=3)
     for _ in range(20):
         observation, *_, info = env.step(gravity.act(observation))
-        assert np.abs(info["angle"] - info["target_angle"]).max() < 0.0025
+        assert np.abs(info["angle"] - info["target_angle"]).max() < 0.001
 
 
 def test_the_first_half_second_decides_no_score():

@@ -165,7 +165,7 @@ def naive(short):
 
 
 def test_wearers_who_have_learned_nothing(naive):
-    assert list(naive.scores) == ["suited", "unsuited", "none", "Push"]
+    assert list(naive.scores) == ["unsuited", "suited", "none", "Push"]
     for score in naive.scores.values():
         assert score.effort == score.naive_effort
         assert score.tracking == score.naive_tracking
