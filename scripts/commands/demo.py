@@ -85,7 +85,8 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
     _identified_suit(fits).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {place}; go on with: "
-        f"activesuit validate {place / suit.name} --episodes {episodes} --seed {seed}"
+        f"activesuit validate {place / suit.name} --episodes {episodes} --seed "
+        f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):
         fit_tables = _show_fits(folder, curves, fits)

@@ -82,10 +82,10 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     suit = tmp_path / "one" / "suit.json"
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", *FEW]
     result = json.loads(run(capsys, "validate", suit, *arguments))
-    assert result["share_of_bound_by_joint"]["elbow_flexion"] > 0.7
-    assert abs(result["share_of_bound_by_joint"]["shoulder_flexion"]) < 0.3
+    assert result["share_of_true_model_by_joint"]["elbow_flexion"] > 0.7
+    assert abs(result["share_of_true_model_by_joint"]["shoulder_flexion"]) < 0.3
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
-    assert set(result["share_of_bound_by_joint"]) == {"elbow_flexion"}
+    assert set(result["share_of_true_model_by_joint"]) == {"elbow_flexion"}
     run(capsys, "identify", ELBOW, "--base", "mock-suit", "--out", tmp_path / "all")
     whole = load_suit(str(tmp_path / "all" / "suit.json"))
     assert set(whole.joints) == set(load_suit("mock-suit").joints)
@@ -126,7 +126,7 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     assert "The suit raises the wearer's effort from" in out
     assert "gravity: relief " in out
     written = json.loads((tmp_path / "result.json").read_text())
-    assert list(written["scores"]) == ["suited", "unsuited", "none", "gravity"]
+    assert list(written["scores"]) == ["unsuited", "suited", "none", "gravity"]
     rows = (tmp_path / "motions.csv").read_text().splitlines()
     assert rows[0].startswith("policy,seed,effort,shoulder_abduction_torque_nm")
     assert len(rows) == 1 + 4 * 8
@@ -176,11 +176,11 @@ def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_p
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
     arguments = ["validate", "published-2022", "--plant", "mock-suit", "--out", tmp_path]
     result = json.loads(run(capsys, *arguments, *FEW))
-    share = result["share_of_bound_by_joint"]
+    share = result["share_of_true_model_by_joint"]
     assert share["elbow_flexion"] > 0.7
     assert json.loads((tmp_path / "result.json").read_text()) == result
     out = run(capsys, *arguments, "--episodes", "8")
-    assert f"elbow_flexion: {share['elbow_flexion']:.1%} of the bound's reduction" in out
+    assert f"elbow_flexion: {share['elbow_flexion']:.1%} of the true model's reduction" in out
     assert "feed-forward gives back" in out
 
 
@@ -362,7 +362,7 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
         return
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *FEW))
     assert not any(score["failures"] for score in result["scores"].values())
-    assert result["share_of_bound_by_joint"][f"{joint}_flexion"] > 0.7
+    assert result["share_of_true_model_by_joint"][f"{joint}_flexion"] > 0.7
 
 
 def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):
