@@ -1,5 +1,6 @@
 """Many arms at once: the same episodes as `ArmEnv`, as one vector environment of Gymnasium."""
 
+import os
 from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
@@ -33,7 +34,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     Args:
         num_envs: Number of rows.
         task: Task, or the name of a shipped one.
-        threads: Number of threads of the physics; 0 uses all cores.
+        threads: Number of threads of the physics; 0 takes OMP_NUM_THREADS, or else all cores.
         max_episode_steps: Number of control periods after which an episode is truncated; None is
             the whole duration of the task.
         autoreset_mode: Begin of a row's next episode: "NextStep" (the step after the end resets
@@ -95,7 +96,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.episodes = Episodes(
             task_of(task),
             num_envs,
-            threads=threads,
+            threads=threads or _usual_threads(),
             max_periods=max_episode_steps,
             **options,
         )
@@ -383,6 +384,16 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
 def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:
     return {**values, **{f"_{name}": mask.copy() for name in values}}
+
+
+def _usual_threads() -> int:
+    """Returns OMP_NUM_THREADS if it is a number, and otherwise 0, which takes all cores.
+
+    The threads of a batch wait for each other at every step, which takes long where other processes
+    need the cores too. Whoever runs several at once sets that variable for all libraries.
+    """
+    given = os.environ.get("OMP_NUM_THREADS", "")
+    return min(int(given), MOST_THREADS) if given.isdecimal() else 0
 
 
 def _mode(given: AutoresetMode | str) -> AutoresetMode:

@@ -135,7 +135,7 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     relief = written["scores"]["gravity"]["relief"]
     assert relief["low"] < relief["value"] < relief["high"]
     for name, score in written["scores"].items():
-        assert f"{score['relief']['value']:.2f} ({score['relief']['low']:.2f} to" in out, name
+        assert f"{score['relief']['low']:.2f} to {score['relief']['high']:.2f}" in out, name
         assert len(score["effort"]) == 8
 
 

@@ -269,4 +269,9 @@ def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch):
 def test_a_policy_of_your_own_that_cannot_act():
     for made, message in ((3, r"makes 3, which has no reset\(\)"), (object, "has no reset")):
         with pytest.raises(InputError, match=message):
-            evaluate("ActiveSuit/ElbowFlexion-v0", {"mine": lambda env, made=made: made})
+            evaluate(
+                "ActiveSuit/ElbowFlexion-v0",
+                {"mine": lambda env, made=made: made},
+                episodes=1,
+                references=False,
+            )

@@ -23,7 +23,10 @@ def run(tmp_path_factory):
     path = tmp_path_factory.mktemp("demo")
     code = (
         "import sys\n"
+        "from dataclasses import replace\n"
+        "from activesuit.envs.tasks import TASKS\n"
         "from activesuit.scripts.main import main\n"
+        "TASKS.update({name: replace(task, duration=4.0) for name, task in TASKS.items()})\n"
         "main(sys.argv[1:])\n"
         "print('loaded:', *sys.modules)"
     )
@@ -85,7 +88,7 @@ def test_numbers_are_there(folder):
         assert len(rows) == 1 + 7 * 8
     assert set(load_suit(str(folder / "suit.json")).joints) == set(load_suit("mock-suit").joints)
     trace = np.genfromtxt(folder / "trace-earth-none.csv", delimiter=",", names=True)
-    assert trace.size == 1000
+    assert trace.size == 400
     assert json.loads((folder / "config.json").read_text())["seed"] == 0
 
 
@@ -111,6 +114,7 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, un
 
     monkeypatch.setattr(Renderer, "picture", unavailable)
     monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
+    shorten_tasks(monkeypatch, 2.0)
     demo(out=tmp_path, trials=1, episodes=8)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()
