@@ -32,6 +32,7 @@ from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .tasks import Task
 
 Rows = NDArray[np.int64]
+TINIEST = 1e-6  # of an effort that scales a reward
 SCALED_BY = 5  # motions of the task, by which efforts are scaled
 
 
@@ -106,6 +107,9 @@ class Episodes:
         _check_period(control_dt, config.timestep)
         flag("fatigue", fatigue)
         flag("normalize", normalize)
+        flag("taught", taught)
+        if effort_scale is not None:
+            within("effort_scale", effort_scale, TINIEST, 1 / TINIEST, " of strength")
         usual = VoluntaryControl()
         usual = replace(usual, delay=round(usual.delay / control_dt) * control_dt)
         settings = nested("control", {} if control is None else control, usual)
@@ -285,6 +289,7 @@ class Episodes:
             "randomize": asdict(self.randomization),
             "sensing": asdict(simulation.sensing),
             "belief": self._believed,
+            "effort_scale": self._of_rows["effort_scale"],
         }
 
     def state(self, rows: Rows) -> dict[str, Any]:

@@ -102,6 +102,7 @@ class Observer:
 
     Attributes:
         sensors: Names of the suites.
+        normalized: Whether each part is divided by its scale.
         layout: Slice of the observation that holds each part, by the name of the part; with a
             history the newest comes first, and the layout is that of the newest.
         space: Observation space of one row.
@@ -120,7 +121,7 @@ class Observer:
                 "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave "
                 "the suite out"
             )
-        self.sensors = tuple(sensors)
+        self.sensors, self.normalized = tuple(sensors), normalize
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []
         for part in (part for name in sensors for part in SUITES[name]):

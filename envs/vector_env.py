@@ -304,7 +304,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         shape = (rows, *self.episodes.simulation.memory.taught.shape[1:])
         if not shape[1]:
             raise InputError(f"{TAUGHT} is given: make the environment with taught=True")
-        array = np.asarray(taught, dtype=float)
+        try:
+            array = np.asarray(taught, dtype=float)
+        except (TypeError, ValueError):
+            array = np.empty(0)
         if array.shape != shape or not np.isfinite(array).all():
             raise InputError(
                 f"{TAUGHT} has shape {array.shape}: give finite numbers of shape {shape}"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...assets import AnySuit
-from ...checks import at_least
+from ...checks import at_least, flag
 from ...errors import InputError, shown, unknown_name
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, Policy, make_policy, needed_options
@@ -63,6 +63,7 @@ class Evaluation:
             Relief with its 95 % interval; None without references, or where the suit costs less
             than 1 % of strength.
         """
+        self._check(policy)
         cost = self.suit_cost
         if cost is None or cost.value < LEAST_COST:
             return None
@@ -71,11 +72,18 @@ class Evaluation:
 
     def share_of_bound(self, policy: str, bound: str = "clairvoyant") -> Interval | None:
         """Returns the relief of a policy over that of a bound; None where there is none."""
+        self._check(policy)
+        if bound not in BOUNDS:
+            self._check(bound)
         if bound not in self.scores or self.relief(bound) is None:
             return None
         suited = np.array(self.scores["suited"].effort)
         efforts = (np.array(self.scores[name].effort) for name in (policy, bound))
         return ratio_interval(*(suited - effort for effort in efforts))
+
+    def _check(self, name: str) -> None:
+        if name not in self.scores:
+            raise unknown_name("policy of this evaluation", name, self.scores)
 
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""
@@ -136,6 +144,20 @@ def evaluate(
             check_name(given)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
+    flag("references", references)
+    flag("settled", settled)
+    if on_policy is not None and not callable(on_policy):
+        raise InputError(f"on_policy is {shown(on_policy)}: give a function of name and motions")
+    for name in ("taught", "effort_scale"):
+        if name in env_options:
+            raise InputError(f"{name} is what evaluate sets itself: leave it out")
+    if env_options.get("coupling") == "none":
+        for given in named.values():
+            if isinstance(given, str) and given != "none":
+                raise InputError(
+                    f"policy {given!r} needs motors, and coupling is 'none': use 'rigid' or "
+                    "'cuffs', or the policy 'none'"
+                )
     if references and env_options.get("suit") == NO_SUIT:
         raise InputError(
             "references are asked for, and suit is 'none': there is no suit whose cost could be "
@@ -154,7 +176,8 @@ def evaluate(
     scores = {name: scores[name] for name in REFERENCES if name in scores}
     for name, given in named.items():
         needed = needed_options(given) if isinstance(given, str) and given not in BOUNDS else {}
-        options = {**env_options, **needed, "effort_scale": scale}
+        kept = {k: v for k, v in env_options.items() if not (needed and k == "belief")}
+        options = {**kept, **needed, "effort_scale": scale}
         wearers = Wearers(env_id, episodes, **options)
         policy = _made(name, given, wearers, seeds, believed_suit)
         scores[name] = _score(name, policy, wearers, seeds, settled, on_policy)
@@ -202,10 +225,13 @@ def _named(policies: Policies) -> dict[str, str | Make]:
     if isinstance(policies, Mapping):
         named = dict(policies)
     else:
-        named = {
-            one if isinstance(one, str) else getattr(one, "__name__", repr(one)): one
-            for one in policies
-        }
+        names = [
+            one if isinstance(one, str) else getattr(one, "__name__", repr(one)) for one in policies
+        ]
+        for name, one in zip(names, policies, strict=True):
+            if not isinstance(one, str) and names.count(name) > 1:
+                raise InputError(f"two policies are named {name!r}: give a dict of your own names")
+        named = dict(zip(names, policies, strict=True))
     if not named:
         raise InputError("no policy given: name at least one")
     for name, given in named.items():

@@ -36,14 +36,14 @@ def needed_options(name: str) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
     Args:
-        name: Name of a policy, which needs its sensor suites; or the folder of a training run,
-            which was trained with those that its environment has by itself.
+        name: Name of a policy, which needs its sensor suites in their units; or the folder of a
+            training run, which was trained with those that its environment has by itself.
 
     Raises:
         InputError: There is no such policy or folder.
     """
     if name in SHIPPED:
-        return {"sensors": SHIPPED[name].sensors}
+        return {"sensors": SHIPPED[name].sensors, "normalize": False, "history": 1}
     _check_folder(name)
     return {}
 
@@ -76,6 +76,11 @@ def make_policy(
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(needed)}, and the environment has "
             f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(needed)}"
+        )
+    if name in SHIPPED and name != "none" and episodes.observer.normalized:
+        raise InputError(
+            f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
+            "without"
         )
     if name in SIMPLE:
         return SIMPLE[name](arm)

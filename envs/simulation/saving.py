@@ -16,6 +16,7 @@ PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends 
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
 MOST = 10**9  # control periods
 LARGEST = 1e9  # J, N·m, rad/s: more than any episode has, and sums of it stay finite
+STRONGEST = 1e4  # N·m: more than any wearer holds or expects
 ROUNDING = 1e-9
 # The lowest and the highest number of an array, where they are narrower than LARGEST.
 BOUNDS: dict[str, tuple[float, float]] = {
@@ -30,6 +31,14 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "change": (-2.0, 2.0),
     "mean_square": (0.0, LARGEST),
     "misalignment": (-LARGEST_MISALIGNMENT, LARGEST_MISALIGNMENT),
+    "loudness": (0.0, 100.0),
+    "offset": (-1.0, 1.0),
+    "costs": (0.0, LARGEST),
+    "gains": (-STRONGEST, STRONGEST),
+    "growing": (-STRONGEST, STRONGEST),
+    "fed": (-STRONGEST, STRONGEST),
+    "held": (-STRONGEST, STRONGEST),
+    "taught": (-STRONGEST, STRONGEST),
     "load": (0.0, HEAVIEST_PAYLOAD),
     "fall": (0.0, 1000.0),
     "fatigued": (-ROUNDING, 1.0 + ROUNDING),

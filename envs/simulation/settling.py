@@ -9,6 +9,8 @@ from .wearer import BASE, RELAXATION, SLOPE, foresee
 from .wearer import DAMPING as FIXED
 
 MOST_CORRECTIONS = 30  # to settle an exoskeleton on cuffs; four are usual
+MOST_SLOPES = 4  # from which one begins anew where corrections do not end
+FARTHEST = 0.1  # rad, the most that one of them moves: far from balance the slope misleads
 NUDGE = 1e-6  # rad, for derivatives
 BALANCE = 1e-10  # N·m, at which an exoskeleton has settled
 FRESH, MOVED, SETTLED = range(3)
@@ -114,13 +116,18 @@ def correct(
         unsettled += 1
         if status[k] == MOVED:
             _improve(k, row, torque, inverse, dofs, moves)
+        farthest = 0.0
         for i in range(n):
             move = 0.0
             for j in range(n):
                 move -= inverse[k, i, j] * torque[row, dofs[j]]
             moves[k, 0, i] = move
             moves[k, 1, i] = torque[row, dofs[i]]
-            qpos[row, dofs[i]] += move
+            farthest = max(farthest, abs(move))
+        share = FARTHEST / max(farthest, FARTHEST)
+        for i in range(n):
+            moves[k, 0, i] *= share
+            qpos[row, dofs[i]] += moves[k, 0, i]
         status[k] = MOVED
     return unsettled
 

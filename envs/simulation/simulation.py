@@ -362,28 +362,35 @@ class Simulation:
         self._settle(rows)
 
     def _settle(self, rows: Rows) -> None:
-        """Puts arms at rest at their first intention, and exoskeletons where cuffs hold them."""
+        """Puts arms at rest at their first intention, exoskeletons where cuffs hold them."""
         settling.begin(rows, *self._beginning)
+        self._needed(rows)
+        unsettled = rows if self._free.size else rows[:0]
+        for _ in range(settling.MOST_SLOPES):
+            if not unsettled.size:
+                break
+            unsettled = self._balance(unsettled)
+        settling.hold(rows, *self._holding)
+
+    def _balance(self, rows: Rows) -> Rows:
+        """Moves exoskeletons to where cuffs hold them; returns the rows that need more of it."""
         free = self._free
         torque = self._needed(rows)
-        if free.size:
-            slope = np.empty((len(rows), free.size, free.size))
-            for column, dof in enumerate(free):
-                angle = self._qpos[rows, dof]
-                self._qpos[rows, dof] = angle + settling.NUDGE
-                slope[:, :, column] = (self._needed(rows) - torque)[:, free] / settling.NUDGE
-                self._qpos[rows, dof] = angle
-            inverse: AnyArray = np.linalg.inv(slope)
-            moves = np.zeros((len(rows), 4, free.size))
-            status = np.full(len(rows), settling.FRESH)
-            self._torque[rows] = torque
-            for _ in range(settling.MOST_CORRECTIONS):
-                if not settling.correct(
-                    rows, self._torque, inverse, self._qpos, free, moves, status
-                ):
-                    break
-                self._needed(rows)
-        settling.hold(rows, *self._holding)
+        slope = np.empty((len(rows), free.size, free.size))
+        for column, dof in enumerate(free):
+            angle = self._qpos[rows, dof]
+            self._qpos[rows, dof] = angle + settling.NUDGE
+            slope[:, :, column] = (self._needed(rows) - torque)[:, free] / settling.NUDGE
+            self._qpos[rows, dof] = angle
+        inverse: AnyArray = np.linalg.inv(slope)
+        moves = np.zeros((len(rows), 4, free.size))
+        status = np.full(len(rows), settling.FRESH)
+        self._torque[rows] = torque
+        for _ in range(settling.MOST_CORRECTIONS):
+            if not settling.correct(rows, self._torque, inverse, self._qpos, free, moves, status):
+                break
+            self._needed(rows)
+        return rows[status != settling.SETTLED]
 
     def _needed(self, rows: Rows) -> Array:
         """Returns the torque that is left on arms at rest, shape (k, dofs)."""

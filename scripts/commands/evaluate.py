@@ -63,7 +63,8 @@ def evaluate(
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the
             same options.
-        episodes: Number of motions of each policy; all policies get the same motions.
+        episodes: Number of motions of each policy, at least 8 for intervals; all policies get the
+            same motions.
         seed: Seed of the first motion.
         naive: Score wearers who have learned nothing of suit and exoskeleton, instead of those who
             have repeated each motion until nothing is left to learn.

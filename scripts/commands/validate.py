@@ -49,7 +49,7 @@ def validate(
     Args:
         suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
         plant: Suit that is simulated: name of a shipped one, or path of a suit file.
-        episodes: Number of motions of each policy; all policies get the same motions.
+        episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
         out: Folder for result.json: a new or an empty one, or that of an earlier validate.
     """

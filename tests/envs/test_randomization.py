@@ -159,6 +159,15 @@ def test_a_drawn_wearer_or_misalignment_is_that_of_an_environment_made_with_it()
     assert met == {0, 1}
 
 
+def test_no_misalignment_in_the_range_loses_an_arm_at_once():
+    # Newton's method threw the exoskeleton about from 0.03 m on.
+    arms = ArmEnv(coupling="cuffs", randomize={"misalignment": 0.05}).rows(100)
+    arms.reset(seed=0)
+    for _ in range(3):
+        *_, ended, _, _ = arms.step(np.zeros((100, 2)))
+        assert not ended.any()
+
+
 @pytest.mark.parametrize("suit", ["mock-suit", "none-at-the-elbow", "play"])
 def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(suit, wardrobe):
     other = wardrobe.get(suit, suit)

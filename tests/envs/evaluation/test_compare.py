@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path
+from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.bounds import inverted
 from activesuit.envs.evaluation.compare import reference_options
@@ -102,7 +103,8 @@ def test_share_of_the_bound(weightless):
         by_hand = weightless.relief(name).value / weightless.relief("clairvoyant").value
         assert weightless.share_of_bound(name).value == pytest.approx(by_hand)
     assert weightless.share_of_bound("none", "oracle").value < 0
-    assert weightless.share_of_bound("none", "nothing") is None
+    with pytest.raises(InputError, match="unknown policy of this evaluation 'nothing'"):
+        weightless.share_of_bound("none", "nothing")
 
 
 def test_what_each_policy_gives_back(weightless):
@@ -240,6 +242,18 @@ def test_a_plan_inverts_the_lag_of_motors():
 # --- Bad input ----------------------------------------------------------------------------------
 
 
+def test_named_policies_see_units_whatever_others_see(short):
+    told = [
+        evaluate(
+            ENV, ["compensation", Push], episodes=2, references=False, settled=False, **options
+        )
+        for options in ({}, {"normalize": True}, {"belief": {}, "sensors": ["encoders", "belief"]})
+    ]
+    assert len({one.scores["compensation"].effort for one in told}) == 1
+    with pytest.raises(InputError, match="'compensation' reads angles in rad, and the env"):
+        make_policy("compensation", ArmEnv(normalize=True))
+
+
 @pytest.mark.parametrize(
     ("policies", "options", "message"),
     [
@@ -252,7 +266,16 @@ def test_a_plan_inverts_the_lag_of_motors():
         ("none", {}, r"policies is 'none': give a list"),
         (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
         ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
-        (["clairvoyant"], {"coupling": "none"}, "unknown policy without motors 'clairvoyant'"),
+        (
+            ["clairvoyant"],
+            {"coupling": "none"},
+            "policy 'clairvoyant' needs motors, and coupling is 'none'",
+        ),
+        ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': give a dict"),
+        (["none"], {"taught": True}, "taught is what evaluate sets itself: leave it out"),
+        (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
+        (["none"], {"settled": "no"}, "settled is 'no': use True or False"),
+        (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
         (["none"], {"control": 3}, "control is 3: give a dict of its fields"),
         ({"mine": lambda arms: 3}, {}, r"policy 'mine' makes 3, which has no reset\(\)"),
     ],
