@@ -45,7 +45,7 @@ class Lose(Push):
 @pytest.fixture(scope="module")
 def short():
     with pytest.MonkeyPatch.context() as patch:
-        shorten_tasks(patch, 2.0)
+        shorten_tasks(patch, 1.5)
         yield
 
 
@@ -65,8 +65,7 @@ def weightless(short, believed):
     """Everything there is, on short motions without gravity; and how many motions were told."""
     told = {}
     policies = {
-        **{name: name for name in ("none", "transparent", "gravity", "feedforward", "oracle")},
-        **{name: name for name in ("complement", "compensation")},
+        **{name: name for name in ("none", "gravity", "feedforward", "oracle", "compensation")},
         **{"mine": Push, "clairvoyant-suit": "clairvoyant-suit", "clairvoyant": "clairvoyant"},
     }
     found = evaluate(

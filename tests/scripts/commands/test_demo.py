@@ -26,11 +26,11 @@ def run(tmp_path_factory):
         "from dataclasses import replace\n"
         "from activesuit.envs.tasks import TASKS\n"
         "from activesuit.scripts.main import main\n"
-        "TASKS.update({name: replace(task, duration=4.0) for name, task in TASKS.items()})\n"
+        "TASKS.update({name: replace(task, duration=3.0) for name, task in TASKS.items()})\n"
         "main(sys.argv[1:])\n"
         "print('loaded:', *sys.modules)"
     )
-    arguments = ["demo", "--trials", "2", "--episodes", "8", "--out", str(path)]
+    arguments = ["demo", "--trials", "1", "--episodes", "8", "--out", str(path)]
     done = subprocess.run(
         [sys.executable, "-c", code, *arguments], check=False, capture_output=True, text=True
     )
@@ -88,7 +88,7 @@ def test_numbers_are_there(folder):
         assert len(rows) == 1 + 7 * 8
     assert set(load_suit(str(folder / "suit.json")).joints) == set(load_suit("mock-suit").joints)
     trace = np.genfromtxt(folder / "trace-earth-none.csv", delimiter=",", names=True)
-    assert trace.size == 400
+    assert trace.size == 300
     assert json.loads((folder / "config.json").read_text())["seed"] == 0
 
 
