@@ -19,7 +19,7 @@ from .model.config import nested
 from .observation import NOISY, Observer, checked_sensors
 from .person import VoluntaryControl, isometric_strength
 from .randomization import Randomization
-from .reward import TERMS, account, cost_terms, is_success, judge, suited_effort
+from .reward import COSTS, TERMS, account, cost_terms, is_success, judge, suited_effort
 from .simulation import Simulation
 from .simulation.differing import Variety
 from .simulation.intention import valid_motion
@@ -146,6 +146,7 @@ class Episodes:
         )
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
+        self.simulation.memory.costs = np.zeros((n, len(COSTS)))
         if belief is not None and "belief" not in sensors:
             raise InputError(
                 f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
@@ -173,7 +174,6 @@ class Episodes:
             self.terminated,
             self.truncated,
         )
-
         self._accounted = (
             memory.measured,
             memory.change,

@@ -28,7 +28,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import flag
+from ...checks import flag, within
 from ...errors import InputError
 from ..provenance import Quantity
 from .anthropometry import Person
@@ -187,23 +187,18 @@ class VoluntaryControl:
     stiff: bool = False
 
     def __post_init__(self) -> None:
-        for name, lowest, highest, kind in (
-            ("stiffness", 0.25, 4, "in multiples of a typical person's"),
-            ("damping", 0.03, 0.3, "in s"),
-            ("contraction", 0, 4, "in multiples of a typical person's"),
-            ("reflex", 0, 1, "as a factor of the stiffness"),
-            ("delay", 0, 0.5, "in s"),
-            ("correction", 0, 2, "in 1/s"),
-            ("adaptation", 0, 1, "as a factor of a typical person's rate of learning"),
-            ("noise", 0, 10, "as a multiple of a typical person's"),
-            ("tremor", 0, 0.5, "as a fraction of the torque"),
+        for name, lowest, highest, unit in (
+            ("stiffness", 0.25, 4, " times a typical person's"),
+            ("damping", 0.03, 0.3, " s"),
+            ("contraction", 0, 4, " times a typical person's"),
+            ("reflex", 0, 1, " of the stiffness"),
+            ("delay", 0, 0.5, " s"),
+            ("correction", 0, 2, " 1/s"),
+            ("adaptation", 0, 1, " of a typical person's rate of learning"),
+            ("noise", 0, 10, " times a typical person's"),
+            ("tremor", 0, 0.5, " of the torque"),
         ):
-            value = getattr(self, name)
-            number = isinstance(value, int | float) and not isinstance(value, bool)
-            if not (number and lowest <= value <= highest):
-                raise InputError(
-                    f"{name} is {value!r}: give it {kind}, from {lowest:g} to {highest:g}"
-                )
+            within(f"control.{name}", getattr(self, name), lowest, highest, unit)
         flag("stiff", self.stiff)
 
     def periods(self, dt: float) -> int:

@@ -29,8 +29,6 @@ class Addresses:
         assisted: Positions of the assisted joints in `JOINTS`, shape (2,).
         human: Torques of the wearer in actuator_force, shape (4,).
         intention: Controls of the wearer: position, velocity, feed-forward, shape (3, 4).
-        stiffness: Position gains of the wearer [N·m/rad], shape (4,).
-        damping: Velocity gains of the wearer [N·m·s/rad], shape (4,).
         encoders: Angles of the encoders in sensordata, shape (4,).
         assist: Torques of the motors in actuator_force, shape (2,).
         motors: Controls of the motors, which are torques [N·m], shape (2,).
@@ -49,8 +47,6 @@ class Addresses:
     assisted: Indices
     human: Indices
     intention: Indices
-    stiffness: Array
-    damping: Array
     encoders: Indices
     assist: Indices
     motors: Indices
@@ -84,8 +80,6 @@ class Addresses:
             assisted=assisted,
             human=_indices(human),
             intention=_indices(model.actuator_ctrladr[human]) + np.arange(3)[:, None],
-            stiffness=-model.actuator_biasprm[human, 1],
-            damping=-model.actuator_biasprm[human, 2],
             encoders=_indices(sensors[f"encoder_{joint}"] for joint in JOINTS),
             assist=assist,
             motors=_indices(model.actuator_ctrladr[assist]),

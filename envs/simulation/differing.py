@@ -46,6 +46,7 @@ class Differing:
 
     Attributes:
         model: Model of a row, with a body for the load if there may be one.
+        persons: The wearers.
         chains: Inertia of each wearer's bare arm.
         strengths: Isometric strength of each wearer [N·m], shape (2, 4) each.
     """
@@ -57,12 +58,12 @@ class Differing:
             composed = replace(config, payload=Payload(mass=1.0))
         else:
             composed = config
-        persons = variety.wearers or (config.wearer,)
-        arms = [replace(composed, wearer=person) for person in persons]
+        self.persons = variety.wearers or (config.wearer,)
+        arms = [replace(composed, wearer=person) for person in self.persons]
         self._models = [compose(arm, drawn=False, also_worn=variety.suits) for arm in arms]
         self.model = self._models[0]
         self.chains = [Chain.of(bare_arm(arm)) for arm in arms]
-        self.strengths = [isometric_strength(person) for person in persons]
+        self.strengths = [isometric_strength(person) for person in self.persons]
         self._strapped = [mujoco.MjData(model).plugin_state.copy() for model in self._models]
         if not loads:
             return

@@ -60,7 +60,7 @@ class Memory:
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
-        costs: Costs of the episode so far, columns as `envs.reward.COSTS`, shape (n, 6).
+        costs: Costs of the episode so far, shape (n, size); whoever counts them gives it its size.
         measured: Last valid measurements, shape (n, WIDTH).
         believed: Memory of a believed suit, shape (n, size); whoever follows it gives it its size.
         shown: Observations before the last one, newest first, shape (n, count, size); whoever makes
@@ -167,7 +167,7 @@ class Memory:
             fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
-            costs=np.zeros((n, 6)),
+            costs=np.zeros((n, 0)),
             measured=np.zeros((n, WIDTH)),
             believed=np.zeros((n, 0)),
             shown=np.zeros((n, 0, 0), np.float32),

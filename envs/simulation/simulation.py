@@ -3,7 +3,7 @@
 import inspect
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -25,7 +25,7 @@ from .addresses import Addresses
 from .cycle import after, before
 from .differing import Differing, Variety
 from .intention import Motion, valid_motion
-from .inverse_dynamics import Chain, arm_torques
+from .inverse_dynamics import arm_torques
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
 from .sensing import Sensing, sense, smoothing
@@ -148,8 +148,7 @@ class Simulation:
         They have done so for a while, so that their slow correction holds what they do not foresee.
         Strength does not limit that torque: a wearer who is too weak drops the arm from there. When
         the first action comes, the motors begin with what it asks, and the wearer with what they
-        leave: nobody has to take over. Seeds and numbers of the episodes are in
-        `memory` before.
+        leave: nobody has to take over. Seeds and numbers of the episodes are in `memory` before.
 
         Args:
             rows: The rows, shape (k,).
@@ -226,8 +225,8 @@ class Simulation:
         memory, found = self.memory, np.empty((len(rows), self.samples, len(JOINTS)))
         for row, torque in zip(rows.tolist(), found, strict=True):
             motion = (memory.angle[row], memory.rate[row], memory.acceleration[row])
-            chain = Chain(self._links[row : row + 1], self._gravity[row : row + 1], self._gravity)
-            torque[:] = arm_torques(chain, *motion)
+            chain = self._differing.chains[memory.wearer[row]]
+            torque[:] = arm_torques(replace(chain, gravity=self._gravity[row, None]), *motion)
         return found
 
     def measured(self, name: str) -> Array:
@@ -344,8 +343,7 @@ class Simulation:
         }
 
     def _impedance_of(self, wearer: int) -> Array:
-        persons = self._variety.wearers or (self.config.wearer,)
-        return self.control.impedance(persons[wearer])
+        return self.control.impedance(self._differing.persons[wearer])
 
     def _take_over(self, action: Array, moving: Rows) -> None:
         """Lets motors begin with what a first action asks, and wearers with what they leave."""
