@@ -8,7 +8,11 @@ import gymnasium
 
 __version__ = "0.2.0"
 
-TASKS = ("ShoulderFlexion", "ElbowFlexion", "ArmTracking")
+TASKS = (
+    *("ShoulderFlexion", "ElbowFlexion", "ArmTracking", "RangeOfMotion", "TransitionCurves"),
+    *("MinorLoops", "ReachPanel", "ObjectRelocation", "Handrail", "Ratchet", "Hammer", "Scoop"),
+    "OverheadHold",
+)
 
 for _task in TASKS:
     if f"ActiveSuit/{_task}-v0" not in gymnasium.registry:

@@ -7,7 +7,7 @@ from activesuit.envs.evaluation import rollout
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
 from activesuit.envs.person.control import FORGETTING, RATE, sight_periods
 from activesuit.envs.policies import make_policy
-from activesuit.envs.tasks import Task
+from activesuit.envs.tasks import RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 
 DT = 0.01  # s, control period
@@ -15,7 +15,7 @@ SHOULDER, ELBOW = JOINTS.index("shoulder_flexion"), JOINTS.index("elbow_flexion"
 COLOR = {SHOULDER: "tab:blue", ELBOW: "tab:orange"}
 PERSON, CONTROL = Person(), VoluntaryControl()
 REPEATS, MOTIONS, CREDIT = 25, 2, 10  # with and without suit, at once, control periods
-SWING = Task(
+SWING = RandomMoves(
     name="Swing",
     span={"elbow_flexion": (0.52, 1.57)},
     hold={"shoulder_flexion": (0.4, 1.0)},

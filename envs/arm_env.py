@@ -83,7 +83,10 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
-        fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
+            the task says so.
+        level: How much differs from what a controller was made for: "nominal", "randomized" or
+            "shift" (see `envs.levels`); options that are given replace those of the level.
         randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
             dict of its terms: suit, suits, pressure, payload, gravity, wearers, misalignment,
             sensor_noise, encoder_offset.
@@ -123,7 +126,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         history: int = 1,
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
-        fatigue: bool = False,
+        fatigue: bool | None = None,
+        level: str = "nominal",
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
         belief: Mapping[str, Any] | None = None,
@@ -146,6 +150,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             control_dt=control_dt,
             control=control,
             fatigue=fatigue,
+            level=level,
             randomize=randomize,
             sensing=sensing,
             belief=belief,
@@ -156,6 +161,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self.render_mode = render_mode
         self.renderer = ArmRenderer(
             self.config,
+            edits=self.episodes.task.edits,
             camera=camera,
             width=width,
             height=height,
@@ -210,10 +216,10 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             raise InputError(
                 "render_mode is None: make the environment with render_mode='rgb_array'"
             )
-        physics = self._simulation.physics_of(0)
+        posture = self._simulation.posture_of(0)
         if self.render_mode == "human":
-            return self.renderer.show(*physics, self.control_dt)
-        return self.renderer.picture(*physics)
+            return self.renderer.show(posture, self.control_dt)
+        return self.renderer.picture(posture)
 
     def close(self) -> None:
         """Frees the renderer; later calls do nothing."""

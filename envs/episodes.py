@@ -14,17 +14,18 @@ from ..checks import flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
 from .info import Info
+from .levels import with_level
 from .model import ArmConfig, compose, resisting_joints
 from .model.config import nested
 from .observation import NOISY, Observer, checked_sensors
 from .person import VoluntaryControl, isometric_strength
 from .randomization import Randomization
-from .reward import COSTS, TERMS, account, cost_terms, is_success, judge, suited_effort
+from .reward import COSTS, TERMS, account, cost_terms, is_success, judge, suited_effort, watch
 from .simulation import Simulation
 from .simulation.differing import Variety
-from .simulation.intention import valid_motion
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
+from .simulation.plan import Plan
 from .simulation.saving import check_state
 from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW, Start
@@ -52,7 +53,9 @@ class Episodes:
         control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default.
-        fatigue: Whether the wearer's muscles tire, from a rested start in every episode.
+        fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
+            the task says so.
+        level: Name of one of `LEVELS`, whose options hold where others are not given.
         randomize: What differs from episode to episode beside the motion, or a dict of the terms.
         sensing: Noise, delay and bandwidth of sensors, or a dict of the fields that differ from the
             default.
@@ -88,7 +91,8 @@ class Episodes:
         history: int = 1,
         control_dt: float = 0.01,
         control: VoluntaryControl | Mapping[str, Any] | None = None,
-        fatigue: bool = False,
+        fatigue: bool | None = None,
+        level: str = "nominal",
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
         belief: Mapping[str, Any] | None = None,
@@ -101,8 +105,11 @@ class Episodes:
         self.options = {
             **{"sensors": sensors, "normalize": normalize, "history": history},
             **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
-            **{"randomize": randomize, "sensing": sensing, "belief": belief, **arm},
+            **{"level": level, "randomize": randomize, "sensing": sensing, "belief": belief, **arm},
         }
+        arm = with_level({"level": level, "randomize": randomize, **arm})
+        randomize = arm.pop("randomize")
+        fatigue = task.fatigue if fatigue is None else fatigue
         config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
         _check_period(control_dt, config.timestep)
         flag("fatigue", fatigue)
@@ -135,9 +142,11 @@ class Episodes:
                 wearers=self.randomization.wearers,
                 suits=self._wardrobe,
                 misalignments=self.randomization.misalignment > 0,
-                loads=self.randomization.payload is not None,
+                loads=task.carries or self.randomization.payload is not None,
                 places=bool(self.randomization.gravity),
             ),
+            edits=task.edits,
+            carries=task.carries,
             taught=taught,
             threads=threads,
         )
@@ -147,6 +156,9 @@ class Episodes:
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
         self.simulation.memory.costs = np.zeros((n, len(COSTS)))
+        if task.watches:
+            self.simulation.memory.watched = np.zeros((n, samples), np.bool_)
+            self.simulation.memory.places = np.zeros((n, samples, 3))
         if belief is not None and "belief" not in sensors:
             raise InputError(
                 f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
@@ -181,6 +193,17 @@ class Episodes:
             addresses.assisted,
             "cuff_force" in self.simulation.columns,
             self.simulation.model.jnt_range[: len(JOINTS)],
+            memory.costs,
+            control_dt,
+        )
+        self._watched = (
+            memory.step,
+            memory.watched,
+            memory.places,
+            memory.hand,
+            memory.measured,
+            self.simulation.sensordata,
+            addresses.hand,
             memory.costs,
             control_dt,
         )
@@ -222,6 +245,8 @@ class Episodes:
         except BaseException:
             memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
             raise
+        if self.task.watches:
+            memory.hand[rows] = self.simulation.sensordata[rows[:, None], self._watched[-3]]
         if memory.believed.shape[1]:
             memory.believed[rows] = self._suit.begin(self._encoded(rows)[0][:, self._assisted])
             self._write_belief(rows)
@@ -268,7 +293,7 @@ class Episodes:
                 "diverged": diverged,
                 "reward_terms": dict(zip(TERMS, terms, strict=True)),
                 "cost_terms": cost_terms(costs, periods),
-                "is_success": is_success(costs, periods, ended=ended),
+                "is_success": is_success(costs, periods, self.task, ended=ended),
             }
 
         return Info(float(measured[TIME]), read)
@@ -280,8 +305,7 @@ class Episodes:
         simulation = self.simulation
         return {
             "task": self.task.name,
-            "task_class": f"{type(self.task).__module__}.{type(self.task).__qualname__}",
-            **{name: value for name, value in asdict(self.task).items() if name != "name"},
+            **{name: value for name, value in self.task.identity().items() if name != "name"},
             **simulation.config.to_dict(),
             "control_dt": simulation.control_dt,
             "control": asdict(simulation.control),
@@ -335,35 +359,44 @@ class Episodes:
             memory.shown[moving, 1:] = memory.shown[moving, :-1]
             memory.shown[moving, 0] = last[moving]
         account(moving, *self._accounted)
+        if self.task.watches:
+            watch(moving, *self._watched)
         self._judge(moving)
 
     def _start(self, row: int, taught: Array | None = None) -> Start:
-        samples, dt = self.simulation.samples, self.simulation.control_dt
         streams, terms = partial(self._stream, row), self.randomization
+        wearer = terms.person(streams)
+        plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
+        if self.task.watches:
+            memory, arm = self.simulation.memory, self.simulation.arm_of(wearer)
+            checked = self.simulation.checked(plan)
+            memory.watched[row] = False if checked.watched is None else checked.watched
+            memory.places[row] = arm.in_world(checked.motion[0])
         return Start(
-            motion=self.task.motion(streams("motion"), samples, dt),
+            plan=plan,
             suit=terms.worn(self._wardrobe, streams),
             encoder_offset=terms.offsets(streams),
-            payload=terms.load(streams),
+            payload=terms.carried(streams),
             gravity=terms.place(streams),
-            wearer=terms.person(streams),
+            wearer=wearer,
             misalignment=terms.shift(streams),
             loudness=terms.loudness(streams),
             taught=taught,
         )
+
+    def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
+        simulation = self.simulation
+        arm = simulation.arm_of(wearer)
+        return self.task.plan(rng, simulation.samples, simulation.control_dt, arm)
 
     def _suited_effort(self) -> float:
         """Returns the effort of the suited arm in motions of the task, for the reward."""
         simulation = self.simulation
         chain = Chain.of(simulation.model, dressed=True)
         strength = isometric_strength(simulation.config.wearer)
-        rngs = (stream(seed, 0, "motion") for seed in range(SCALED_BY))
-        samples, dt = simulation.samples, simulation.control_dt
-        motions = [
-            valid_motion(self.task.motion(rng, samples, dt), samples, simulation.ranges)
-            for rng in rngs
-        ]
-        return suited_effort(chain, strength, simulation.suit, motions)
+        plans = [simulation.checked(self._plan(stream(i, 0, "motion"))) for i in range(SCALED_BY)]
+        arm = simulation.arm_of(0)
+        return suited_effort(chain, arm, strength, simulation.suit, plans, simulation.control_dt)
 
     def _believe(self, config: ArmConfig) -> None:
         """Begins to follow a believed arm."""

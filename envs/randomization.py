@@ -13,9 +13,10 @@ from ..errors import InputError, shown, unknown_name
 from .model import GRAVITY, ArmConfig, Payload, worn_suit
 from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested
 from .person import Person
+from .simulation.plan import Plan
 
 SuitChoice = Literal["nominal", "samples"]
-LARGEST_PRESSURE_SHARE = 0.5
+LARGEST_SHARE = 0.5
 LARGEST_OFFSET = 0.2  # rad
 LOUDEST = 100.0  # times the usual noise of sensors
 
@@ -37,6 +38,7 @@ class Randomization:
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
             the gas's part of it where `volume_share` tells it, is multiplied by a number between
             1 - pressure and 1 + pressure.
+        load: Share by which the task's own loads differ, masses and forces, up to 0.5.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
             configuration.
         gravity: Names of places, of which one is drawn; none is the place of the configuration.
@@ -55,6 +57,7 @@ class Randomization:
     suit: SuitChoice = "nominal"
     suits: tuple[str, ...] = ()
     pressure: float = 0.0
+    load: float = 0.0
     payload: tuple[float, float] | None = None
     gravity: tuple[str, ...] = ()
     wearers: tuple[Person, ...] = ()
@@ -65,7 +68,8 @@ class Randomization:
     def __post_init__(self) -> None:
         if self.suit not in get_args(SuitChoice):
             raise unknown_name("choice of randomize.suit", self.suit, get_args(SuitChoice))
-        within("randomize.pressure", self.pressure, 0, LARGEST_PRESSURE_SHARE, "")
+        within("randomize.pressure", self.pressure, 0, LARGEST_SHARE, "")
+        within("randomize.load", self.load, 0, LARGEST_SHARE, "")
         for name, most, unit in (
             ("payload", HEAVIEST_PAYLOAD, " kg"),
             ("sensor_noise", LOUDEST, ""),
@@ -163,7 +167,19 @@ class Randomization:
             found = {joint: _scaled(entry, factor) for joint, entry in found.items()}
         return found
 
-    def load(self, streams: Streams) -> Payload | None:
+    def loaded(self, plan: Plan, streams: Streams) -> Plan:
+        """Returns the plan of an episode with the loads of this one."""
+        if self.load == 0:
+            return plan
+        factor = 1 + self.load * streams("load").uniform(-1, 1)
+        changed = {
+            name: factor * np.asarray(values)
+            for name, values in (("mass", plan.mass), ("push", plan.push))
+            if values is not None
+        }
+        return replace(plan, **changed)
+
+    def carried(self, streams: Streams) -> Payload | None:
         """Returns the load of an episode; None is that of the configuration."""
         if self.payload is None:
             return None

@@ -11,15 +11,17 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
 from ..checks import within
 from ..errors import InputError, unknown_name
 from .memory import give_back
 from .model import ArmConfig, compose
+from .model.workplace import CARRIED, Edits
+from .simulation.simulation import Posture
 
 RenderQuality = Literal["fast", "fine"]
 
 WINDOW_CLOSES = 5.0  # s that a window may take to close
+SEEN, HIDDEN = 2, 5  # groups of geoms
 LONGEST_BETWEEN = 10.0  # s between pictures
 
 
@@ -196,25 +198,21 @@ class ArmRenderer:
 
     Args:
         config: Configuration of the arm.
+        edits: What a task adds to the model.
         **options: Options of `Renderer`.
     """
 
-    def __init__(self, config: ArmConfig, **options: Any) -> None:
-        self.renderer, self._config = Renderer(**options), config
+    def __init__(self, config: ArmConfig, edits: Edits | None = None, **options: Any) -> None:
+        self.renderer, self._config, self._edits = Renderer(**options), config, edits
         self._drawn: tuple[mujoco.MjModel, mujoco.MjData] | None = None
 
-    def picture(self, time: float, position: Array) -> NDArray[np.uint8]:
-        """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`.
+    def picture(self, posture: Posture) -> NDArray[np.uint8]:
+        """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`."""
+        return self.renderer.picture(*self._posed(posture))
 
-        Args:
-            time: Simulated time [s].
-            position: The position `qpos` of the simulated arm.
-        """
-        return self.renderer.picture(*self._posed(time, position))
-
-    def show(self, time: float, position: Array, period: float) -> None:
+    def show(self, posture: Posture, period: float) -> None:
         """Shows the arm in a window; see `Renderer.show`."""
-        self.renderer.show(*self._posed(time, position), period)
+        self.renderer.show(*self._posed(posture), period)
 
     def forget(self) -> None:
         """Makes the next picture a new one, whatever time has passed."""
@@ -224,12 +222,15 @@ class ArmRenderer:
         """Frees the OpenGL objects; later calls do nothing."""
         self.renderer.close()
 
-    def _posed(self, time: float, position: Array) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    def _posed(self, posture: Posture) -> tuple[mujoco.MjModel, mujoco.MjData]:
         if self._drawn is None:
-            model = compose(self._config)
+            model = compose(self._config, edits=self._edits)
             self._drawn = model, mujoco.MjData(model)
         model, data = self._drawn
-        data.time, data.qpos[:] = time, position
+        data.time, data.qpos[:] = posture.time, posture.position
+        for i in range(model.ngeom):
+            if model.geom(i).name.startswith(CARRIED):
+                model.geom_group[i] = SEEN if posture.loaded else HIDDEN
         mujoco.mj_fwdPosition(model, data)
         return model, data
 

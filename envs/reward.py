@@ -18,9 +18,11 @@ from ..arrays import AnyArray, Array
 from ..assets import JOINTS, SuitJoint
 from .model.cuffs import FORCE_LIMITS
 from .person import strength_limits
-from .simulation.intention import Motion
 from .simulation.inverse_dynamics import Chain, arm_torques
+from .simulation.kinematics import Arm
 from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
+from .simulation.plan import Plan
+from .tasks import Task
 
 TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad
@@ -28,38 +30,62 @@ CHANGE_SCALE = 0.25
 LOST = 1.0  # rad of tracking error at an assisted joint at which an episode ends
 LEAST_EFFORT = 0.01  # of strength, for arms that need none
 
-COSTS = ("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking")
-CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING = range(len(COSTS))
-TOLERANCE = 0.1  # rad of tracking error, root mean square over an episode, up to which it succeeds
+COSTS = (
+    *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking"),
+    *("hand_error", "tilt", "slowness"),
+)
+CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, HAND, TILT, SLOWNESS = range(len(COSTS))
+TOLERANCES = ("tracking", "hand_error", "tilt", "slowness")  # fields of a task
+SLOW = 0.01  # m/s, below which a hand need not be quick
 NEAR = 0.001  # rad from the end of its range where a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
 EVERY = 5  # samples of which one counts for `suited_effort`
 
 
 def suited_effort(
-    chain: Chain, strength: Array, suit: dict[str, SuitJoint], motions: list[Motion]
+    chain: Chain,
+    arm: Arm,
+    strength: Array,
+    suit: dict[str, SuitJoint],
+    plans: list[Plan],
+    dt: float,
 ) -> float:
     """Returns the effort that motions take in the suit and without an exoskeleton.
 
     That is the root mean square over time and four joints of the torque of inverse dynamics over
-    the strength of a still joint.
+    the strength of a still joint. What a hand carries is weighed and accelerated with it.
 
     Args:
-        chain: Inertia of the arm with suit and load.
+        chain: Inertia of the arm with suit and the load of the configuration.
+        arm: The bare arm.
         strength: Isometric strength of the wearer [N·m], shape (2, 4).
         suit: Joints of the suit.
-        motions: Intended motions.
+        plans: What episodes ask of the wearer.
+        dt: Time between samples [s].
     """
     squares = []
-    for motion in motions:
+    for plan in plans:
+        motion = plan.motion
         angle, rate, acceleration = (part[::EVERY].copy() for part in motion)
         torque = arm_torques(chain, angle, rate, acceleration)
+        if plan.mass is not None or plan.push is not None:
+            torque += arm.torque_of(angle, _force(arm, plan, dt)[::EVERY])
         for joint, entry in suit.items():
             column = JOINTS.index(joint)
             torque[:, column] += entry.response(motion[0][:, column])[::EVERY]
         low, high = strength_limits(strength, angle, np.zeros_like(angle))
         squares.append(np.mean((torque / np.where(torque > 0, high, -low)) ** 2))
     return max(LEAST_EFFORT, float(np.sqrt(np.mean(squares))))
+
+
+def _force(arm: Arm, plan: Plan, dt: float) -> Array:
+    """Returns the force of load and push on the grip [N], shape (samples, 3)."""
+    force = np.zeros((len(plan.motion[0]), 3)) if plan.push is None else plan.push.copy()
+    if plan.mass is not None:
+        places = arm.places(plan.motion[0])
+        acceleration = np.gradient(np.gradient(places, dt, axis=0), dt, axis=0)
+        force += plan.mass[:, None] * (arm.gravity - acceleration)
+    return force
 
 
 @njit(cache=True)
@@ -152,19 +178,78 @@ def cost_terms(costs: Array, periods: int) -> dict[str, float]:
     """Returns the costs of an episode by name; `tracking` is the root mean square error [rad].
 
     Args:
-        costs: Costs of one row, shape (6,).
+        costs: Costs of one row, shape (9,).
         periods: Number of control periods since the reset.
     """
     found = dict(zip(COSTS, costs.tolist(), strict=True))
     return {**found, "tracking": float(np.sqrt(costs[TRACKING] / max(1, periods)))}
 
 
-def is_success(costs: Array, periods: int, *, ended: bool) -> bool:
+@njit(cache=True)
+def watch(
+    rows: AnyArray,
+    step: AnyArray,
+    watched: AnyArray,
+    places: AnyArray,
+    before: AnyArray,
+    measured: AnyArray,
+    sensordata: AnyArray,
+    hand: AnyArray,
+    costs: AnyArray,
+    dt: float,
+) -> None:
+    """Looks at the hands of some rows where the task watches them, and keeps the worst.
+
+    Columns as `COSTS`: distance of the hand from its place [m], error of its pitch [rad], and the
+    share of its intended speed that it lacks.
+
+    Args:
+        rows: The rows, shape (k,).
+        step: Control periods since the reset, shape (n,).
+        watched: Samples that are watched, shape (n, samples).
+        places: Intended places of the hand, shape (n, samples, 3).
+        before: Place of the hand one control period ago, which is overwritten, shape (n, 3).
+        measured: Measurements of all rows.
+        sensordata: Sensors of the physics.
+        hand: Place of the hand in them, shape (3,).
+        costs: Costs of the episodes.
+        dt: Control period [s].
+    """
+    for k in range(rows.shape[0]):
+        row = rows[k]
+        now = min(step[row], watched.shape[1] - 1)
+        if watched[row, now]:
+            error, speed, intended, tilt = 0.0, 0.0, 0.0, 0.0
+            for j in range(3):
+                place = sensordata[row, hand[j]]
+                error += (place - places[row, now, j]) ** 2
+                speed += (place - before[row, j]) ** 2
+                if now > 0:
+                    intended += (places[row, now, j] - places[row, now - 1, j]) ** 2
+            for j in range(1, 4):
+                tilt += measured[row, ANGLE + j] - measured[row, TARGET + j]
+            costs[row, HAND] = max(costs[row, HAND], np.sqrt(error))
+            costs[row, TILT] = max(costs[row, TILT], abs(tilt))
+            if np.sqrt(intended) > SLOW * dt:
+                lacking = 1.0 - np.sqrt(speed / intended)
+                costs[row, SLOWNESS] = max(costs[row, SLOWNESS], lacking)
+        for j in range(3):
+            before[row, j] = sensordata[row, hand[j]]
+
+
+def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
     """Returns whether an episode has gone well so far.
 
-    The arm is not lost, tracking is within `TOLERANCE`, cuffs press no more than a person should
-    bear, and the motors stay below their continuous torque.
+    The arm is not lost, tracking and the hand are within the task's tolerances, cuffs press no more
+    than a person should bear, and the motors stay below their continuous torque.
+
+    Args:
+        costs: Costs of one row, shape (9,).
+        periods: Number of control periods since the reset.
+        task: The task.
+        ended: Whether the arm is lost.
     """
     terms = cost_terms(costs, periods)
-    within = terms["tracking"] <= TOLERANCE and terms["cuff_force"] <= 1 and terms["heat"] <= 1
-    return within and not ended
+    allowed = {"cuff_force": 1.0, "heat": 1.0}
+    allowed |= {name: getattr(task, name) for name in TOLERANCES}
+    return not ended and all(terms[name] <= most for name, most in allowed.items())

@@ -110,7 +110,12 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
         self._renderer = ArmRenderer(
-            simulation.config, camera=camera, width=width, height=height, quality=render_quality
+            simulation.config,
+            self.episodes.task.edits,
+            camera=camera,
+            width=width,
+            height=height,
+            quality=render_quality,
         )
         self.layout = self.episodes.observer.layout
         self.single_observation_space = self.episodes.observer.space
@@ -202,7 +207,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             )
         simulation = self.episodes.simulation
         return tuple(
-            self._renderer.picture(*simulation.physics_of(row)) for row in range(self.num_envs)
+            self._renderer.picture(simulation.posture_of(row)) for row in range(self.num_envs)
         )
 
     def close_extras(self, **options: Any) -> None:
@@ -365,7 +370,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         """Returns whether the episode of each row has gone well so far."""
         memory, lost = self.episodes.simulation.memory, self.episodes.terminated.tolist()
         ends = zip(memory.costs, memory.step.tolist(), lost, strict=True)
-        return np.array([is_success(costs, periods, ended=end) for costs, periods, end in ends])
+        task = self.episodes.task
+        return np.array(
+            [is_success(costs, periods, task, ended=end) for costs, periods, end in ends]
+        )
 
     def _final(self, ended: Bools) -> dict[str, Any]:
         """Returns the last observations and measurements of the episodes that have ended."""

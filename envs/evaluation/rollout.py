@@ -11,6 +11,7 @@ from ...errors import InputError
 from ..policies.base import Policy
 from ..reward import cost_terms, is_success
 from ..simulation.measurements import COLUMNS
+from ..tasks import Task
 from ..vector_env import ArmVectorEnv
 
 SERIES = (
@@ -112,6 +113,7 @@ def rollout(
             costs[row],
             terminated=bool(failed[row]),
             periods=int(limits[row]),
+            task=arms.episodes.task,
             cuffs=arms.has_cuffs,
         )
         for row, end in enumerate(ends.tolist())
@@ -125,6 +127,7 @@ def _trace(
     *,
     terminated: bool,
     periods: int,
+    task: Task,
     cuffs: bool,
 ) -> Trace:
     force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
@@ -135,7 +138,7 @@ def _trace(
         assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
         rewards=rewards,
         costs=cost_terms(costs, len(rewards)),
-        success=is_success(costs, len(rewards), ended=terminated),
+        success=is_success(costs, len(rewards), task, ended=terminated),
         terminated=terminated,
         periods=periods,
     )

@@ -18,10 +18,15 @@ from .fitting import fit_person
 from .lean import make_lean
 from .mirroring import mirror
 from .suit import attach_others, attach_suit, remove_suit
+from .workplace import Edits, edit, grip, holder
 
 
 def compose(
-    config: ArmConfig, *, drawn: bool = True, also_worn: Sequence[Suit] = ()
+    config: ArmConfig,
+    *,
+    drawn: bool = True,
+    also_worn: Sequence[Suit] = (),
+    edits: Edits | None = None,
 ) -> mujoco.MjModel:
     """Builds the arm, suit and exoskeleton of `config`; every call returns a new model.
 
@@ -31,6 +36,7 @@ def compose(
             Without, it moves in the same way to the last digit and takes a third less time.
         also_worn: Suits that `replace_model` can put on instead, also where their models are of
             another kind or size.
+        edits: What a task adds.
 
     Raises:
         InputError: The suit is unknown, a pressure is given for a suit without one of its own, or a
@@ -40,7 +46,7 @@ def compose(
     suit = worn_suit(config)
     others = tuple(other.model_dump_json() for other in also_worn)
     own = None if suit is None else suit.model_dump_json()
-    model = copy.copy(_compiled(config, own, drawn, others))
+    model = copy.copy(_compiled(config, own, drawn, others, edits))
     give_back_after(model)
     return model
 
@@ -120,11 +126,15 @@ def _bare(config: ArmConfig) -> mujoco.MjModel:
 
 @lru_cache(maxsize=8)
 def _compiled(
-    config: ArmConfig, suit: str | None, drawn: bool, others: tuple[str, ...]
+    config: ArmConfig,
+    suit: str | None,
+    drawn: bool,
+    others: tuple[str, ...],
+    edits: Edits | None,
 ) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
     worn = None if suit is None else Suit.model_validate_json(suit)
-    spec = _built(config, worn)
+    spec = _built(config, worn, edits)
     also_worn = [Suit.model_validate_json(other) for other in others]
     attach_others(spec, worn, also_worn, allow_uncertified=config.allow_uncertified)
     if not drawn:
@@ -132,7 +142,7 @@ def _compiled(
     return spec.compile()
 
 
-def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:
+def _built(config: ArmConfig, suit: Suit | None, edits: Edits | None = None) -> mujoco.MjSpec:
     spec = mujoco.MjSpec.from_file(str(SCENE))
     spec.option.timestep = config.timestep
     fit_person(spec, config.wearer)
@@ -141,6 +151,8 @@ def _built(config: ArmConfig, suit: Suit | None) -> mujoco.MjSpec:
         fit_exoskeleton(spec, config.exo)
     if config.payload.mass > 0:
         _add_payload(spec, config.payload)
+    if edits is not None:
+        edit(spec, edits)
     delay_encoders(spec, config.exo.encoder_delay)
     _place(spec, config)
     if config.coupling == "cuffs":
@@ -177,10 +189,8 @@ def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
 
 
 def _add_payload(spec: mujoco.MjSpec, payload: Payload) -> None:
-    holder = spec.body("exo_hand") or spec.body("hand")
-    grip = spec.site("attachment_ring") or spec.site("hand_grip")
-    center = grip.pos - np.array([0, 0, payload.radius])
-    body = holder.add_body(name="payload", pos=center)
+    center = grip(spec).pos - np.array([0, 0, payload.radius])
+    body = holder(spec).add_body(name="payload", pos=center)
     body.mass, body.inertia, body.explicitinertial = payload.mass, payload.moments, True
     body.ipos = np.zeros(3)  # unset, it would be `center` again, and saved without the mass
     body.add_geom(

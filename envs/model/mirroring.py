@@ -37,6 +37,9 @@ def mirror(spec: mujoco.MjSpec) -> None:
         for camera in body.cameras:
             camera.pos = camera.pos * _POLAR
             _reflect_camera(camera)
+    for actuator in spec.actuators:
+        if actuator.trntype == mujoco.mjtTrn.mjTRN_SITE:
+            actuator.gear = actuator.gear * np.array([*_POLAR, *_AXIAL])
 
 
 def _reflect_pose(

@@ -12,6 +12,7 @@ from ...assets import JOINTS
 from ...hysteresis.engine import fault_slots
 from ..model import ASSISTED
 from ..model.cuffs import CUFFS
+from ..model.workplace import PUSHES
 
 Indices = NDArray[np.int64]
 
@@ -33,6 +34,8 @@ class Addresses:
         assist: Torques of the motors in actuator_force, shape (2,).
         motors: Controls of the motors, which are torques [N·m], shape (2,).
         peak_torque: Largest torque of each motor [N·m], shape (2,).
+        pushes: Controls of the forces on the grip, shape (3,); none where a task has none.
+        hand: Place of the grip in sensordata, shape (3,).
         cuffs: Forces on upper arm, forearm and hand in sensordata, shape (9,).
         suited: Positions in `JOINTS` of the joints that suits resist, shape (n,); a joint is there
             once for each kind of model that it may have, of which one gives torque.
@@ -51,6 +54,8 @@ class Addresses:
     assist: Indices
     motors: Indices
     peak_torque: Array
+    pushes: Indices
+    hand: Indices
     cuffs: Indices
     suited: Indices
     suit_torque: Indices
@@ -84,6 +89,10 @@ class Addresses:
             assist=assist,
             motors=_indices(model.actuator_ctrladr[assist]),
             peak_torque=model.actuator_forcerange[assist, 1],
+            pushes=_indices(
+                model.actuator_ctrladr[actuators[push]] for push in PUSHES if push in actuators
+            ),
+            hand=sensors["hand_position"] + np.arange(3),
             cuffs=(forces[:, None] + np.arange(3)).ravel(),
             suited=_indices(i for i, _ in worn),
             suit_torque=_indices(sensors[f"{suit}_torque"] for suit in suits),

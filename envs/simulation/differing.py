@@ -11,8 +11,9 @@ from ...arrays import Array
 from ...assets import Suit
 from ..model import ArmConfig, Payload, bare_arm, compose
 from ..model.cuffs import shift_exoskeleton, strap_again
+from ..model.workplace import Edits
 from ..person import Person, isometric_strength
-from .inverse_dynamics import Chain
+from .kinematics import Arm
 
 BODY = "payload"
 LOADED = ("body_pos", "body_mass", "body_inertia")
@@ -43,15 +44,17 @@ class Differing:
     Args:
         config: Configuration of the arms, which rows have until told otherwise.
         variety: What may differ.
+        edits: What a task adds to the model.
 
     Attributes:
         model: Model of a row, with a body for the load if there may be one.
         persons: The wearers.
-        chains: Inertia of each wearer's bare arm.
+        arms: Bare arm of each wearer.
+        chains: Inertia of each of them.
         strengths: Isometric strength of each wearer [N·m], shape (2, 4) each.
     """
 
-    def __init__(self, config: ArmConfig, variety: Variety) -> None:
+    def __init__(self, config: ArmConfig, variety: Variety, edits: Edits | None = None) -> None:
         self._variety = variety
         loads = variety.loads
         if loads and not config.payload.mass > 0:
@@ -60,9 +63,16 @@ class Differing:
             composed = config
         self.persons = variety.wearers or (config.wearer,)
         arms = [replace(composed, wearer=person) for person in self.persons]
-        self._models = [compose(arm, drawn=False, also_worn=variety.suits) for arm in arms]
+        self._models = [
+            compose(arm, drawn=False, also_worn=variety.suits, edits=edits) for arm in arms
+        ]
         self.model = self._models[0]
-        self.chains = [Chain.of(bare_arm(arm)) for arm in arms]
+        bare = [bare_arm(arm) for arm in arms]
+        self.arms = [
+            Arm.of(arm, model.site("hand_grip").pos)
+            for arm, model in zip(bare, self._models, strict=True)
+        ]
+        self.chains = [arm.chain for arm in self.arms]
         self.strengths = [isometric_strength(person) for person in self.persons]
         self._strapped = [mujoco.MjData(model).plugin_state.copy() for model in self._models]
         if not loads:
@@ -107,6 +117,22 @@ class Differing:
         variety = self._variety
         if variety.places:
             self._gravity[rows, 2] = -fall[rows]
+        self._write_fields(rows, wearer, misalignment, load)
+
+    def load(self, rows: NDArray[np.int64], wearer: NDArray[np.int64], load: Array) -> None:
+        """Puts other loads into the hands of some rows; see `write`."""
+        for row in rows.tolist():
+            self._carry(row, wearer, load)
+        self._batch.set_const(rows)
+
+    def _write_fields(
+        self,
+        rows: NDArray[np.int64],
+        wearer: NDArray[np.int64],
+        misalignment: Array,
+        load: Array,
+    ) -> None:
+        variety = self._variety
         if not self._fields:
             return
         for row in rows.tolist():
@@ -116,8 +142,7 @@ class Differing:
             if variety.misalignments:
                 shift_exoskeleton(model, self._fields["body_pos"][row], misalignment[row])
             if variety.loads:
-                payload, grip = Payload(mass=float(load[row])), self._grips[wearer[row]]
-                self._put(payload, grip, *(self._fields[name][row] for name in LOADED))
+                self._carry(row, wearer, load)
         if variety.loads or variety.misalignments:
             self._batch.set_const(rows)
 
@@ -127,6 +152,10 @@ class Differing:
         np.copyto(plugin_state, own, where=own != first)
         if misalignment.any():
             strap_again(self.model, plugin_state, misalignment)
+
+    def _carry(self, row: int, wearer: NDArray[np.int64], load: Array) -> None:
+        payload, grip = Payload(mass=float(load[row])), self._grips[wearer[row]]
+        self._put(payload, grip, *(self._fields[name][row] for name in LOADED))
 
     def _put(
         self, payload: Payload, grip: Array, pos: NDArray, mass: NDArray, inertia: NDArray

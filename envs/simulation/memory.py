@@ -57,10 +57,17 @@ class Memory:
         misalignment: Vector by which the exoskeleton is off [m], where rows have one of their own,
             shape (n, 3).
         load: Mass at the hand [kg], where rows have loads of their own, shape (n,).
+        carried: Mass at the hand at every sample of the intention [kg], shape (n, samples); no
+            samples where loads do not change.
+        push: Force on the grip at every sample [N], shape (n, samples, 3); no samples without.
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         costs: Costs of the episode so far, shape (n, size); whoever counts them gives it its size.
+        watched: Samples at which hands are watched, bool, shape (n, samples); whoever watches gives
+            it its size, as that of the next field.
+        places: Intended places of the hand in the world [m], shape (n, samples, 3).
+        hand: Place of the hand one control period ago [m], shape (n, 3).
         measured: Last valid measurements, shape (n, WIDTH).
         believed: Memory of a believed suit, shape (n, size); whoever follows it gives it its size.
         shown: Observations before the last one, newest first, shape (n, count, size); whoever makes
@@ -96,10 +103,15 @@ class Memory:
     wearer: NDArray[np.int64]
     misalignment: Array
     load: Array
+    carried: Array
+    push: Array
     fall: Array
     offset: Array
     dissipated_before: Array
     costs: Array
+    watched: NDArray[np.bool_]
+    places: Array
+    hand: Array
     measured: Array
     believed: Array
     shown: NDArray[np.float32]
@@ -117,6 +129,8 @@ class Memory:
         learns: bool,
         noisy: bool,
         felt: int | None,
+        carries: bool,
+        pushed: bool,
     ) -> "Memory":
         """Returns the memory of `n` rows before their first reset.
 
@@ -131,6 +145,8 @@ class Memory:
             noisy: Whether the wearer's muscles have noise or tremor.
             felt: Delay of the torque between person and suit [control periods]; None without
                 sensors that have noise.
+            carries: Whether loads change during an episode.
+            pushed: Whether forces act on the grip.
         """
         joints = len(JOINTS)
         motion = (n, samples, joints)
@@ -164,10 +180,15 @@ class Memory:
             wearer=np.zeros(n, np.int64),
             misalignment=np.zeros((n, 3)),
             load=np.zeros(n),
+            carried=np.zeros((n, samples if carries else 0)),
+            push=np.zeros((n, samples if pushed else 0, 3)),
             fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
             costs=np.zeros((n, 0)),
+            watched=np.zeros((n, 0), np.bool_),
+            places=np.zeros((n, 0, 3)),
+            hand=np.zeros((n, 3)),
             measured=np.zeros((n, WIDTH)),
             believed=np.zeros((n, 0)),
             shown=np.zeros((n, 0, 0), np.float32),

@@ -4,7 +4,7 @@ import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -16,6 +16,7 @@ from ...assets import JOINTS, SuitJoint
 from ...errors import InputError
 from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
+from ..model.workplace import Edits
 from ..person import VoluntaryControl
 from ..person.control import NOISE_SIZE, noise_constants, sight_periods
 from ..person.fatigue import RATES
@@ -24,10 +25,11 @@ from . import settling
 from .addresses import Addresses
 from .cycle import after, before
 from .differing import Differing, Variety
-from .intention import Motion, valid_motion
 from .inverse_dynamics import arm_torques
+from .kinematics import Arm
 from .measurements import COLUMNS
 from .memory import STRETCH, Memory
+from .plan import Plan, checked_plan
 from .sensing import Sensing, sense, smoothing
 from .streams import stream
 from .wearer import FEATURES
@@ -45,7 +47,7 @@ class Start:
     """What an episode of one row begins with.
 
     Attributes:
-        motion: Intended motion.
+        plan: What the episode asks of the wearer.
         suit: Joints of the suit that is worn; None is the compiled one.
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
         payload: Load at the hand; None is that of the configuration.
@@ -58,7 +60,7 @@ class Start:
             (samples, 4); None is none.
     """
 
-    motion: Motion
+    plan: Plan
     suit: Mapping[str, SuitJoint] | None
     encoder_offset: Array
     payload: Payload | None
@@ -67,6 +69,20 @@ class Start:
     misalignment: Array
     loudness: float
     taught: Array | None
+
+
+class Posture(NamedTuple):
+    """What a picture is drawn from.
+
+    Attributes:
+        time: Simulated time [s].
+        position: Position `qpos` of the physics.
+        loaded: Whether the hand carries what the task loads it with.
+    """
+
+    time: float
+    position: Array
+    loaded: bool
 
 
 class Simulation:
@@ -86,6 +102,8 @@ class Simulation:
         sensing: Noise, delay and bandwidth of sensors.
         noisy: Whether the sensors that have noise are read, which takes time.
         variety: What may differ between rows.
+        edits: What a task adds to the model.
+        carries: Whether loads change during an episode; rows then may have loads of their own.
         taught: Whether wearers may be taught what to foresee.
         threads: Number of threads; 0 uses all cores.
 
@@ -98,6 +116,7 @@ class Simulation:
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
+        sensordata: Sensors of the physics, a view of shape (n, size).
     """
 
     def __init__(
@@ -112,12 +131,15 @@ class Simulation:
         sensing: Sensing,
         noisy: bool,
         variety: Variety,
+        edits: Edits | None,
+        carries: bool,
         taught: bool,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
         self.sensing, self._noisy = sensing, noisy
-        self._differing, self._variety = Differing(config, variety), variety
+        self._differing, self._variety = Differing(config, variety, edits), variety
+        self._carries = carries
         self.model = self._differing.model
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
@@ -135,6 +157,8 @@ class Simulation:
             learns=control.learns,
             noisy=control.noise > 0 or control.tremor > 0,
             felt=round(sensing.interaction_delay / control_dt) if noisy else None,
+            carries=carries,
+            pushed=self.addresses.pushes.size > 0,
         )
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
@@ -164,13 +188,17 @@ class Simulation:
         self.batch.reset(self._ids(rows), stage=NOTHING)
         for row in rows.tolist():
             start = start_of(row)
-            motion = valid_motion(start.motion, self.samples, self.ranges)
-            memory.angle[row], memory.rate[row], memory.acceleration[row] = motion
+            plan = self.checked(start.plan)
+            memory.angle[row], memory.rate[row], memory.acceleration[row] = plan.motion
             memory.offset[row], memory.loudness[row] = start.encoder_offset, start.loudness
             memory.wearer[row], memory.misalignment[row] = start.wearer, start.misalignment
             self._differing.strap(self.plugin_state[row], start.wearer, start.misalignment)
-            if start.payload is not None:
-                memory.load[row] = start.payload.mass
+            memory.load[row] = (start.payload or self.config.payload).mass
+            if self._carries:
+                memory.carried[row] = memory.load[row] + (0.0 if plan.mass is None else plan.mass)
+                memory.load[row] = memory.carried[row, 0]
+            if plan.push is not None:
+                memory.push[row] = plan.push
             if start.gravity is not None:
                 memory.fall[row] = GRAVITY[start.gravity]
             if start.suit is not None:
@@ -204,6 +232,10 @@ class Simulation:
             self._take_over(action, moving)
         if self.memory.fresh.size or self._noisy:
             self._draw_noise(moving)
+        if self._carries:
+            self._exchange(moving)
+        if self.addresses.pushes.size:
+            self._push(moving)
         bad = before(moving, action, *self._before)
         if bad >= 0:
             place = f"action of row {bad}" if self.n > 1 else "action"
@@ -212,6 +244,15 @@ class Simulation:
         after(moving, True, *self._after)
         if self._noisy:
             sense(moving, True, *self._sensed)
+
+    def checked(self, plan: Plan) -> Plan:
+        """Returns a plan that these arms can be asked for; raises an InputError otherwise."""
+        pushed = self.addresses.pushes.size > 0
+        return checked_plan(plan, self.samples, self.ranges, carries=self._carries, pushes=pushed)
+
+    def arm_of(self, wearer: int) -> Arm:
+        """Returns the bare arm of a wearer by his number."""
+        return self._differing.arms[wearer]
 
     def own_torque(self, rows: Rows) -> Array:
         """Returns the torque that moves the bare arms along their intentions [N·m].
@@ -255,9 +296,11 @@ class Simulation:
         """Returns physics of a row, for reading, in `into` or in a new MjData of `model`."""
         return self.batch.get_data(row, into)
 
-    def physics_of(self, row: int) -> tuple[float, Array]:
-        """Returns time [s] and position of a row, from which a picture is drawn."""
-        return float(self._time[row]), self._qpos[row].copy()
+    def posture_of(self, row: int) -> Posture:
+        """Returns what a picture of a row is drawn from."""
+        carried = self.memory.carried[row]
+        loaded = carried.size > 0 and self.memory.load[row] > carried.min()
+        return Posture(float(self._time[row]), self._qpos[row].copy(), bool(loaded))
 
     # --- Parts --------------------------------------------------------------------------------
 
@@ -282,7 +325,7 @@ class Simulation:
         physics = {name: batch.bind(name) for name in bound}
         self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
         self._current = physics["act"]
-        self.plugin_state = physics["plugin_state"]
+        self.plugin_state, self.sensordata = physics["plugin_state"], physics["sensordata"]
         physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias", "qacc")}
         physics["bias"] = batch.expand("actuator_biasprm")
         physics["warning"] = batch.warning[:, DIVERGENCE, 1]
@@ -341,6 +384,21 @@ class Simulation:
             "dt": dt,
             "tires": self.fatigue,
         }
+
+    def _exchange(self, moving: Rows) -> None:
+        """Takes up and puts down what hands carry in the coming control period."""
+        memory = self.memory
+        wanted = memory.carried[moving, np.minimum(memory.step[moving], self.samples - 1)]
+        changed = moving[wanted != memory.load[moving]]
+        if changed.size:
+            memory.load[moving] = wanted
+            self._differing.load(changed, memory.wearer, memory.load)
+
+    def _push(self, moving: Rows) -> None:
+        """Sets the forces on the grips for the coming control period."""
+        memory = self.memory
+        now = memory.push[moving, np.minimum(memory.step[moving], self.samples - 1)]
+        self._ctrl[moving[:, None], self.addresses.pushes] = now
 
     def _impedance_of(self, wearer: int) -> Array:
         return self.control.impedance(self._differing.persons[wearer])

@@ -14,8 +14,9 @@ from ...envs.animation import LoopPanel
 from ...envs.evaluation import rollout
 from ...envs.making import make_arms
 from ...envs.policies import Policy, make_policy, needed_options
-from ...envs.simulation.intention import Motion, minimum_jerk
+from ...envs.simulation.plan import Motion
 from ...envs.tasks import Task
+from ...envs.tasks.motions import minimum_jerk
 from ...envs.vector_env import ArmVectorEnv
 from ...errors import InputError, shown
 from ...files import check_target, replacing

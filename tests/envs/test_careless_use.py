@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.envs import ArmEnv, Task
+from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.tasks import RandomMoves, Task
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 
@@ -16,7 +17,7 @@ SPAN = {"elbow_flexion": (0.5, 1.2)}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fragile(Task):
+class Fragile(RandomMoves):
     """A task whose motion can be made to fail."""
 
     broken: list = field(default_factory=list)
@@ -148,7 +149,7 @@ def test_an_info_that_nobody_has_read_is_whole_in_json():
 )
 def test_tasks_are_checked(task, message):
     with pytest.raises(InputError, match=message):
-        Task(**{"name": "Mine", "span": SPAN, **task})
+        RandomMoves(**{"name": "Mine", "span": SPAN, **task})
 
 
 @pytest.mark.parametrize(

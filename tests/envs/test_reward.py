@@ -5,17 +5,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs import ArmEnv, Task
+from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
 from activesuit.envs.reward import COSTS, TRACKING, cost_terms, is_success
+from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, memory, physics
 
 ASSISTED = [1, 2]
-STILL = Task(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
+STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
 
 
 @pytest.fixture(scope="module", params=["rigid", "cuffs"])
@@ -169,8 +170,8 @@ def test_success(changed, well):
     costs = np.array([terms[name] for name in COSTS])
     costs[TRACKING] = 100 * terms["tracking"] ** 2
     assert cost_terms(costs, 100) == pytest.approx(terms)
-    assert is_success(costs, 100, ended=False) is well
-    assert not is_success(costs, 100, ended=True)
+    assert is_success(costs, 100, ARM_TRACKING, ended=False) is well
+    assert not is_success(costs, 100, ARM_TRACKING, ended=True)
 
 
 def test_costs_begin_anew_with_each_episode():

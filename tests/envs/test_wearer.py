@@ -7,12 +7,12 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs import ArmEnv, Task
+from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.evaluation.settled import Wearers, smoothed
 from activesuit.envs.person.control import FORGETTING, RATE
 from activesuit.envs.policies import make_policy
-from activesuit.envs.tasks import ARM_TRACKING
+from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 from arms import addresses, memory
@@ -22,14 +22,14 @@ CREDIT = 10  # control periods between what was missing and what is given more o
 
 
 @dataclass(frozen=True, kw_only=True)
-class Again(Task):
+class Again(RandomMoves):
     """The same motion in every episode."""
 
     def motion(self, rng, samples, dt):
         return super().motion(np.random.default_rng(5), samples, dt)
 
 
-STILL = Task(
+STILL = RandomMoves(
     name="Still",
     hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)},
     duration=2.0,

@@ -7,7 +7,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs import ArmEnv, Task
+from activesuit.envs import ArmEnv
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.envs.person.control import (
     NOISE_SIZE,
@@ -17,12 +17,13 @@ from activesuit.envs.person.control import (
     noise_constants,
 )
 from activesuit.envs.simulation.wearer import vary
+from activesuit.envs.tasks import RandomMoves
 from activesuit.errors import InputError
 from arms import addresses, memory, physics
 
 DT = 0.01
 VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
-STILL = Task(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=5.0)
+STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=5.0)
 BARE = {"coupling": "none", "suit": "none", "gravity": "microgravity"}
 ELBOW = JOINTS.index("elbow_flexion")
 WEAK = {"sex": "female", "stature": 1.5, "mass": 50.0}

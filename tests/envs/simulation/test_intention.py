@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.model import ArmConfig, bare_arm
-from activesuit.envs.simulation.intention import minimum_jerk, random_moves
 from activesuit.envs.simulation.inverse_dynamics import Chain, arm_torques
+from activesuit.envs.tasks.motions import minimum_jerk, random_moves
 
 
 def test_minimum_jerk_has_its_known_peaks():

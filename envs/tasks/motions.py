@@ -1,22 +1,17 @@
-"""Intended motions: minimum-jerk moves between random targets."""
+"""Intended motions: minimum-jerk moves, between random angles or through given ones."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
 
-from ...arrays import Array
+from ...arrays import AnyArray, Array
 from ...assets import JOINTS
-from ...errors import InputError, shown
-
-ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
-
-Motion = tuple[Array, Array, Array]
-"""Intended angles [rad] and their two derivatives, shape (samples, 4) each."""
+from ..simulation.plan import Motion
 
 
-def minimum_jerk(fraction: Array) -> tuple[Array, Array, Array]:
+def minimum_jerk(fraction: AnyArray) -> tuple[Array, Array, Array]:
     """Returns 10 s^3 - 15 s^4 + 6 s^5 and its first two derivatives for s in [0, 1]."""
     s = fraction
     position = s**3 * (10 + s * (-15 + 6 * s))
@@ -97,54 +92,48 @@ def random_motion(
     return motion[0], motion[1], motion[2]
 
 
-def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
-    """Checks that an arm can be asked for an intended motion, and returns the motion.
+def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Motion:
+    """Returns minimum-jerk moves from posture to posture; a posture twice is a rest.
 
     Args:
-        motion: Angle, rate and acceleration.
-        samples: Number of samples of an episode.
-        ranges: Ranges of the joints [rad], shape (4, 2).
-
-    Raises:
-        InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
+        stops: Time of each [s], rising, and its joint angles [rad], shape (4,) each; the last one
+            is held to the end.
+        samples: Number of samples.
+        dt: Time between samples [s].
     """
-    if not isinstance(motion, list | tuple) or len(motion) != 3:
-        raise InputError(
-            f"the task's motion is {shown(motion)}: return angle, rate and acceleration"
-        )
-    angle, rate, acceleration = (np.asarray(part, dtype=float) for part in motion)
-    shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
-    if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):
-        raise InputError(
-            f"the task's motion has arrays of shape {', '.join(map(str, shapes))}: give angle, "
-            f"rate and acceleration, finite numbers of shape {shape} each"
-        )
-    column = _out_of_range(angle, ranges, ROUNDING)
-    if column >= 0:
-        least, most = angle[:, column].min(), angle[:, column].max()
-        low, high = ranges[column]
-        raise InputError(
-            f"the task's motion takes {JOINTS[column]} from {least:.3g} to {most:.3g} rad: stay "
-            f"between {low:.3g} and {high:.3g} rad"
-        )
-    return angle, rate, acceleration
+    time = dt * np.arange(samples)
+    motion = np.zeros((3, samples, len(JOINTS)))
+    motion[0] = stops[-1][1]
+    for (begin, here), (end, there) in pairwise(stops):
+        now = (begin <= time) & (time < end)
+        shares = minimum_jerk((time[now] - begin) / (end - begin))
+        for derivative, share in enumerate(shares):
+            step = share[:, None] * (np.asarray(there) - here) / (end - begin) ** derivative
+            motion[derivative, now] = step + (np.asarray(here) if derivative == 0 else 0.0)
+    return motion[0], motion[1], motion[2]
 
 
-@njit(cache=True)
-def _is_finite(angle: Array, rate: Array, acceleration: Array) -> bool:
-    for i in range(angle.shape[0]):
-        for j in range(angle.shape[1]):
-            if not math.isfinite(angle[i, j] + rate[i, j] + acceleration[i, j]):
-                return False
-    return True
+def posture(shoulder: float, elbow: float, abduction: float = 0.0, wrist: float = 0.0) -> Array:
+    """Returns joint angles in the order of `JOINTS` [rad], shape (4,)."""
+    return np.array([abduction, shoulder, elbow, wrist])
 
 
-@njit(cache=True)
-def _out_of_range(angle: Array, ranges: Array, rounding: float) -> int:
-    """Returns the first joint that leaves its range, or -1."""
-    for j in range(angle.shape[1]):
-        low, high = ranges[j, 0] - rounding, ranges[j, 1] + rounding
-        for i in range(angle.shape[0]):
-            if not low <= angle[i, j] <= high:
-                return j
-    return -1
+def between(windows: Sequence[tuple[float, float]], samples: int, dt: float) -> AnyArray:
+    """Returns which samples are in one of some windows of time [s], both ends included."""
+    time = dt * np.arange(samples)
+    found = np.zeros(samples, np.bool_)
+    for begin, end in windows:
+        found |= (begin - dt / 2 <= time) & (time <= end + dt / 2)
+    return found
+
+
+def repeated(stops: Sequence[tuple[float, Array]], period: float, duration: float) -> list:
+    """Returns stops of one cycle, again and again, until a duration has passed [s].
+
+    Args:
+        stops: Times of the cycle from 0 [s], and what is then, such as a posture.
+        period: Duration of a cycle [s].
+        duration: Time that the cycles shall cover [s].
+    """
+    cycles = int(np.ceil(duration / period)) + 1
+    return [(cycle * period + time, at) for cycle in range(cycles) for time, at in stops]

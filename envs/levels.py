@@ -1,0 +1,68 @@
+"""How much an environment differs from what a controller was made for: three levels, as data."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from ..errors import InputError, unknown_name
+from .model.config import NO_SUIT
+from .randomization import Randomization
+
+LEVELS: dict[str, dict[str, Any]] = {
+    "nominal": {},
+    "randomized": {
+        "preconditioned": True,
+        "randomize": {
+            "pressure": 0.2,
+            "load": 0.5,
+            "wearers": [
+                {},
+                {"sex": "female", "stature": 1.52, "mass": 50.0},
+                {"stature": 1.88, "mass": 98.0},
+            ],
+            "misalignment": 0.02,
+            "sensor_noise": [0.5, 2.0],
+            "encoder_offset": 0.02,
+        },
+    },
+    "shift": {"suit": "emu-like", "pressure": 40.0, "gravity": "mars"},
+}
+"""Options of each level, which an option that is given replaces.
+
+At "randomized" the suit has been moved before, its pressure and the task's loads differ, three
+people wear it, and exoskeleton and sensors sit differently. "shift" is another suit at another
+pressure in another gravity than the defaults, from which nobody builds a belief by accident.
+"""
+_OF_SUITS = ("pressure", "preconditioned")
+
+
+def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns options of an environment in which "level" is replaced by what it stands for.
+
+    Terms of `randomize` replace those of the level one by one. What a level says of suits or cuffs
+    does not count where there are none.
+
+    Raises:
+        InputError: There is no such level, or randomize is no dict of terms.
+    """
+    given = {name: value for name, value in options.items() if name != "level"}
+    level = options.get("level") or "nominal"
+    if not isinstance(level, str) or level not in LEVELS:
+        raise unknown_name("level", level, LEVELS)
+    usual = dict(LEVELS[level])
+    terms, own = dict(usual.pop("randomize", {})), given.get("randomize") or {}
+    if given.get("suit", usual.get("suit")) == NO_SUIT:
+        usual = {name: value for name, value in usual.items() if name not in _OF_SUITS}
+        terms.pop("pressure", None)
+    if given.get("coupling") != "cuffs":
+        terms.pop("misalignment", None)
+    found = {**usual, **given}
+    if terms:
+        if isinstance(own, Randomization):
+            own = asdict(own)
+        if not isinstance(own, Mapping):
+            raise InputError(
+                f"randomize is {own!r}: give Randomization(...) or a dict of its fields"
+            )
+        found["randomize"] = {**terms, **own}
+    return found

@@ -1,0 +1,140 @@
+"""What a task adds to a model: tools, forces at the grip, and what stands before the wearer.
+
+Everything is built for the right arm; the left one is its mirror image.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from ...arrays import Array
+
+PUSHES = ("push_forward", "push_outward", "push_up")  # motors whose control is a force [N]
+CARRIED = "carried"  # how names of geoms begin that are seen only while there is a load
+_DIRECTIONS = ([1, 0, 0], [0, -1, 0], [0, 0, 1])
+_DRAWN = 2  # group of geoms that are drawn and nothing else
+
+
+@dataclass(frozen=True)
+class Edits:
+    """What is added to the specification of a model.
+
+    Attributes:
+        key: Text that differs where the edits differ; models are compiled once for each.
+        apply: Function that changes a specification.
+    """
+
+    key: str
+    apply: Callable[[mujoco.MjSpec], None] = field(compare=False)
+
+
+def edit(spec: mujoco.MjSpec, edits: Edits) -> None:
+    """Applies edits, and keeps the keyframes as long as the model wants them."""
+    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
+    for key in spec.keys:  # MuJoCo checks their sizes at every change
+        spec.delete(key)
+    edits.apply(spec)
+    model = spec.compile()
+    for name, qpos, act, ctrl in keys:
+        spec.add_key(
+            name=name,
+            qpos=[*qpos, *model.qpos0[len(qpos) :]],
+            act=[*act, *[0.0] * (model.na - len(act))],
+            ctrl=[*ctrl, *[0.0] * (model.nu - len(ctrl))],
+        )
+
+
+def holder(spec: mujoco.MjSpec) -> mujoco.MjsBody:
+    """Returns the body that carries loads: the exoskeleton's ring, or the hand without one."""
+    return spec.body("exo_hand") or spec.body("hand")
+
+
+def grip(spec: mujoco.MjSpec) -> mujoco.MjsSite:
+    """Returns the site at which loads act."""
+    return spec.site("attachment_ring") or spec.site("hand_grip")
+
+
+def add_pushes(spec: mujoco.MjSpec) -> None:
+    """Adds motors that push the grip forward, outward and up, in the axes of the torso."""
+    torso = spec.body("torso")
+    site = torso.add_site(name="workplace", pos=spec.body("shoulder").pos, group=4)
+    for name, direction in zip(PUSHES, _DIRECTIONS, strict=True):
+        spec.add_actuator(
+            name=name,
+            trntype=mujoco.mjtTrn.mjTRN_SITE,
+            target=grip(spec).name,
+            refsite=site.name,
+            gear=[*direction, 0, 0, 0],
+        )
+
+
+def add_reaction(spec: mujoco.MjSpec, name: str, limit: float, damping: float) -> None:
+    """Adds a force that withstands the grip's motion in the direction of flexion, and no other.
+
+    It grows with speed up to a limit, and cannot drive the arm.
+
+    Args:
+        spec: Specification that is changed.
+        name: Name of the force.
+        limit: Greatest force [N].
+        damping: Force per speed below it [N·s/m].
+    """
+    spec.add_actuator(
+        name=name,
+        trntype=mujoco.mjtTrn.mjTRN_SITE,
+        target=grip(spec).name,
+        gear=[1, 0, 0, 0, 0, 0],
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        gainprm=np.zeros(10),
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        biasprm=[0, 0, -damping, *[0] * 7],
+        forcelimited=True,
+        forcerange=[-limit, 0],
+    )
+
+
+def draw(
+    body: mujoco.MjsBody,
+    shape: mujoco.mjtGeom,
+    material: str,
+    *,
+    pos: Sequence[float] = (0, 0, 0),
+    size: Sequence[float] = (0, 0, 0),
+    name: str = "",
+    fromto: Sequence[float] | None = None,
+) -> mujoco.MjsGeom:
+    """Adds a geom that is seen and does nothing; positions are in the frame of the body [m]."""
+    geom = body.add_geom(
+        type=shape, pos=pos, size=size, group=_DRAWN, contype=0, conaffinity=0, mass=0
+    )
+    geom.material = material
+    if name:
+        geom.name = name
+    if fromto is not None:
+        geom.fromto = fromto
+    return geom
+
+
+def straight_arm(spec: mujoco.MjSpec) -> float:
+    """Returns the distance from the shoulder to the grip of the straight right arm [m]."""
+    reach = spec.body("forearm").pos + spec.body("hand").pos + spec.site("hand_grip").pos
+    return float(np.linalg.norm(reach))
+
+
+def place_of(spec: mujoco.MjSpec, angles: Array, point: Array) -> Array:
+    """Returns where a point of the hand is in the frame of the torso [m], shape (3,).
+
+    Args:
+        spec: Specification of a right arm.
+        angles: Angles of shoulder, elbow and wrist flexion [rad], shape (3,); nothing is abducted.
+        point: The point in the frame of the hand [m], shape (3,).
+    """
+    place = np.asarray(point, float)
+    offsets = (spec.body("hand").pos, spec.body("forearm").pos, spec.body("shoulder").pos)
+    for angle, offset in zip(angles[::-1], offsets, strict=True):
+        s, c = np.sin(angle), np.cos(angle)  # flexion turns down to forward
+        turned = np.array([c * place[0] - s * place[2], place[1], s * place[0] + c * place[2]])
+        place = turned + offset
+    return place

@@ -1,0 +1,285 @@
+"""Where the hand is, and which posture brings it to a place: four hinges in a chain."""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numba import njit
+
+from ...arrays import AnyArray, Array
+from ...assets import JOINTS
+from ...errors import InputError
+from .inverse_dynamics import AXIS, POSITION, Chain
+
+CLOSE = 1e-9  # m, at which a posture has brought the hand to its place
+CORRECTIONS = 100
+FARTHEST = 0.2  # rad, the most that a correction turns a joint
+SOFTNESS = 1e-6  # m², by which a stretched arm's correction is damped
+MOVING = 3  # joints that bring the hand to a place: all but the wrist
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """The bare arm of a wearer, as tasks see it.
+
+    Places are relative to the shoulder, in meters forward, outward and up, for either arm.
+
+    Attributes:
+        chain: Links of the arm.
+        grip: Place of the grip in the frame of the hand [m], shape (3,).
+        ranges: Ranges of the joints [rad], shape (4, 2).
+        outward: +1 where outward is the y axis of the torso (left arm), -1 where it is not.
+        torso: Place of the torso in the world [m], shape (3,).
+        turn: Rotation from the frame of the torso into the world, shape (3, 3).
+    """
+
+    chain: Chain
+    grip: Array
+    ranges: Array
+    outward: float
+    torso: Array
+    turn: Array
+
+    @classmethod
+    def of(cls, arm: mujoco.MjModel, grip: Array) -> "Arm":
+        """Returns the arm of a model of `bare_arm`."""
+        chain = Chain.of(arm)
+        outward = 1.0 if chain.links[0, 0, POSITION + 1] > 0 else -1.0
+        data, torso = mujoco.MjData(arm), arm.body_parentid[arm.joint(JOINTS[0]).bodyid[0]]
+        mujoco.mj_kinematics(arm, data)
+        frame = data.xmat[torso].reshape(3, 3).copy()
+        return cls(chain, grip, arm.jnt_range.copy(), outward, data.xpos[torso].copy(), frame)
+
+    @property
+    def length(self) -> float:
+        """Distance from the shoulder to the grip of the straight arm [m]."""
+        return float(np.linalg.norm(self.places(np.zeros((1, len(JOINTS))))))
+
+    @property
+    def gravity(self) -> Array:
+        """Acceleration of free fall, forward, outward and up [m/s²], shape (3,)."""
+        return self.chain.gravity[0] @ self._axes
+
+    def places(self, angle: Array) -> Array:
+        """Returns where the grip is [m], shape (samples, 3).
+
+        Args:
+            angle: Joint angles [rad], shape (samples, 4).
+        """
+        return self.in_torso(angle) @ self._axes - self._shoulder
+
+    def in_torso(self, angle: Array) -> Array:
+        """Returns where the grip is in the frame of the torso [m], shape (samples, 3)."""
+        found = np.empty((len(angle), 3))
+        hand_places(self.chain.links[0], self.grip, np.ascontiguousarray(angle), found)
+        return found
+
+    def in_world(self, angle: Array) -> Array:
+        """Returns where the grip is in the world [m], shape (samples, 3)."""
+        return self.torso + self.in_torso(angle) @ self.turn.T
+
+    def postures(self, places: Array, start: Array) -> Array:
+        """Returns joint angles that bring the grip to places one after the other [rad].
+
+        Abduction, shoulder and elbow do it; the wrist keeps its angle.
+
+        Args:
+            places: Where the grip shall be [m], shape (samples, 3).
+            start: Angles from which the first posture is searched [rad], shape (4,).
+
+        Returns:
+            The angles, shape (samples, 4).
+
+        Raises:
+            InputError: A place is out of reach, or only a joint out of its range reaches it.
+        """
+        wanted = (places + self._shoulder) @ self._axes
+        found = np.empty((len(places), len(JOINTS)))
+        missed = follow(self.chain.links[0], self.grip, wanted, np.asarray(start, float), found)
+        if missed >= 0:
+            raise InputError(
+                f"the place {np.round(places[missed], 3).tolist()} m from the shoulder is out of "
+                f"reach: stay within {self.length:.3g} m"
+            )
+        low, high = self.ranges.T - [[1e-9], [-1e-9]]
+        for joint, angles, least, most in zip(JOINTS, found.T, low, high, strict=True):
+            if not (least <= angles.min() and angles.max() <= most):
+                raise InputError(
+                    f"the places take {joint} from {angles.min():.3g} to {angles.max():.3g} rad: "
+                    f"stay between {least:.3g} and {most:.3g} rad"
+                )
+        return found
+
+    def torque_of(self, angle: Array, force: Array) -> Array:
+        """Returns the joint torques that withstand forces on the grip [N·m], shape (samples, 4).
+
+        That is minus J'F with the grip's Jacobian J.
+
+        Args:
+            angle: Joint angles [rad], shape (samples, 4).
+            force: Forces forward, outward and up [N], shape (samples, 3).
+        """
+        found = np.empty((len(angle), len(JOINTS)))
+        withstanding(
+            self.chain.links[0],
+            self.grip,
+            np.ascontiguousarray(angle),
+            np.ascontiguousarray(force @ self._axes),
+            found,
+        )
+        return found
+
+    @property
+    def _shoulder(self) -> Array:
+        return self.chain.links[0, 0, POSITION:AXIS] @ self._axes
+
+    @property
+    def _axes(self) -> Array:
+        return np.diag([1.0, self.outward, 1.0])
+
+
+@njit(cache=True)
+def hand_jacobian(
+    links: AnyArray, grip: AnyArray, angle: AnyArray, sample: int, found: AnyArray
+) -> None:
+    """Computes place and Jacobian of the grip in the frame of the torso.
+
+    Args:
+        links: Links of one arm, shape (4, 19).
+        grip: Place of the grip in the frame of the hand [m], shape (3,).
+        angle: Joint angles [rad], shape (samples, 4).
+        sample: The sample that counts.
+        found: Axis and origin of each joint, then the grip in the first three places of the last
+            row, shape (5, 6).
+    """
+    # Rows of the rotation from the frame of the link into that of the torso.
+    xx, xy, xz = 1.0, 0.0, 0.0
+    yx, yy, yz = 0.0, 1.0, 0.0
+    zx, zy, zz = 0.0, 0.0, 1.0
+    ox, oy, oz = 0.0, 0.0, 0.0
+    for i in range(4):
+        px, py, pz = links[i, POSITION], links[i, POSITION + 1], links[i, POSITION + 2]
+        ux, uy, uz = links[i, AXIS], links[i, AXIS + 1], links[i, AXIS + 2]
+        ox, oy, oz = (
+            ox + xx * px + xy * py + xz * pz,
+            oy + yx * px + yy * py + yz * pz,
+            oz + zx * px + zy * py + zz * pz,
+        )
+        found[i, 0] = xx * ux + xy * uy + xz * uz
+        found[i, 1] = yx * ux + yy * uy + yz * uz
+        found[i, 2] = zx * ux + zy * uy + zz * uz
+        found[i, 3], found[i, 4], found[i, 5] = ox, oy, oz
+        s, c = math.sin(angle[sample, i]), math.cos(angle[sample, i])
+        d = 1.0 - c
+        # Rodrigues' rotation about u.
+        axx, axy, axz = c + d * ux * ux, d * ux * uy - s * uz, d * ux * uz + s * uy
+        ayx, ayy, ayz = d * uy * ux + s * uz, c + d * uy * uy, d * uy * uz - s * ux
+        azx, azy, azz = d * uz * ux - s * uy, d * uz * uy + s * ux, c + d * uz * uz
+        xx, xy, xz = (
+            xx * axx + xy * ayx + xz * azx,
+            xx * axy + xy * ayy + xz * azy,
+            xx * axz + xy * ayz + xz * azz,
+        )
+        yx, yy, yz = (
+            yx * axx + yy * ayx + yz * azx,
+            yx * axy + yy * ayy + yz * azy,
+            yx * axz + yy * ayz + yz * azz,
+        )
+        zx, zy, zz = (
+            zx * axx + zy * ayx + zz * azx,
+            zx * axy + zy * ayy + zz * azy,
+            zx * axz + zy * ayz + zz * azz,
+        )
+    found[4, 0] = ox + xx * grip[0] + xy * grip[1] + xz * grip[2]
+    found[4, 1] = oy + yx * grip[0] + yy * grip[1] + yz * grip[2]
+    found[4, 2] = oz + zx * grip[0] + zy * grip[1] + zz * grip[2]
+
+
+@njit(cache=True)
+def column(found: AnyArray, joint: int, into: AnyArray) -> None:
+    """Writes the grip's velocity per rate of a joint [m], from the result of `hand_jacobian`."""
+    ux, uy, uz = found[joint, 0], found[joint, 1], found[joint, 2]
+    rx, ry, rz = (
+        found[4, 0] - found[joint, 3],
+        found[4, 1] - found[joint, 4],
+        found[4, 2] - found[joint, 5],
+    )
+    into[0], into[1], into[2] = uy * rz - uz * ry, uz * rx - ux * rz, ux * ry - uy * rx
+
+
+@njit(cache=True)
+def hand_places(links: AnyArray, grip: AnyArray, angle: AnyArray, places: AnyArray) -> None:
+    """Computes the places of the grip in the frame of the torso [m], shape (samples, 3)."""
+    found = np.empty((5, 6))
+    for i in range(angle.shape[0]):
+        hand_jacobian(links, grip, angle, i, found)
+        places[i, 0], places[i, 1], places[i, 2] = found[4, 0], found[4, 1], found[4, 2]
+
+
+@njit(cache=True)
+def withstanding(
+    links: AnyArray, grip: AnyArray, angle: AnyArray, force: AnyArray, torque: AnyArray
+) -> None:
+    """Computes the joint torques that withstand forces on the grip in the frame of the torso."""
+    found, each = np.empty((5, 6)), np.empty(3)
+    for i in range(angle.shape[0]):
+        hand_jacobian(links, grip, angle, i, found)
+        for j in range(4):
+            column(found, j, each)
+            torque[i, j] = -(each[0] * force[i, 0] + each[1] * force[i, 1] + each[2] * force[i, 2])
+
+
+@njit(cache=True)
+def follow(
+    links: AnyArray, grip: AnyArray, wanted: AnyArray, start: AnyArray, angle: AnyArray
+) -> int:
+    """Computes postures that bring the grip to places; returns the first out of reach, or -1.
+
+    Damped least squares (Wampler 1986, Nakamura and Hanafusa 1986), each from the posture before.
+    """
+    found, jacobian = np.empty((5, 6)), np.empty((MOVING, 3))
+    left, matrix = np.empty(3), np.empty((MOVING, MOVING))
+    for i in range(wanted.shape[0]):
+        for j in range(4):
+            angle[i, j] = start[j] if i == 0 else angle[i - 1, j]
+        reached = False
+        for _ in range(CORRECTIONS):
+            hand_jacobian(links, grip, angle, i, found)
+            far = 0.0
+            for k in range(3):
+                left[k] = wanted[i, k] - found[4, k]
+                far = max(far, abs(left[k]))
+            if far < CLOSE:
+                reached = True
+                break
+            for j in range(MOVING):
+                column(found, j, jacobian[j])
+            matrix[:] = jacobian @ jacobian.T
+            for j in range(MOVING):
+                matrix[j, j] += SOFTNESS * min(1.0, far)
+            turn = np.linalg.solve(matrix, jacobian @ left)
+            largest = max(np.abs(turn).max(), FARTHEST)
+            for j in range(MOVING):
+                angle[i, j] += turn[j] * FARTHEST / largest
+        if not reached:
+            return i
+    return -1
+
+
+def through_places(arm: Arm, places: Array, start: Array, dt: float) -> tuple[Array, Array, Array]:
+    """Returns the motion whose grip goes through places that are `dt` apart.
+
+    The first and the last place are at rest.
+
+    Raises:
+        InputError: See `Arm.postures`.
+    """
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    angle = arm.postures(places, start)
+    spline = CubicSpline(dt * np.arange(len(angle)), angle)
+    time = spline.x
+    return angle, spline(time, 1), spline(time, 2)

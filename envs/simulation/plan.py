@@ -1,0 +1,141 @@
+"""What the wearer of one episode intends, and what loads the hand while he does it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from ...arrays import AnyArray, Array
+from ...assets import JOINTS
+from ...errors import InputError, shown
+from ..model.config import HEAVIEST_PAYLOAD
+from ..model.workplace import PUSHES
+
+ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
+STRONGEST = 1000.0  # N, of a push
+
+Motion = tuple[Array, Array, Array]
+"""Intended angles [rad] and their two derivatives, shape (samples, 4) each."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What an episode asks of the wearer.
+
+    Attributes:
+        motion: Intended angles [rad] and two derivatives, shape (samples, 4) each.
+        mass: Load in the hand at every sample [kg], shape (samples,); None where the task carries
+            nothing.
+        push: Force on the grip at every sample, forward, outward and up [N], shape (samples, 3); it
+            begins at zero; None where the task has none.
+        watched: Samples at which the task looks at the hand, bool, shape (samples,); None for none.
+    """
+
+    motion: Motion
+    mass: Array | None = None
+    push: Array | None = None
+    watched: AnyArray | None = None
+
+
+def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, pushes: bool) -> Plan:
+    """Returns a plan whose arrays are finite and in range, as new arrays where they were not.
+
+    Args:
+        plan: What a task has made.
+        samples: Number of samples of an episode.
+        ranges: Ranges of the joints [rad], shape (4, 2).
+        carries: Whether the arms can carry a load that changes.
+        pushes: Whether there are motors that push.
+
+    Raises:
+        InputError: It is no plan, or has something that the arms cannot do.
+    """
+    if not isinstance(plan, Plan):
+        raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
+    motion = valid_motion(plan.motion, samples, ranges)
+    mass = _series("mass", plan.mass, (samples,))
+    push = _series("push", plan.push, (samples, len(PUSHES)))
+    watched = _series("watched", plan.watched, (samples,))
+    if mass is not None:
+        if not carries:
+            raise InputError("the task's plan has a mass: set carries = True in its class")
+        if mass.min() < 0 or mass.max() > HEAVIEST_PAYLOAD:
+            raise InputError(
+                f"the task's load is {mass.min():g} to {mass.max():g} kg: stay between 0 and "
+                f"{HEAVIEST_PAYLOAD:g} kg"
+            )
+    if push is not None:
+        if not pushes:
+            raise InputError("the task's plan has a push: call add_pushes(spec) in its edit")
+        if push[0].any():
+            raise InputError(f"the task's push begins with {push[0].tolist()} N: begin with 0")
+        if np.abs(push).max() > STRONGEST:
+            raise InputError(
+                f"the task's push reaches {np.abs(push).max():g} N: stay within {STRONGEST:g} N"
+            )
+    return Plan(motion, mass, push, None if watched is None else watched != 0)
+
+
+def _series(name: str, given: AnyArray | None, shape: tuple[int, ...]) -> Array | None:
+    if given is None:
+        return None
+    values = np.asarray(given, dtype=float)
+    if values.shape != shape or not np.isfinite(values).all():
+        raise InputError(
+            f"the task's {name} has shape {values.shape}: give finite numbers of shape {shape}"
+        )
+    return values
+
+
+def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
+    """Checks that an arm can be asked for an intended motion, and returns the motion.
+
+    Args:
+        motion: Angle, rate and acceleration.
+        samples: Number of samples of an episode.
+        ranges: Ranges of the joints [rad], shape (4, 2).
+
+    Raises:
+        InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
+    """
+    if not isinstance(motion, list | tuple) or len(motion) != 3:
+        raise InputError(
+            f"the task's motion is {shown(motion)}: return angle, rate and acceleration"
+        )
+    angle, rate, acceleration = (np.asarray(part, dtype=float) for part in motion)
+    shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
+    if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):
+        raise InputError(
+            f"the task's motion has arrays of shape {', '.join(map(str, shapes))}: give angle, "
+            f"rate and acceleration, finite numbers of shape {shape} each"
+        )
+    column = _out_of_range(angle, ranges, ROUNDING)
+    if column >= 0:
+        least, most = angle[:, column].min(), angle[:, column].max()
+        low, high = ranges[column]
+        raise InputError(
+            f"the task's motion takes {JOINTS[column]} from {least:.3g} to {most:.3g} rad: stay "
+            f"between {low:.3g} and {high:.3g} rad"
+        )
+    return angle, rate, acceleration
+
+
+@njit(cache=True)
+def _is_finite(angle: Array, rate: Array, acceleration: Array) -> bool:
+    for i in range(angle.shape[0]):
+        for j in range(angle.shape[1]):
+            if not math.isfinite(angle[i, j] + rate[i, j] + acceleration[i, j]):
+                return False
+    return True
+
+
+@njit(cache=True)
+def _out_of_range(angle: Array, ranges: Array, rounding: float) -> int:
+    """Returns the first joint that leaves its range, or -1."""
+    for j in range(angle.shape[1]):
+        low, high = ranges[j, 0] - rounding, ranges[j, 1] + rounding
+        for i in range(angle.shape[0]):
+            if not low <= angle[i, j] <= high:
+                return j
+    return -1

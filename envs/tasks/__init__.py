@@ -1,0 +1,62 @@
+"""Tasks: what a wearer does, one file a family, from isolated joints to tools and loads."""
+
+from ...errors import InputError, unknown_name
+from .hammer import HAMMER, Hammer
+from .handrail import HANDRAIL, Handrail
+from .minor_loops import MINOR_LOOPS, MinorLoops
+from .overhead_hold import OVERHEAD_HOLD, OverheadHold
+from .random_moves import ARM_TRACKING, ELBOW_FLEXION, SHOULDER_FLEXION, RandomMoves
+from .ratchet import RATCHET, Ratchet
+from .reach_panel import OBJECT_RELOCATION, REACH_PANEL, ObjectRelocation, ReachPanel
+from .recorded import RecordedMotion
+from .scoop import SCOOP, Scoop
+from .task import Task
+from .transition_curves import (
+    RANGE_OF_MOTION,
+    TRANSITION_CURVES,
+    RangeOfMotion,
+    TransitionCurves,
+)
+
+__all__ = [
+    "ARM_TRACKING",
+    "TASKS",
+    "Hammer",
+    "Handrail",
+    "MinorLoops",
+    "ObjectRelocation",
+    "OverheadHold",
+    "RandomMoves",
+    "RangeOfMotion",
+    "Ratchet",
+    "ReachPanel",
+    "RecordedMotion",
+    "Scoop",
+    "Task",
+    "TransitionCurves",
+    "task_of",
+]
+
+TASKS: dict[str, Task] = {
+    task.name: task
+    for task in (
+        *(SHOULDER_FLEXION, ELBOW_FLEXION, ARM_TRACKING, RANGE_OF_MOTION, TRANSITION_CURVES),
+        *(MINOR_LOOPS, REACH_PANEL, OBJECT_RELOCATION, HANDRAIL, RATCHET, HAMMER, SCOOP),
+        OVERHEAD_HOLD,
+    )
+}
+
+
+def task_of(given: str | Task) -> Task:
+    """Returns a task, or the shipped one of that name.
+
+    Raises:
+        InputError: There is no such task.
+    """
+    if isinstance(given, Task):
+        return given
+    if not isinstance(given, str):
+        raise InputError(f"task is a {type(given).__name__}: give a Task, or the name of one")
+    if given not in TASKS:
+        raise unknown_name("task", given, TASKS)
+    return TASKS[given]

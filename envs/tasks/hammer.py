@@ -1,0 +1,154 @@
+"""Hammer blows on an anvil, which throws the hammer back."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...checks import within
+from ..model.config import HEAVIEST_PAYLOAD
+from ..model.workplace import draw, grip, holder, place_of
+from ..simulation.kinematics import Arm
+from ..simulation.plan import Plan
+from .motions import between, posture
+from .task import Task
+
+RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
+DOWN, UP, PAUSE = 0.45, 0.6, 0.2  # s
+STEEPNESS = 1.6  # times the mean speed of the swing, at impact
+HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
+HEAD_SHARE = 0.77  # of the mass; the rest is the handle
+CONTACT = 8  # bit of the contacts between hammer and anvil, which nothing else has
+CONTACT_TIME = 0.016  # s, in which the hammer is thrown back; eight steps of the physics
+ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hammer(Task):
+    """The arm swings a hammer from its raised posture against an anvil, four times in 5 s.
+
+    Attributes:
+        mass: Mass of the hammer [kg].
+        rebound: Share of its speed with which the hammer leaves the anvil.
+    """
+
+    mass: float = 1.3
+    rebound: float = 0.4
+
+    source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        within("the task's mass", self.mass, 0.1, HEAVIEST_PAYLOAD, " kg")
+        within("the task's rebound", self.rebound, 0.05, 0.9, " of the speed")
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Puts a hammer in the hand, and an anvil where it strikes."""
+        at, sphere = grip(spec).pos, mujoco.mjtGeom.mjGEOM_SPHERE
+        head = at + np.array([HANDLE, 0, 0])
+        hammer = holder(spec).add_body(name="hammer", pos=at)
+        hammer.mass, hammer.explicitinertial = self.mass, True
+        hammer.ipos, hammer.inertia = _inertia(self.mass)
+        solid = hammer.add_geom(
+            name="hammer_head", type=sphere, size=[HEAD, 0, 0], pos=[HANDLE, 0, 0], mass=0, group=4
+        )
+        solid.contype, solid.conaffinity = CONTACT, 0
+        cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
+        draw(hammer, cylinder, "rubber", size=[0.013, 0, 0], fromto=[-0.08, 0, 0, HANDLE, 0, 0])
+        ends = [HANDLE, 0, 0.05, HANDLE, 0, -HEAD]
+        draw(hammer, cylinder, "exo_steel", size=[0.026, 0, 0], fromto=ends)
+        place, course = _strike(spec, head)
+        anvil = spec.body("torso").add_body(
+            name="anvil", pos=place + (HEAD + ANVIL_SIZE[2]) * course
+        )
+        anvil.alt.type = mujoco.mjtOrientation.mjORIENTATION_ZAXIS
+        anvil.alt.zaxis = -course
+        box = mujoco.mjtGeom.mjGEOM_BOX
+        face = anvil.add_geom(name="anvil", type=box, size=ANVIL_SIZE, mass=0, group=4)
+        face.contype, face.conaffinity, face.condim = 0, CONTACT, 1
+        face.priority, face.solimp = 1, [0.99, 0.99, 0.001, 0.5, 2]
+        face.solref = contact(self.rebound)
+        draw(anvil, box, "exo_steel", size=ANVIL_SIZE)
+        post = [0, 0, -ANVIL_SIZE[2], 0, 0, -0.3]
+        draw(anvil, cylinder, "exo_frame", size=[0.022, 0, 0], fromto=post)
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns swings down and back; the speed is watched where the hammer strikes."""
+        del arm
+        raised = RAISED + np.array([0, *rng.uniform(-0.05, 0.05, 2), 0])
+        period = DOWN + UP + PAUSE
+        time = np.mod(dt * np.arange(samples), period)
+        rate = STEEPNESS * (IMPACT - raised) / DOWN
+        motion = np.zeros((3, samples, len(JOINTS)))
+        still = np.zeros(len(JOINTS))
+        down, back = time < DOWN, (time >= DOWN) & (time < DOWN + UP)
+        motion[0] = raised
+        motion[:, down] = _swing(time[down], DOWN, (raised, still), (IMPACT, rate))
+        motion[:, back] = _swing(
+            time[back] - DOWN, UP, (IMPACT, -self.rebound * rate), (raised, still)
+        )
+        blows = DOWN + period * np.arange(math.ceil(samples * dt / period))
+        windows = [(blow - dt, blow - dt) for blow in blows]
+        return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
+
+
+def contact(rebound: float) -> list[float]:
+    """Returns MuJoCo's solref of a contact that leaves a share of the speed.
+
+    A damped oscillator that is left after half a period: the share is exp(-pi ζ / sqrt(1 - ζ²)).
+    """
+    log = -math.log(rebound) / math.pi
+    damping = log / math.sqrt(1 + log**2)
+    frequency = math.pi / CONTACT_TIME / math.sqrt(1 - damping**2)
+    return [-(frequency**2), -2 * damping * frequency]
+
+
+def _inertia(mass: float) -> tuple[Array, Array]:
+    """Returns center of mass from the grip [m] and moments about it [kg·m²] of a hammer."""
+    head, handle = HEAD_SHARE * mass, (1 - HEAD_SHARE) * mass
+    middle = (HANDLE - 0.08) / 2
+    center = (head * HANDLE + handle * middle) / mass
+    across = head * (HANDLE - center) ** 2 + handle * (middle - center) ** 2
+    across += 0.4 * head * HEAD**2 + handle * (HANDLE + 0.08) ** 2 / 12
+    return np.array([center, 0, 0]), np.array([0.4 * head * HEAD**2 + 1e-5, across, across])
+
+
+def _strike(spec: mujoco.MjSpec, head: Array) -> tuple[Array, Array]:
+    """Returns where the hammer's head strikes in the frame of the torso [m], and its course."""
+    step = 1e-6 * (IMPACT - RAISED)[1:]
+    place = place_of(spec, IMPACT[1:], head)
+    course = place - place_of(spec, IMPACT[1:] - step, head)
+    return place, course / np.linalg.norm(course)
+
+
+def _swing(
+    time: Array, duration: float, begin: tuple[Array, Array], end: tuple[Array, Array]
+) -> Array:
+    """Returns the quintic from angles and rates to angles and rates, without acceleration there.
+
+    Args:
+        time: Time since the beginning [s], shape (samples,).
+        duration: Time of the swing [s].
+        begin: Angles [rad] and rates [rad/s], shape (4,) each.
+        end: The same at the end.
+
+    Returns:
+        Angle, rate and acceleration, shape (3, samples, 4).
+    """
+    s = (time / duration)[:, None]
+    path = end[0] - begin[0]
+    first, last = duration * begin[1], duration * end[1]
+    a, b, c = 10 * path - 6 * first - 4 * last, -15 * path + 8 * first + 7 * last, 6 * path
+    c = c - 3 * (first + last)
+    angle = begin[0] + s * (first + s**2 * (a + s * (b + s * c)))
+    rate = (first + s**2 * (3 * a + s * (4 * b + s * 5 * c))) / duration
+    acceleration = s * (6 * a + s * (12 * b + s * 20 * c)) / duration**2
+    return np.array([angle, rate, acceleration])
+
+
+HAMMER = Hammer(name="Hammer", duration=25.0, hand_error=0.05, slowness=0.2)
+"""Twenty blows, each in its place within 5 cm and with at least 80 % of the intended speed."""

@@ -1,0 +1,83 @@
+"""A ratchet wrench: strokes of the elbow against a reaction, and free strokes back."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from ...assets import JOINTS
+from ...checks import within
+from ..model.workplace import add_reaction, draw, grip, holder
+from ..simulation.kinematics import Arm
+from ..simulation.plan import STRONGEST, Plan
+from .motions import between, minimum_jerk
+from .task import Task
+
+MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
+FREQUENCY = 1.0  # Hz
+SHOULDER = (0.7, 0.9)  # rad
+DAMPING = 400.0  # N·s/m, by which the reaction grows to its limit at a tenth of a meter per second
+BEGINNING = 1.0  # s, in which the strokes grow from rest
+STROKE, STRAIGHT = JOINTS.index("elbow_flexion"), JOINTS.index("shoulder_flexion")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratchet(Task):
+    """The elbow flexes against a reaction at the grip and extends freely, once a second.
+
+    Attributes:
+        reaction: Greatest force that withstands the stroke [N].
+    """
+
+    reaction: float = 40.0
+
+    source: ClassVar[str] = (
+        "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        within("the task's reaction", self.reaction, 0, STRONGEST, " N")
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Adds the reaction, and draws the wrench."""
+        add_reaction(spec, "ratchet", self.reaction, DAMPING)
+        at = grip(spec).pos
+        body = holder(spec)
+        draw(
+            body,
+            mujoco.mjtGeom.mjGEOM_CAPSULE,
+            "exo_steel",
+            size=[0.011, 0, 0],
+            fromto=[*(at + np.array([0, 0.07, 0])), *(at + np.array([0, -0.23, 0]))],
+        )
+        draw(
+            body,
+            mujoco.mjtGeom.mjGEOM_CYLINDER,
+            "exo_accent",
+            size=[0.028, 0, 0],
+            fromto=[*(at + np.array([-0.02, -0.25, 0])), *(at + np.array([0.05, -0.25, 0]))],
+        )
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns strokes that grow from rest; their ends are watched."""
+        del arm
+        time = dt * np.arange(samples)
+        grown, growth, bend = minimum_jerk(np.minimum(time / BEGINNING, 1.0))
+        speed = math.tau * FREQUENCY
+        wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
+        growth, bend = growth / BEGINNING, bend / BEGINNING**2
+        motion = np.zeros((3, samples, len(JOINTS)))
+        motion[0, :, STRAIGHT] = rng.uniform(*SHOULDER)
+        motion[0, :, STROKE] = MIDDLE + SWING * grown * wave
+        motion[1, :, STROKE] = SWING * (growth * wave + grown * rate)
+        motion[2, :, STROKE] = SWING * (bend * wave + 2 * growth * rate - speed**2 * grown * wave)
+        ends = (np.arange(1, 1 + round(samples * dt * FREQUENCY)) + 0.5) / FREQUENCY
+        windows = [(end, end) for end in ends]
+        return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
+
+
+RATCHET = Ratchet(name="Ratchet", duration=15.0, hand_error=0.03)
+"""Fifteen strokes against 40 N, the hand within 3 cm of the end of each."""

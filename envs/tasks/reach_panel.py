@@ -1,0 +1,148 @@
+"""Reaches to the points of a panel, and objects that are carried from one of them to another."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+
+from ...arrays import Array
+from ..model.workplace import CARRIED, draw, grip, holder, straight_arm
+from ..simulation.kinematics import Arm, through_places
+from ..simulation.plan import Plan
+from .motions import between, minimum_jerk, posture, repeated
+from .task import Task, check_pair
+
+# Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
+# arm to its grip: two columns of four, which shoulder and elbow reach within their measured ranges.
+PANEL = np.array(
+    [(0.80, across, up) for across in (0.0, 0.12) for up in (-0.48, -0.37, -0.26, -0.15)]
+)
+BENT = posture(0.6, 1.2)  # from which a posture of the first point is searched
+REACH, DWELL = 1.5, 0.5  # s
+CARRY, GRASP, RETURN = 2.0, 0.5, 1.5  # s
+LOW, HIGH = 4, 3  # points between which an object is carried
+BLOCK_SIZE = 0.05  # m, half of its edge
+BEHIND, RIM = 0.1, 0.09  # m, of the drawn panel behind its points and around them
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReachPanel(Task):
+    """Straight reaches to random points of a panel, each held for half a second."""
+
+    source: ClassVar[str] = (
+        "Anderson and Newman 2015 (12 repeats, functional tasks); MVL work envelope; points assumed"
+    )
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Draws the panel with its points."""
+        draw_panel(spec, range(len(PANEL)))
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns reaches from point to point; the rests there are watched."""
+        legs = int(np.ceil(samples * dt / (REACH + DWELL))) + 1
+        points = [int(rng.integers(len(PANEL)))]
+        while len(points) <= legs:
+            other = int(rng.integers(len(PANEL) - 1))
+            points.append(other + (other >= points[-1]))
+        stops, windows, now = [], [], 0.0
+        for point in points:
+            place = arm.length * PANEL[point]
+            stops += [(now, place), (now + DWELL, place)]
+            windows.append((now, now + DWELL))
+            now += DWELL + REACH
+        motion = through_places(arm, hand_path(stops, samples, dt), BENT, dt)
+        return Plan(motion, watched=between(windows, samples, dt))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectRelocation(Task):
+    """An object is taken from a low place, carried to a high one, and left there, again and again.
+
+    Attributes:
+        load: Least and greatest mass of an object [kg]; each cycle has another one, of which the
+            exoskeleton is not told.
+    """
+
+    load: tuple[float, float] = (1.0, 5.0)
+
+    source: ClassVar[str] = "LSDA 13587 (upper-body object relocation); 1 to 5 kg assumed"
+    carries: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_pair("the task's load", self.load, " kg", least=0.0)
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Draws two shelves, and the object in the hand while there is one."""
+        draw_panel(spec, (LOW, HIGH))
+        edge = BLOCK_SIZE
+        draw(
+            holder(spec),
+            mujoco.mjtGeom.mjGEOM_BOX,
+            "exo_accent",
+            pos=grip(spec).pos - np.array([0, 0, edge]),
+            size=[edge, edge, edge],
+            name=f"{CARRIED}_block",
+        )
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns cycles of grasp, carry, release and return; the rests are watched."""
+        low, high = (arm.length * PANEL[point] for point in (LOW, HIGH))
+        period = 2 * GRASP + CARRY + RETURN
+        away = GRASP + CARRY
+        cycle = [(0.0, low), (GRASP, low), (away, high), (away + GRASP, high)]
+        stops = repeated(cycle, period, samples * dt)
+        starts = [time for time, _ in stops[:: len(cycle)]]
+        windows = [(t, t + GRASP) for t in starts] + [(t + away, t + away + GRASP) for t in starts]
+        mass, time = np.zeros(samples), dt * np.arange(samples)
+        for start in starts:
+            held = (start + GRASP / 2 <= time) & (time < start + away + GRASP / 2)
+            mass[held] = rng.uniform(*self.load)
+        motion = through_places(arm, hand_path(stops, samples, dt), BENT, dt)
+        return Plan(motion, mass, watched=between(windows, samples, dt))
+
+
+def hand_path(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Array:
+    """Returns straight minimum-jerk moves of the hand from place to place [m], (samples, 3).
+
+    Args:
+        stops: Time [s] and place [m] of each stop, times rising.
+        samples: Number of samples.
+        dt: Time between samples [s].
+    """
+    time, path = dt * np.arange(samples), np.empty((samples, 3))
+    path[:] = stops[-1][1]
+    for (begin, here), (end, there) in pairwise(stops):
+        now = (begin <= time) & (time < end)
+        share = minimum_jerk((time[now] - begin) / (end - begin))[0]
+        path[now] = here + share[:, None] * (there - here)
+    return path
+
+
+def draw_panel(spec: mujoco.MjSpec, points: Sequence[int]) -> None:
+    """Draws an open frame in front of the right shoulder, with buttons at some of its points."""
+    torso, capsule = spec.body("torso"), mujoco.mjtGeom.mjGEOM_CAPSULE
+    places = spec.body("shoulder").pos + straight_arm(spec) * PANEL * np.array([1, -1, 1])
+    places = places + np.array([BEHIND, 0, 0])
+    low, high = places.min(axis=0) - RIM, places.max(axis=0) + RIM
+    x = places[0, 0]
+    corners = [(low[1], low[2]), (high[1], low[2]), (high[1], high[2]), (low[1], high[2])]
+    for (y, z), (next_y, next_z) in zip(corners, [*corners[1:], corners[0]], strict=True):
+        draw(torso, capsule, "bearing", size=[0.012, 0, 0], fromto=[x, y, z, x, next_y, next_z])
+    for point in points:
+        y, z = places[point, 1:]
+        bar = [x, low[1], z, x, high[1], z]
+        draw(torso, capsule, "bearing", size=[0.005, 0, 0], fromto=bar)
+        button = [x - 0.018, y, z, x + 0.018, y, z]
+        cylinder = mujoco.mjtGeom.mjGEOM_CYLINDER
+        draw(torso, cylinder, "exo_accent", size=[0.02, 0, 0], fromto=button)
+
+
+REACH_PANEL = ReachPanel(name="ReachPanel", duration=24.0, hand_error=0.02)
+"""Twelve reaches; the hand stays within 2 cm of each point for half a second."""
+
+OBJECT_RELOCATION = ObjectRelocation(name="ObjectRelocation", duration=27.0, hand_error=0.03)
+"""Six objects, each placed in time and within 3 cm."""

@@ -1,0 +1,99 @@
+"""Motions from a file: joint angles that somebody has recorded."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError
+from ..simulation.plan import Motion
+from .task import LONGEST, SHORTEST, Task
+
+HEADER = ("time", *JOINTS)
+LARGEST_GAP = 3.0  # times the usual time between samples
+LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known
+LIKE_DEGREES = 2 * np.pi  # rad, beyond which angles look like degrees
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordedMotion(Task):
+    """A motion from a CSV file with a header and the columns time [s] and four joint angles [rad].
+
+    The columns are named as in `HEADER`, in any order; angles between samples are those of a cubic
+    spline, at rest at both ends. The duration is that of the file unless it is given.
+
+    Attributes:
+        path: Path of the file.
+
+    Raises:
+        InputError: The file cannot be read, has other columns, gaps, or angles in degrees.
+    """
+
+    path: str
+    duration: float = 0.0  # of the file
+
+    source: ClassVar[str] = "a file of yours"
+    _recorded: ClassVar[tuple[Array, Array]]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_recorded", _read(self.path))
+        if not self.duration:
+            time = self._recorded[0]
+            object.__setattr__(self, "duration", float(time[-1] - time[0]))
+        super().__post_init__()
+
+    def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
+        """Returns the motion of the file; its last posture is held to the end."""
+        from scipy.interpolate import CubicSpline  # slow to import
+
+        del rng
+        time, angle = self._recorded
+        spline = CubicSpline(time - time[0], angle, bc_type="clamped")
+        now = dt * np.arange(samples)
+        inside = now <= spline.x[-1]
+        found = [spline(np.minimum(now, spline.x[-1]), derivative) for derivative in range(3)]
+        return found[0], found[1] * inside[:, None], found[2] * inside[:, None]
+
+
+def _read(path: str) -> tuple[Array, Array]:
+    """Returns time [s] and angles [rad] of a file, shape (samples,) and (samples, 4)."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"cannot read the motion {path!r} ({error}): give a CSV file") from error
+    lines = [line.split(",") for line in text.splitlines() if line.strip()]
+    names = [name.strip() for name in lines[0]] if lines else []
+    if sorted(names) != sorted(HEADER):
+        raise InputError(
+            f"{path} has the columns {', '.join(names) or 'of nothing'}: use {', '.join(HEADER)}"
+        )
+    try:
+        values = np.array([[float(cell) for cell in line] for line in lines[1:]])
+    except ValueError as error:
+        raise InputError(f"{path} has a cell that is no number ({error}): repair it") from error
+    if values.ndim != 2 or len(values) < 3 or not np.isfinite(values).all():
+        raise InputError(f"{path} has {len(lines) - 1} samples: give at least 3 of finite numbers")
+    values = values[:, [names.index(name) for name in HEADER]]
+    time, angle = values[:, 0], values[:, 1:]
+    steps = np.diff(time)
+    if not (steps > 0).all():
+        raise InputError(f"{path} has times that do not rise after {time[steps.argmin()]:g} s")
+    usual = float(np.median(steps))
+    if steps.max() > min(LARGEST_GAP * usual, LARGEST_STEP):
+        at = int(steps.argmax())
+        raise InputError(
+            f"{path} has a gap from {time[at]:g} to {time[at + 1]:g} s, where samples are usually "
+            f"{usual:g} s apart: fill it; samples may be {LARGEST_STEP:g} s apart at most"
+        )
+    if np.abs(angle).max() > LIKE_DEGREES:
+        raise InputError(
+            f"{path} has angles up to {np.abs(angle).max():g}, like degrees: give radians"
+        )
+    if not SHORTEST <= time[-1] - time[0] <= LONGEST:
+        raise InputError(
+            f"{path} lasts {time[-1] - time[0]:g} s: use {SHORTEST:g} to {LONGEST:g} s"
+        )
+    return time, angle

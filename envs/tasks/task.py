@@ -1,0 +1,118 @@
+"""What a task is: what the wearer intends, what loads the hand, and when it has gone well."""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+import mujoco
+import numpy as np
+
+from ...checks import within
+from ...errors import InputError, shown
+from ..model.workplace import Edits
+from ..simulation.kinematics import Arm
+from ..simulation.plan import Motion, Plan
+
+SHORTEST, LONGEST = 0.02, 3600.0  # s, of an episode
+FARTHEST = 10.0  # m and rad, of tolerances
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """A task; derive from it, and override `motion` or `plan`.
+
+    A task is plain data: all that differs between episodes comes from the random generator.
+
+    Attributes:
+        name: Name of the task.
+        duration: Duration of an episode [s].
+        tracking: Root mean square of the tracking error, over time and four joints, up to which an
+            episode succeeds [rad].
+        hand_error: Largest distance of the hand from its place where the plan watches it, up to
+            which an episode succeeds [m].
+        tilt: Largest error of the hand's pitch there [rad].
+        slowness: Largest share there of its intended speed that the hand may lack.
+        fatigue: Whether the wearer's muscles tire, unless the environment says otherwise.
+        source: Where motion, loads and rule of success come from.
+        carries: Whether plans have a mass (of the class).
+    """
+
+    name: str
+    duration: float = 10.0
+    tracking: float = 0.1
+    hand_error: float = FARTHEST
+    tilt: float = FARTHEST
+    slowness: float = FARTHEST
+
+    source: ClassVar[str] = "your own"
+    carries: ClassVar[bool] = False
+    fatigue: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise InputError(f"the task's name is {shown(self.name)}: give it one")
+        within("the task's duration", self.duration, SHORTEST, LONGEST, " s")
+        for name, unit in (("tracking", "rad"), ("hand_error", "m"), ("tilt", "rad")):
+            within(f"the task's {name}", getattr(self, name), 0, FARTHEST, f" {unit}")
+        within("the task's slowness", self.slowness, 0, FARTHEST, " of the speed")
+
+    def edit(self, spec: mujoco.MjSpec) -> None:
+        """Adds what the task needs to the specification of the right arm; by default nothing.
+
+        `envs.model.workplace` has the usual parts. Tools belong to the body `holder(spec)`.
+        """
+
+    def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
+        """Returns the intended angles [rad] of an episode and two derivatives, (samples, 4) each.
+
+        Args:
+            rng: Random generator of this episode's motion.
+            samples: Number of samples, the first at the reset.
+            dt: Time between samples [s].
+        """
+        raise InputError(f"the task {self.name!r} has no motion: override motion or plan")
+
+    def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
+        """Returns what an episode asks of the wearer; by default `motion` without a load.
+
+        Args:
+            rng: Random generator of this episode's motion.
+            samples: Number of samples, the first at the reset.
+            dt: Time between samples [s].
+            arm: The wearer's arm, which knows where the hand is.
+        """
+        del arm
+        return Plan(self.motion(rng, samples, dt))
+
+    @property
+    def watches(self) -> bool:
+        """Whether success depends on where the hand is."""
+        return min(self.hand_error, self.tilt, self.slowness) < FARTHEST
+
+    @property
+    def edits(self) -> Edits | None:
+        """What the task adds to a model; None for nothing."""
+        if type(self).edit is Task.edit:
+            return None
+        return Edits(
+            json.dumps(self.identity(), sort_keys=True, default=np.ndarray.tolist), self.edit
+        )
+
+    def identity(self) -> dict[str, Any]:
+        """Returns class and fields as plain values."""
+        kind = type(self)
+        return {"task_class": f"{kind.__module__}.{kind.__qualname__}", **asdict(self)}
+
+
+def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> None:
+    """Checks a pair of numbers, the smaller one first.
+
+    Raises:
+        InputError: It is none.
+    """
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise InputError(f"{name} is {shown(given)}: give two numbers")
+    for value in given:
+        within(name, value, least, LONGEST, unit)
+    if given[0] > given[1]:
+        raise InputError(f"{name} is {shown(given)}: give the smaller number first")
