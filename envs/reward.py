@@ -32,10 +32,12 @@ LEAST_EFFORT = 0.01  # of strength, for arms that need none
 
 COSTS = (
     *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking"),
-    *("hand_error", "tilt", "slowness"),
+    *("effort", "hand_error", "tilt", "slowness"),
 )
-CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, HAND, TILT, SLOWNESS = range(len(COSTS))
-TOLERANCES = ("tracking", "hand_error", "tilt", "slowness")  # fields of a task
+CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
+MEANS = ("tracking", "effort")  # of which sums of squares are kept
+ROUNDING = 1e-6  # of a motor's load: its protection keeps it at 1
+TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
 SLOW = 0.01  # m/s, below which a hand need not be quick
 NEAR = 0.001  # rad from the end of its range where a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
@@ -148,7 +150,8 @@ def account(
 
     Columns as `COSTS`: greatest cuff force over what a person should bear; greatest motor load;
     work of the motors against the motion [J]; sum of the squared changes of the command; time at
-    the ends of ranges [s]; sum of the squared tracking error over four joints [rad²].
+    the ends of ranges [s]; sums of the mean squares over four joints of tracking error [rad²] and
+    effort.
     """
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -170,19 +173,22 @@ def account(
             angle = measured[row, ANGLE + j]
             stopped = stopped or angle < ranges[j, 0] + NEAR or angle > ranges[j, 1] - NEAR
             costs[row, TRACKING] += (angle - measured[row, TARGET + j]) ** 2 / 4.0
+            costs[row, STRAIN] += measured[row, EFFORT + j] ** 2 / 4.0
         if stopped:
             costs[row, STOPS] += dt
 
 
 def cost_terms(costs: Array, periods: int) -> dict[str, float]:
-    """Returns the costs of an episode by name; `tracking` is the root mean square error [rad].
+    """Returns the costs of an episode by name.
+
+    `tracking` is the root mean square error [rad], `effort` that of torque over strength.
 
     Args:
-        costs: Costs of one row, shape (9,).
+        costs: Costs of one row, shape (10,).
         periods: Number of control periods since the reset.
     """
     found = dict(zip(COSTS, costs.tolist(), strict=True))
-    return {**found, "tracking": float(np.sqrt(costs[TRACKING] / max(1, periods)))}
+    return found | {name: float(np.sqrt(found[name] / max(1, periods))) for name in MEANS}
 
 
 @njit(cache=True)
@@ -240,16 +246,16 @@ def watch(
 def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
     """Returns whether an episode has gone well so far.
 
-    The arm is not lost, tracking and the hand are within the task's tolerances, cuffs press no more
-    than a person should bear, and the motors stay below their continuous torque.
+    The arm is not lost, tracking, effort and the hand are within the task's tolerances, cuffs press
+    no more than a person should bear, and the motors stay within their continuous torque.
 
     Args:
-        costs: Costs of one row, shape (9,).
+        costs: Costs of one row, shape (10,).
         periods: Number of control periods since the reset.
         task: The task.
         ended: Whether the arm is lost.
     """
     terms = cost_terms(costs, periods)
-    allowed = {"cuff_force": 1.0, "heat": 1.0}
+    allowed = {"cuff_force": 1.0, "heat": 1.0 + ROUNDING}
     allowed |= {name: getattr(task, name) for name in TOLERANCES}
     return not ended and all(terms[name] <= most for name, most in allowed.items())

@@ -15,7 +15,7 @@ from ..model.workplace import draw, grip, holder, place_of
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture
-from .task import Task
+from .task import LOADED, Task
 
 RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
 DOWN, UP, PAUSE = 0.45, 0.6, 0.2  # s
@@ -23,6 +23,7 @@ STEEPNESS = 1.6  # times the mean speed of the swing, at impact
 HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
 HEAD_SHARE = 0.77  # of the mass; the rest is the handle
 CONTACT = 8  # bit of the contacts between hammer and anvil, which nothing else has
+EARLY = 0.03  # s before a blow, when speed is watched: an arm may strike too soon
 CONTACT_TIME = 0.016  # s, in which the hammer is thrown back; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
@@ -92,7 +93,7 @@ class Hammer(Task):
             time[back] - DOWN, UP, (IMPACT, -self.rebound * rate), (raised, still)
         )
         blows = DOWN + period * np.arange(math.ceil(samples * dt / period))
-        windows = [(blow - dt, blow - dt) for blow in blows]
+        windows = [(blow - EARLY, blow - EARLY) for blow in blows]
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
 
@@ -150,5 +151,5 @@ def _swing(
     return np.array([angle, rate, acceleration])
 
 
-HAMMER = Hammer(name="Hammer", duration=25.0, hand_error=0.05, slowness=0.2)
+HAMMER = Hammer(name="Hammer", duration=25.0, effort=LOADED, hand_error=0.05, slowness=0.2)
 """Twenty blows, each in its place within 5 cm and with at least 80 % of the intended speed."""

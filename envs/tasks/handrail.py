@@ -12,7 +12,7 @@ from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated
 from .reach_panel import hand_path
-from .task import Task, check_pair
+from .task import SUSTAINED, Task, check_pair
 
 FAR, NEAR = posture(1.1, 0.6), posture(0.45, 1.4)  # of the hand that takes hold, and lets go
 HOLD = 2.0  # s, of one hand
@@ -69,5 +69,5 @@ def _pulse(time: Array) -> Array:
     return rise - minimum_jerk(np.clip((time - HOLD + RISE) / RISE, 0, 1))[0]
 
 
-HANDRAIL = Handrail(name="Handrail", duration=20.0, hand_error=0.03)
+HANDRAIL = Handrail(name="Handrail", duration=20.0, effort=SUSTAINED, hand_error=0.03)
 """Five pulls; the hand stays within 3 cm of the rail while it pulls."""

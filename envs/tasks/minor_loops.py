@@ -10,7 +10,7 @@ from ...assets import JOINTS
 from ...published import LI_RANGES
 from ..simulation.plan import Motion
 from .motions import minimum_jerk
-from .task import Task
+from .task import SUSTAINED, Task
 
 FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
 BEGINNING = 1.0  # s, in which the motion grows from rest
@@ -46,5 +46,5 @@ class MinorLoops(Task):
         return motion[0], motion[1], motion[2]
 
 
-MINOR_LOOPS = MinorLoops(name="MinorLoops", duration=20.0)
+MINOR_LOOPS = MinorLoops(name="MinorLoops", duration=20.0, effort=SUSTAINED)
 """Nested loops of shoulder and elbow for 20 s."""

@@ -13,7 +13,7 @@ from ..model.workplace import add_reaction, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import STRONGEST, Plan
 from .motions import between, minimum_jerk
-from .task import Task
+from .task import LOADED, Task
 
 MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
 FREQUENCY = 1.0  # Hz
@@ -79,5 +79,5 @@ class Ratchet(Task):
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
 
-RATCHET = Ratchet(name="Ratchet", duration=15.0, hand_error=0.03)
+RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=LOADED, hand_error=0.03)
 """Fifteen strokes against 40 N, the hand within 3 cm of the end of each."""

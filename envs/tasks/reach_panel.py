@@ -13,7 +13,7 @@ from ..model.workplace import CARRIED, draw, grip, holder, straight_arm
 from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated
-from .task import Task, check_pair
+from .task import LOADED, SUSTAINED, Task, check_pair
 
 # Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
 # arm to its grip: two columns of four, which shoulder and elbow reach within their measured ranges.
@@ -89,14 +89,14 @@ class ObjectRelocation(Task):
         )
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns cycles of grasp, carry, release and return; the rests are watched."""
+        """Returns cycles of grasp, carry, release and return; arrivals are watched."""
         low, high = (arm.length * PANEL[point] for point in (LOW, HIGH))
         period = 2 * GRASP + CARRY + RETURN
         away = GRASP + CARRY
         cycle = [(0.0, low), (GRASP, low), (away, high), (away + GRASP, high)]
         stops = repeated(cycle, period, samples * dt)
         starts = [time for time, _ in stops[:: len(cycle)]]
-        windows = [(t, t + GRASP) for t in starts] + [(t + away, t + away + GRASP) for t in starts]
+        windows = [(t, t + GRASP / 2 - dt) for start in starts for t in (start, start + away)]
         mass, time = np.zeros(samples), dt * np.arange(samples)
         for start in starts:
             held = (start + GRASP / 2 <= time) & (time < start + away + GRASP / 2)
@@ -141,8 +141,10 @@ def draw_panel(spec: mujoco.MjSpec, points: Sequence[int]) -> None:
         draw(torso, cylinder, "exo_accent", size=[0.02, 0, 0], fromto=button)
 
 
-REACH_PANEL = ReachPanel(name="ReachPanel", duration=24.0, hand_error=0.02)
+REACH_PANEL = ReachPanel(name="ReachPanel", duration=24.0, effort=SUSTAINED, hand_error=0.02)
 """Twelve reaches; the hand stays within 2 cm of each point for half a second."""
 
-OBJECT_RELOCATION = ObjectRelocation(name="ObjectRelocation", duration=27.0, hand_error=0.03)
+OBJECT_RELOCATION = ObjectRelocation(
+    name="ObjectRelocation", duration=27.0, effort=LOADED, hand_error=0.03
+)
 """Six objects, each placed in time and within 3 cm."""

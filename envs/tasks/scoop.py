@@ -11,7 +11,7 @@ from ..model.workplace import CARRIED, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture, repeated, through
-from .task import Task, check_pair
+from .task import LOADED, Task, check_pair
 
 LEVEL = math.pi / 2  # rad, pitch of a hand that points forward
 DOWN, UP = (posture(s, e, wrist=LEVEL - s - e) for s, e in ((0.4, 0.6), (0.9, 1.4)))
@@ -71,5 +71,5 @@ class Scoop(Task):
         return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
 
 
-SCOOP = Scoop(name="Scoop", duration=30.0, hand_error=0.1, tilt=0.2)
+SCOOP = Scoop(name="Scoop", duration=30.0, effort=LOADED, hand_error=0.1, tilt=0.2)
 """Ten scoops; the hand tilts by at most 0.2 rad more or less than intended while it is loaded."""

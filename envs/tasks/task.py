@@ -15,6 +15,8 @@ from ..simulation.plan import Motion, Plan
 
 SHORTEST, LONGEST = 0.02, 3600.0  # s, of an episode
 FARTHEST = 10.0  # m and rad, of tolerances
+SUSTAINED = 0.15  # of strength, the limit of the published work envelope (Schmidt 2001)
+LOADED = 0.30  # of strength, which a shoulder bears for 144 s (three compartments, Frey-Law 2012)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +30,8 @@ class Task:
         duration: Duration of an episode [s].
         tracking: Root mean square of the tracking error, over time and four joints, up to which an
             episode succeeds [rad].
+        effort: Root mean square of the wearer's torque over strength, over time and four joints, up
+            to which an episode succeeds.
         hand_error: Largest distance of the hand from its place where the plan watches it, up to
             which an episode succeeds [m].
         tilt: Largest error of the hand's pitch there [rad].
@@ -40,6 +44,7 @@ class Task:
     name: str
     duration: float = 10.0
     tracking: float = 0.1
+    effort: float = FARTHEST
     hand_error: float = FARTHEST
     tilt: float = FARTHEST
     slowness: float = FARTHEST
@@ -54,6 +59,7 @@ class Task:
         within("the task's duration", self.duration, SHORTEST, LONGEST, " s")
         for name, unit in (("tracking", "rad"), ("hand_error", "m"), ("tilt", "rad")):
             within(f"the task's {name}", getattr(self, name), 0, FARTHEST, f" {unit}")
+        within("the task's effort", self.effort, 0, FARTHEST, " of strength")
         within("the task's slowness", self.slowness, 0, FARTHEST, " of the speed")
 
     def edit(self, spec: mujoco.MjSpec) -> None:

@@ -11,7 +11,7 @@ from ...published import LI_RANGES, LI_TURNS
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture, through
-from .task import Task
+from .task import SUSTAINED, Task
 
 HOME = {"shoulder": 0.6, "elbow": 0.9}  # rad, of the joint that does not move
 RAMP = 2.0  # s, from the start of the range to a turn, and back
@@ -88,8 +88,12 @@ def _at(joint: str, angle: float) -> Array:
     return posture(angles["shoulder"], angles["elbow"])
 
 
-TRANSITION_CURVES = TransitionCurves(name="TransitionCurves", duration=42.0, tracking=0.02)
+TRANSITION_CURVES = TransitionCurves(
+    name="TransitionCurves", duration=42.0, tracking=0.02, effort=SUSTAINED
+)
 """The published families of curves, followed to 20 mrad."""
 
-RANGE_OF_MOTION = RangeOfMotion(name="RangeOfMotion", duration=60.0, hand_error=0.03)
+RANGE_OF_MOTION = RangeOfMotion(
+    name="RangeOfMotion", duration=60.0, effort=SUSTAINED, hand_error=0.03
+)
 """Shoulder and elbow from end to end of their measured ranges, the hand within 3 cm there."""

@@ -10,7 +10,7 @@ from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
-from activesuit.envs.reward import COSTS, TRACKING, cost_terms, is_success
+from activesuit.envs.reward import COSTS, STRAIN, TRACKING, cost_terms, is_success
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, memory, physics
@@ -168,7 +168,7 @@ def test_who_ends_early_scores_below_who_goes_on():
 def test_success(changed, well):
     terms = {name: 0.5 for name in COSTS} | {"tracking": 0.09} | changed
     costs = np.array([terms[name] for name in COSTS])
-    costs[TRACKING] = 100 * terms["tracking"] ** 2
+    costs[[TRACKING, STRAIN]] = 100 * terms["tracking"] ** 2, 100 * terms["effort"] ** 2
     assert cost_terms(costs, 100) == pytest.approx(terms)
     assert is_success(costs, 100, ARM_TRACKING, ended=False) is well
     assert not is_success(costs, 100, ARM_TRACKING, ended=True)
