@@ -14,14 +14,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...checks import at_least, within
+from ...checks import at_least, flag, within
 from ...errors import unknown_name
 from ..model import ArmConfig
+from ..provenance import Quantity
 from .holding import Branch, Condition, Holding
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
-HELD = 0.15  # share of isometric strength, Schmidt 2001
+_HELD = Quantity(
+    "envelope.share_of_strength",
+    0.15,
+    "1",
+    "Schmidt 2001, SAE 2001-01-2162, as mvl.mit.edu tells it",
+    "transcribed",
+)
+PROVENANCE: tuple[Quantity, ...] = (_HELD,)
+HELD = _HELD.value
 SPACING = 0.02  # m
 SPACINGS = (0.004, 0.1)  # m
 WRIST_ANGLES = 65
@@ -91,6 +100,7 @@ def work_envelope(
     condition: Condition = "suited",
     branch: Branch = "loading",
     *,
+    measured: bool = False,
     spacing: float = SPACING,
     wrist_angles: int = WRIST_ANGLES,
     on_progress: Callable[[float], None] = lambda done: None,
@@ -111,13 +121,16 @@ def work_envelope(
       motors, which would help, is left out.
     - "unlimited": the same with motors of any torque, which bounds what better ones would give.
 
-    Branches: the suit goes through the steady cycle over the range of each joint. On "loading"
-    every joint comes from the lower end of its range, on "unloading" from the upper one.
+    Branches: the suit goes through the steady cycle over the range in which each joint moves. On
+    "loading" every joint comes from the lower end of its range, on "unloading" from the upper one.
 
     Args:
         config: Wearer, suit, exoskeleton, load and place.
         condition: What is worn.
         branch: Where the joints of the suit come from.
+        measured: Whether the joints of a suit only take angles in the ranges of its file, for which
+            its models were identified. Without, they move as far as the suited arm does, and the
+            models extrapolate.
         spacing: Distance of neighboring positions, 0.004 to 0.1 [m].
         wrist_angles: Number of angles of the wrist, at least 2, over its range.
         on_progress: Function that gets the share that is done, 0 to 1.
@@ -134,9 +147,10 @@ def work_envelope(
     for kind, name, known in (("condition", condition, CONDITIONS), ("branch", branch, BRANCHES)):
         if name not in known:
             raise unknown_name(kind, name, known)
+    flag("measured", measured)
     within("spacing", spacing, *SPACINGS, " m")
     at_least("wrist_angles", wrist_angles, 2)
-    held = Holding.of(config, condition, branch)
+    held = Holding.of(config, condition, branch, measured=measured)
     low, high = held.range[-1]
     wrist = np.linspace(low, high, wrist_angles)
     points = _lattice(held.reach, spacing)
@@ -162,5 +176,6 @@ def _lattice(reach: float, spacing: float) -> Array:
     """Returns the centers of cubes within a ball around the shoulder [m], shape (n, 3)."""
     count = int(np.ceil(reach / spacing))
     line = (np.arange(-count, count) + 0.5) * spacing
-    points = np.array(np.meshgrid(line, line, line, indexing="ij")).reshape(3, -1).T
+    points = np.array(np.meshgrid(line, line, line, indexing="ij"), dtype=np.float64)
+    points = points.reshape(3, -1).T
     return np.ascontiguousarray(points[np.linalg.norm(points, axis=1) <= reach])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ..model import arm_spec
 from ..rendering import Renderer
-from .envelope import BRANCHES, HELD, Condition, Envelope
+from .envelope import BRANCHES, HELD, Envelope
 
 AXES = ("forward", "left", "up")
 PLANES = (  # axis across the section, its position from the shoulder [m], axes to the right and up
@@ -21,14 +21,14 @@ PLANES = (  # axis across the section, its position from the shoulder [m], axes 
     ("horizontal, 0.2 m below", 2, -0.2, 1, 0),
     ("frontal, 0.3 m in front", 0, 0.3, 1, 2),
 )
-COLORS: dict[Condition, str] = {
+COLORS: dict[str, str] = {
     "unsuited": "#8a94a6",
     "suited": "#0072b2",
     "assisted": "#d55e00",
     "unlimited": "#009e73",
 }
-FILLED: dict[Condition, float] = {"suited": 0.45, "assisted": 0.2}  # opacity
-STYLES: dict[Condition, str] = {"unsuited": ":", "unlimited": "--"}
+FILLED: dict[str, float] = {"suited": 0.45, "assisted": 0.2}  # opacity
+STYLES: dict[str, str] = {"unsuited": ":", "unlimited": "--"}
 CAMERA = "overview"
 FIELD_OF_VIEW = 52.0  # degrees
 INNER, OUTER = 0.55, 0.25  # opacity

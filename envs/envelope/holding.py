@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from ...arrays import Array
-from ...assets import JOINTS
+from ...assets import JOINTS, load_suit
 from ...errors import InputError
 from ...hysteresis import steady_cycle
 from ..model import ASSISTED, ArmConfig, Exo, compose, resisting_joints
@@ -52,7 +52,9 @@ class Holding:
     outward: float
 
     @classmethod
-    def of(cls, config: ArmConfig, condition: Condition, branch: Branch) -> "Holding":
+    def of(
+        cls, config: ArmConfig, condition: Condition, branch: Branch, *, measured: bool = False
+    ) -> "Holding":
         """Returns the arm of a configuration under a condition, as `work_envelope` explains them.
 
         Raises:
@@ -63,6 +65,9 @@ class Holding:
         model = compose(worn, drawn=False)
         joints = [model.joint(joint).id for joint in JOINTS]
         span = model.jnt_range[joints]
+        if measured and worn.suit != NO_SUIT:
+            for name, entry in load_suit(worn.suit).joints.items():
+                span[JOINTS.index(name)] = np.clip(entry.range, *span[JOINTS.index(name)])
         angle = np.linspace(span[:, 0], span[:, 1], SAMPLES)
         stiffness, rest = model.jnt_stiffness[joints], model.qpos_spring[model.jnt_qposadr[joints]]
         resistance = stiffness * (angle - rest)

@@ -20,6 +20,7 @@ COLUMNS = ("condition", "branch", "forward_m", "left_m", "up_m", "share_of_stren
 def envelope(
     suit: Suit = None,
     gravity: Gravity = None,
+    measured: bool = False,
     spacing: float = SPACING,
     out: Path | None = None,
     force: Force = False,
@@ -33,6 +34,8 @@ def envelope(
     --preconditioned or without.
 
     Args:
+        measured: Bend the joints of the suit only within the ranges of its file, for which its
+            models were identified; without, these extrapolate.
         spacing: Distance of neighboring hand positions, 0.004 to 0.1 [m].
         out: Folder for result.json, points.csv and the figures: a new or an empty one, or that of
             an earlier envelope.
@@ -51,6 +54,7 @@ def envelope(
             found.append(
                 work_envelope(
                     *(config, *case),
+                    measured=measured,
                     spacing=spacing,
                     on_progress=lambda done, i=i: bar.move_to(i + done),
                 )
@@ -58,6 +62,7 @@ def envelope(
     result = {
         **options,
         "share_of_strength": HELD,
+        "measured": measured,
         "spacing": spacing,
         "envelopes": [_row(one) for one in found],
     }

@@ -79,13 +79,13 @@ def test_an_arm_of_free_hinges_reaches_a_ball_without_a_hole():
     free = replace(holding, range=np.tile([-np.pi, np.pi], (4, 1)))
     reach, hole = free.reach, free.lengths[0] - free.lengths[1] - free.grip[0]
     assert hole < 0
-    line = (np.arange(-16, 16) + 0.5) * reach / 16
+    line = (np.arange(-20, 20) + 0.5) * reach / 20
     points = np.array(np.meshgrid(line, line, line)).reshape(3, -1).T.copy()
     effort, posture, _ = free.easiest(points, np.linspace(-np.pi, np.pi, 65))
     inside = np.isfinite(effort)
     assert (inside == (np.linalg.norm(points, axis=1) <= reach)).all()
     assert free.positions(posture)[inside] == pytest.approx(points[inside], abs=1e-9)
-    volume = inside.sum() * (reach / 16) ** 3
+    volume = inside.sum() * (reach / 20) ** 3
     assert volume == pytest.approx(4 / 3 * np.pi * reach**3, rel=5e-3)
 
 
@@ -148,6 +148,23 @@ def test_the_branches_differ():
     assert loading.reachable == unloading.reachable
 
 
+def test_measured_angles_are_those_of_the_suit_file():
+    config = ArmConfig(suit="mock-suit", gravity="microgravity")
+    suit = load_suit("mock-suit")
+    whole = work_envelope(config, "assisted", spacing=COARSE)
+    within = work_envelope(config, "assisted", spacing=COARSE, measured=True)
+    ranges = np.array([suit.joints[joint].range for joint in JOINTS])
+    assert within.reachable < whole.reachable / 4
+    assert (within.posture >= ranges[:, 0]).all()
+    assert (within.posture <= ranges[:, 1]).all()
+    holding = Holding.of(config, "suited", "loading", measured=True)
+    for i, joint in enumerate(("shoulder_abduction", "shoulder_flexion")):
+        rising = suit.joints[joint].steady_cycle().rising
+        assert holding.resistance[i] == pytest.approx(rising)
+    bare = work_envelope(config, "unsuited", spacing=COARSE, measured=True)
+    assert bare.volume() == bare.reachable > 800
+
+
 def test_the_left_arm_mirrors_the_right():
     right, left = (envelope("assisted", gravity="earth", side=one) for one in ("right", "left"))
     mirrored = left.position * [1, -1, 1]
@@ -172,6 +189,7 @@ def test_the_error_of_the_lattice_is_its_size():
         ({"branch": "up"}, "unknown branch 'up': use one of loading, unloading"),
         ({"spacing": 0.001}, "spacing is 0.001: use a number from 0.004 to 0.1 m"),
         ({"spacing": "fine"}, "spacing is 'fine': use a number from 0.004 to 0.1 m"),
+        ({"measured": 1}, "measured is 1: use True or False"),
         ({"wrist_angles": 1}, "wrist_angles is 1: use at least 2"),
         ({"config": ArmConfig(coupling="cuffs")}, "coupling is 'cuffs': leave it 'rigid'"),
         ({"config": ArmConfig(suit="published-2022")}, "certificate margin is -0.245"),
