@@ -113,6 +113,7 @@ def test_links_to_files_exist(name):
 MODULES = [
     *("hysteresis", "hysteresis.engine", "identification", "assets"),
     *("envs", "envs.model", "envs.person", "envs.policies", "envs.evaluation"),
+    "envs.envelope",
 ]
 
 

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ...assets import Suit, load_suit, suit_names
-from ...envs import belief, model, person, policies, rig, simulation
+from ...envs import belief, envelope, model, person, policies, rig, simulation
 from ...envs.model.drawing import drawn_quantities
 from ...envs.provenance import Quantity
 from ...files import write_text
@@ -14,7 +14,7 @@ from ..output import markdown_table
 from ..reports.parameters import parameter_table
 
 PAGE = Path(__file__).parent.parent.parent / "docs" / "provenance.md"
-PACKAGES = (person, model, rig, simulation, policies)
+PACKAGES = (person, model, rig, simulation, policies, envelope)
 HEADER = ["quantity", "value", "unit", "source", "grade"]
 
 BEGINNING = """\
