@@ -12,7 +12,7 @@ from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated
 from .reach_panel import hand_path
-from .task import SUSTAINED, Task, check_pair
+from .task import SUSTAINED, Task, check_range
 
 FAR, NEAR = posture(1.1, 0.6), posture(0.45, 1.4)  # of the hand that takes hold, and lets go
 HOLD = 2.0  # s, of one hand
@@ -33,7 +33,7 @@ class Handrail(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_pair("the task's pull", self.pull, " N", least=0.0)
+        check_range("the task's pull", self.pull, " N")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds the motors of the pull, and draws the rail."""

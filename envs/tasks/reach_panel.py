@@ -13,7 +13,7 @@ from ..model.workplace import CARRIED, draw, grip, holder, straight_arm
 from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated
-from .task import LOADED, SUSTAINED, Task, check_pair
+from .task import LOADED, SUSTAINED, Task, check_range
 
 # Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
 # arm to its grip: two columns of four, which shoulder and elbow reach within their measured ranges.
@@ -73,7 +73,7 @@ class ObjectRelocation(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_pair("the task's load", self.load, " kg", least=0.0)
+        check_range("the task's load", self.load, " kg")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws two shelves, and the object in the hand while there is one."""

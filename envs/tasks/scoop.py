@@ -11,7 +11,7 @@ from ..model.workplace import CARRIED, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture, repeated, through
-from .task import LOADED, Task, check_pair
+from .task import LOADED, Task, check_range
 
 LEVEL = math.pi / 2  # rad, pitch of a hand that points forward
 DOWN, UP = (posture(s, e, wrist=LEVEL - s - e) for s, e in ((0.4, 0.6), (0.9, 1.4)))
@@ -35,7 +35,7 @@ class Scoop(Task):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_pair("the task's load", self.load, " kg", least=0.0)
+        check_range("the task's load", self.load, " kg")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the scoop, and the soil while there is some."""

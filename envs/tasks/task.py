@@ -111,7 +111,7 @@ class Task:
 
 
 def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> None:
-    """Checks a pair of numbers, the smaller one first.
+    """Checks a pair of numbers.
 
     Raises:
         InputError: It is none.
@@ -120,5 +120,14 @@ def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> 
         raise InputError(f"{name} is {shown(given)}: give two numbers")
     for value in given:
         within(name, value, least, LONGEST, unit)
+
+
+def check_range(name: str, given: Any, unit: str) -> None:
+    """Checks a least and a greatest number of 0 or more.
+
+    Raises:
+        InputError: It is none.
+    """
+    check_pair(name, given, unit, least=0.0)
     if given[0] > given[1]:
         raise InputError(f"{name} is {shown(given)}: give the smaller number first")

@@ -56,7 +56,7 @@ def test_stable_baselines3_checker(env_id):
     checker.check_env(gymnasium.make(env_id).unwrapped, warn=True, skip_render_check=True)
 
 
-@pytest.mark.parametrize("env_id", IDS)
+@pytest.mark.parametrize("env_id", IDS[:3])
 def test_an_episode_lasts_ten_seconds(env_id):
     env = gymnasium.make(env_id)
     env.reset(seed=0)
