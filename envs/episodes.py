@@ -109,6 +109,7 @@ class Episodes:
         }
         arm = with_level({"level": level, "randomize": randomize, **arm})
         randomize = arm.pop("randomize")
+        arm.setdefault("gravity", task.place)
         fatigue = task.fatigue if fatigue is None else fatigue
         config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
         _check_period(control_dt, config.timestep)

@@ -11,14 +11,13 @@ from .randomization import Randomization
 LEVELS: dict[str, dict[str, Any]] = {
     "nominal": {},
     "randomized": {
-        "preconditioned": True,
         "randomize": {
             "pressure": 0.2,
             "load": 0.5,
             "wearers": [
                 {},
-                {"sex": "female", "stature": 1.52, "mass": 50.0},
-                {"stature": 1.88, "mass": 98.0},
+                {"sex": "female", "stature": 1.65, "mass": 65.0},
+                {"stature": 1.86, "mass": 92.0},
             ],
             "misalignment": 0.02,
             "sensor_noise": [0.5, 2.0],
@@ -29,8 +28,8 @@ LEVELS: dict[str, dict[str, Any]] = {
 }
 """Options of each level, which an option that is given replaces.
 
-At "randomized" the suit has been moved before, its pressure and the task's loads differ, three
-people wear it, and exoskeleton and sensors sit differently. "shift" is another suit at another
+At "randomized" the suit's pressure and the task's loads differ, three people wear it, and
+exoskeleton and sensors sit differently. "shift" is another suit at another
 pressure in another gravity than the defaults, from which nobody builds a belief by accident.
 """
 _OF_SUITS = ("pressure", "preconditioned")

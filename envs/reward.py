@@ -36,7 +36,7 @@ COSTS = (
 )
 CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
 MEANS = ("tracking", "effort")  # of which sums of squares are kept
-ROUNDING = 1e-6  # of a motor's load: its protection keeps it at 1
+ROUNDING = 1e-3  # of a motor's load, by which its protection, once a period, misses 1
 TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
 SLOW = 0.01  # m/s, below which a hand need not be quick
 NEAR = 0.001  # rad from the end of its range where a joint is at its stop

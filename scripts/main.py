@@ -28,6 +28,7 @@ COMMANDS = {
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
+    "tasks": "List the tasks, or measure how difficult each is.",
     "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
     "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
     "train": "Train an assist policy with Stable-Baselines3.",

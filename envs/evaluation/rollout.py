@@ -10,6 +10,7 @@ from ...arrays import Array
 from ...errors import InputError
 from ..policies.base import Policy
 from ..reward import cost_terms, is_success
+from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
 from ..tasks import Task
 from ..vector_env import ArmVectorEnv
@@ -33,6 +34,7 @@ class Trace:
         suit_torque: The suit's torque on the joints [N·m], shape (n, 4).
         assist_torque: The motors' torque [N·m], shape (n, 2), columns as `ASSISTED`.
         effort: The wearer's torque over the strength of a still joint, shape (n, 4).
+        hand: Place of the grip in the world [m], shape (n, 3).
         cuff_force: Force of the cuffs on upper arm, forearm and hand [N], shape (n, 3, 3); None
             without cuffs.
         assist_energy: Energy of the motors, the integral of |torque x rate| [J].
@@ -51,6 +53,7 @@ class Trace:
     suit_torque: Array
     assist_torque: Array
     effort: Array
+    hand: Array
     cuff_force: Array | None
     assist_energy: float
     rewards: Array
@@ -106,6 +109,7 @@ def rollout(
         costs[ended] = arms.episodes.simulation.memory.costs[ended]
     series, returns = np.array(measured), np.array(rewards)
     limits = arms.episodes.simulation.memory.limit
+    wearers = arms.episodes.simulation.memory.wearer
     return [
         _trace(
             series[:end, row],
@@ -114,6 +118,7 @@ def rollout(
             terminated=bool(failed[row]),
             periods=int(limits[row]),
             task=arms.episodes.task,
+            arm=arms.episodes.simulation.arm_of(int(wearers[row])),
             cuffs=arms.has_cuffs,
         )
         for row, end in enumerate(ends.tolist())
@@ -128,12 +133,14 @@ def _trace(
     terminated: bool,
     periods: int,
     task: Task,
+    arm: Arm,
     cuffs: bool,
 ) -> Trace:
     force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
     return Trace(
         time=measured[:, COLUMNS["time"].start],
         **{name: measured[:, COLUMNS[name]] for name in SERIES},
+        hand=arm.in_world(measured[:, COLUMNS["angle"]]),
         cuff_force=force if cuffs else None,
         assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
         rewards=rewards,

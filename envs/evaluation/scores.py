@@ -9,8 +9,9 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS
 from ..model.cuffs import CUFFS
-from ..person import EffortMetrics, effort_metrics
+from ..person import EffortMetrics, effort_metrics, endurance_time, spectral_arc_length
 from ..reward import COSTS
+from ..tasks.task import SUSTAINED
 from .rollout import Trace
 
 Values = tuple[float, ...]
@@ -32,6 +33,11 @@ class Score:
         reward: Mean reward of a control period of the whole motion, in [0, 1]; what an episode that
             ends early leaves out earns nothing.
         beginning: Share of the first half second in the sum of the rewards.
+        above_limit: Share of time in which a joint takes more than 15 % of strength.
+        endurance: Time for which the joint that tires first could bear the mean effort [s], as
+            `envs.person.endurance_time` has it; infinite where none tires.
+        smoothness: SPARC of the hand's speed, negative, nearer zero if smoother.
+        completion: Time of the motion where it went well [s]; NaN where not.
         success: Whether the motion went well (see `envs.reward.is_success`).
         costs: Cost terms of the motion, by name.
         load: Mean over motions of the wearer's `EffortMetrics`, by joint.
@@ -50,6 +56,10 @@ class Score:
     tracking_rmse: dict[str, float]
     reward: Values
     beginning: Values
+    above_limit: Values
+    endurance: Values
+    smoothness: Values
+    completion: Values
     success: tuple[bool, ...]
     costs: dict[str, Values]
     load: dict[str, dict[str, float]]
@@ -94,6 +104,12 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
             float(trace.rewards[trace.time <= BEGINNING].sum() / max(trace.rewards.sum(), TINY))
             for trace in traces
         ),
+        above_limit=tuple(float(np.mean(trace.effort.max(axis=1) > SUSTAINED)) for trace in traces),
+        endurance=tuple(_endurance(trace) for trace in traces),
+        smoothness=tuple(_smoothness(trace) for trace in traces),
+        completion=tuple(
+            float(trace.time[-1]) if trace.success else float("nan") for trace in traces
+        ),
         success=tuple(trace.success for trace in traces),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
         load=_load(traces),
@@ -128,6 +144,21 @@ def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
         }
         for column, joint in enumerate(JOINTS)
     }
+
+
+def _endurance(trace: Trace) -> float:
+    loads = np.minimum(trace.effort.mean(axis=0), 1.0)
+    return min(
+        float(endurance_time(load, joint)) for joint, load in zip(JOINTS, loads, strict=True)
+    )
+
+
+def _smoothness(trace: Trace) -> float:
+    if len(trace.time) < 3:
+        return float("nan")
+    dt = trace.time[1] - trace.time[0]
+    speed = np.linalg.norm(np.diff(trace.hand, axis=0), axis=1) / dt
+    return float(spectral_arc_length(speed, dt))
 
 
 def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:

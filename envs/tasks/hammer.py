@@ -41,6 +41,7 @@ class Hammer(Task):
     rebound: float = 0.4
 
     source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
+    place: ClassVar[str] = "moon"
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -30,6 +30,7 @@ class Handrail(Task):
     pull: tuple[float, float] = (30.0, 50.0)
 
     source: ClassVar[str] = "BVAD (translation takes 12 to 34 % of suited time); forces assumed"
+    place: ClassVar[str] = "microgravity"
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -30,6 +30,7 @@ class OverheadHold(Task):
     load: float = 1.0
 
     source: ClassVar[str] = "shoulder injuries in the EMU (Hilbert 2015); posture and load assumed"
+    place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
     fatigue: ClassVar[bool] = True
 

@@ -13,7 +13,7 @@ from ..model.workplace import add_reaction, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import STRONGEST, Plan
 from .motions import between, minimum_jerk
-from .task import LOADED, Task
+from .task import SUSTAINED, Task
 
 MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
 FREQUENCY = 1.0  # Hz
@@ -36,6 +36,7 @@ class Ratchet(Task):
     source: ClassVar[str] = (
         "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
     )
+    place: ClassVar[str] = "microgravity"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -79,5 +80,5 @@ class Ratchet(Task):
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
 
-RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=LOADED, hand_error=0.03)
+RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=SUSTAINED, hand_error=0.03)
 """Fifteen strokes against 40 N, the hand within 3 cm of the end of each."""

@@ -13,7 +13,7 @@ from ..model.workplace import CARRIED, draw, grip, holder, straight_arm
 from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated
-from .task import LOADED, SUSTAINED, Task, check_range
+from .task import SUSTAINED, Task, check_range
 
 # Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
 # arm to its grip: two columns of four, which shoulder and elbow reach within their measured ranges.
@@ -35,6 +35,7 @@ class ReachPanel(Task):
     source: ClassVar[str] = (
         "Anderson and Newman 2015 (12 repeats, functional tasks); MVL work envelope; points assumed"
     )
+    place: ClassVar[str] = "moon"
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the panel with its points."""
@@ -69,6 +70,7 @@ class ObjectRelocation(Task):
     load: tuple[float, float] = (1.0, 5.0)
 
     source: ClassVar[str] = "LSDA 13587 (upper-body object relocation); 1 to 5 kg assumed"
+    place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -145,6 +147,6 @@ REACH_PANEL = ReachPanel(name="ReachPanel", duration=24.0, effort=SUSTAINED, han
 """Twelve reaches; the hand stays within 2 cm of each point for half a second."""
 
 OBJECT_RELOCATION = ObjectRelocation(
-    name="ObjectRelocation", duration=27.0, effort=LOADED, hand_error=0.03
+    name="ObjectRelocation", duration=27.0, effort=SUSTAINED, hand_error=0.03
 )
 """Six objects, each placed in time and within 3 cm."""

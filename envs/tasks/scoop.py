@@ -11,18 +11,16 @@ from ..model.workplace import CARRIED, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture, repeated, through
-from .task import LOADED, Task, check_range
+from .task import SUSTAINED, Task, check_range
 
 LEVEL = math.pi / 2  # rad, pitch of a hand that points forward
-DOWN, UP = (posture(s, e, wrist=LEVEL - s - e) for s, e in ((0.4, 0.6), (0.9, 1.4)))
+DOWN, UP = (posture(shoulder, LEVEL - shoulder) for shoulder in (0.4, 1.02))
 LIFT, PAUSE, LOWER = 1.2, 0.3, 1.2  # s
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scoop(Task):
-    """The arm lifts a level scoop full of soil and lowers it empty, every three seconds.
-
-    The wrist keeps it level, beyond the angles at which suits were measured.
+    """The arm lifts a level scoop full of soil forward and lowers it empty, every three seconds.
 
     Attributes:
         load: Least and greatest mass of the soil [kg]; each scoop has another one.
@@ -31,6 +29,7 @@ class Scoop(Task):
     load: tuple[float, float] = (2.0, 5.0)
 
     source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
+    place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -71,5 +70,5 @@ class Scoop(Task):
         return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
 
 
-SCOOP = Scoop(name="Scoop", duration=30.0, effort=LOADED, hand_error=0.1, tilt=0.2)
+SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, hand_error=0.1, tilt=0.2)
 """Ten scoops; the hand tilts by at most 0.2 rad more or less than intended while it is loaded."""

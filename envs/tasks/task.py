@@ -37,6 +37,7 @@ class Task:
         tilt: Largest error of the hand's pitch there [rad].
         slowness: Largest share there of its intended speed that the hand may lack.
         fatigue: Whether the wearer's muscles tire, unless the environment says otherwise.
+        place: Place whose gravity acts, unless the environment says otherwise.
         source: Where motion, loads and rule of success come from.
         carries: Whether plans have a mass (of the class).
     """
@@ -52,6 +53,7 @@ class Task:
     source: ClassVar[str] = "your own"
     carries: ClassVar[bool] = False
     fatigue: ClassVar[bool] = False
+    place: ClassVar[str] = "earth"
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
@@ -94,6 +96,20 @@ class Task:
     def watches(self) -> bool:
         """Whether success depends on where the hand is."""
         return min(self.hand_error, self.tilt, self.slowness) < FARTHEST
+
+    @property
+    def rule(self) -> str:
+        """What success means in this task, in words."""
+        parts = [f"tracking within {1000 * self.tracking:g} mrad"]
+        for value, words in (
+            (self.effort, f"effort at most {100 * self.effort:g} % of strength"),
+            (self.hand_error, f"hand within {100 * self.hand_error:g} cm where it is watched"),
+            (self.tilt, f"tilt within {self.tilt:g} rad there"),
+            (self.slowness, f"at most {100 * self.slowness:g} % too slow there"),
+        ):
+            if value < FARTHEST:
+                parts.append(words)
+        return ", ".join(parts)
 
     @property
     def edits(self) -> Edits | None:

@@ -24,6 +24,7 @@ from ..reports.motions import (
     score_table,
     settings_page,
     story,
+    units_table,
     write_scores,
 )
 from ..runs import Scene, scene
@@ -99,6 +100,7 @@ def evaluate(
             remarks.append(f"{title}: {agreement(found)}")
         else:
             tables["Cost per motion"] = effort_table(scores)
+            tables["Units of effort, medians"] = units_table(scores)
             remarks += [*story(found), *cuff_remarks(scores)]
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"

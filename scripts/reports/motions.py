@@ -198,14 +198,43 @@ def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
     folder.csv(name, header, ([f"{value:.6g}" for value in row] for row in rows))
 
 
+def units_table(scores: Sequence[Score]) -> Rows:
+    """Returns one row per policy: medians over motions of what work is usually measured by."""
+    header = ["policy", "above 15 %\n[% of time]", "endurance\n[s]", "hand\nSPARC"]
+    header += ["completed\nin [s]", "wrong-way\nassist [J]"]
+    rows = []
+    for score in scores:
+        above, *rest = (_median(values) for values in _units(score))
+        rows.append([score.policy, f"{100 * above:.0f}", *(f"{value:.4g}" for value in rest)])
+    return header, rows
+
+
+def _median(values: Sequence[float]) -> float:
+    known = [value for value in values if not np.isnan(value)]
+    return float(np.median(known)) if known else np.nan
+
+
+UNITS = ("above_limit", "endurance_s", "hand_sparc", "completion_s", "wrong_way_work_j")
+
+
+def _units(score: Score) -> tuple[Sequence[float], ...]:
+    return (
+        *(score.above_limit, score.endurance, score.smoothness, score.completion),
+        score.costs["wrong_way_work"],
+    )
+
+
 def write_scores(folder: RunFolder, name: str, scores: Sequence[Score], first_seed: int) -> None:
     """Writes one line per policy and motion: effort, torque, tracking, reward and success."""
     joints = [f"{joint}_torque_nm" for joint in JOINTS]
-    header = ["policy", "seed", "effort", *joints, "tracking_rad", "reward", "success"]
+    header = ["policy", "seed", "effort", *joints, "tracking_rad", "reward", "success", *UNITS]
     rows = []
     for score in scores:
         for i, effort in enumerate(score.effort):
             torque = [f"{score.torque[joint][i]:.6g}" for joint in JOINTS]
             rest = [f"{score.tracking[i]:.6g}", f"{score.reward[i]:.6g}", f"{score.success[i]:d}"]
-            rows.append([score.policy, str(first_seed + i), f"{effort:.6g}", *torque, *rest])
+            units = [f"{values[i]:.6g}" for values in _units(score)]
+            rows.append(
+                [score.policy, str(first_seed + i), f"{effort:.6g}", *torque, *rest, *units]
+            )
     folder.csv(name, header, rows)
