@@ -13,7 +13,7 @@ from ..model.workplace import draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import posture
-from .task import Task
+from .task import SUSTAINED, Task
 
 RAISED = posture(1.2, 1.2)
 SPREAD = 0.02  # rad, by which postures differ
@@ -30,7 +30,7 @@ class OverheadHold(Task):
     load: float = 1.0
 
     source: ClassVar[str] = "shoulder injuries in the EMU (Hilbert 2015); posture and load assumed"
-    place: ClassVar[str] = "moon"
+    place: ClassVar[str] = "mars"
     carries: ClassVar[bool] = True
     fatigue: ClassVar[bool] = True
 
@@ -62,5 +62,5 @@ class OverheadHold(Task):
         )
 
 
-OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, hand_error=0.05)
-"""A tool of 1 kg, held for 120 s within 5 cm by muscles that tire."""
+OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, effort=SUSTAINED, hand_error=0.03)
+"""A tool of 1 kg, held for 120 s within 3 cm by muscles that tire."""
