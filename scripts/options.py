@@ -143,12 +143,44 @@ def gravity_option(usual: str) -> Any:
     return choice(gravities, "Place whose gravity acts on the arm.", usual)
 
 
+def tasks() -> list[str]:
+    """Returns the names of the shipped tasks; a file of a motion is one too."""
+    from ..envs.tasks import TASKS
+
+    return [*TASKS, "FILE.csv"]
+
+
+def levels() -> Iterable[str]:
+    """Returns the names of the levels."""
+    from ..envs.levels import LEVELS
+
+    return LEVELS
+
+
 ENV, SUIT, GRAVITY = "ActiveSuit/ArmTracking-v0", "mock-suit", "earth"
 
 # None where the option is not given: a training run may say what it is then (`runs.scene`).
 Env = Annotated[str | None, env_option(ENV)]
 Suit = Annotated[str | None, suit_option(SUIT)]
-Gravity = Annotated[str | None, gravity_option(GRAVITY)]
+Gravity = Annotated[str | None, gravity_option(f"that of the task, mostly {GRAVITY}")]
+TaskName = Annotated[
+    str | None,
+    choice(
+        tasks,
+        "Name of a shipped task, instead of --env; or a CSV file with the columns time [s] and the "
+        "four joint angles [rad] of a motion.",
+        "that of --env",
+    ),
+]
+Level = Annotated[
+    str | None,
+    choice(
+        levels,
+        "How much differs from what a controller was made for; options that are given replace "
+        "those of the level.",
+        "nominal",
+    ),
+]
 SuitName = Annotated[str, choice(suits, "Name of a shipped suit, or path of a suit file.")]
 PolicyName = Annotated[
     str,

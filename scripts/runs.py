@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from ..assets import load_suit
+from ..envs.levels import with_level
+from ..envs.making import OURS
 from ..envs.policies import POLICIES
 from ..envs.policies.trained import CONFIG, training_config
-from ..errors import InputError, shown
+from ..envs.tasks import TASKS
+from ..envs.tasks.recorded import MOTION
+from ..errors import InputError, shown, unknown_name
 from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
-from .options import ENV
+from .options import ENV, GRAVITY
 from .own_files import is_own
 
 COMMAND = "this command"
@@ -42,6 +46,8 @@ def scene(
     arm: ArmOptions,
     *,
     env: str | None = None,
+    task: str | None = None,
+    level: str | None = None,
     suit: str | None = None,
     gravity: str | None = None,
     policies: Iterable[str] = (),
@@ -56,6 +62,8 @@ def scene(
     Args:
         arm: Options of wearer, coupling and load.
         env: Id of the environment; None if it is not given.
+        task: Name of a task, or file of a motion; None if it is not given.
+        level: Name of a level; None if it is not given.
         suit: Name or file of the suit; None if it is not given.
         gravity: Name of the place; None if it is not given.
         policies: Names of policies; the folders of training runs among them bring their options.
@@ -68,7 +76,7 @@ def scene(
         InputError: An option differs from that of a training run, or two runs differ; or a run
             from another machine was trained in an environment of a module that is not ours.
     """
-    env = env and env.removeprefix(OUR_MODULE)
+    env, beside = _task(env and env.removeprefix(OUR_MODULE), task)
     given = {"env": env, "suit": suit, "gravity": gravity, **arm.given()}
     given = {name: value for name, value in given.items() if value is not None}
     found: dict[str, Any] = {}
@@ -81,11 +89,39 @@ def scene(
         if found:
             _check_same(found, options, f"the run in {of!r}", folder)
         found, of = options, folder
-    flat = {"env": ENV, **USUAL_OPTIONS, **(usual or {}), **found, **given}
-    chosen = flat.pop("env")
+    chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
     if ":" in chosen:
         _import_from_here()
-    return Scene(env=chosen, options=nested_options(flat))
+    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **_of_level(level), **(usual or {})}
+    flat = {**usual, **found, **given}
+    flat.pop("env", None)
+    beside |= {} if level is None else {"level": level}
+    return Scene(env=chosen, options={**nested_options(flat), **beside})
+
+
+def _task(env: str | None, task: str | None) -> tuple[str | None, dict[str, Any]]:
+    """Returns the id of the environment of a task, and options that the task needs beside it."""
+    if task is None:
+        return env, {}
+    if env is not None:
+        raise InputError(f"--task is {shown(task)}, and --env is {shown(env)}: give one of them")
+    if task.endswith(MOTION):
+        return ENV, {"task": task}
+    if task not in TASKS:
+        raise unknown_name("task", task, [*TASKS, f"a file *{MOTION}"])
+    return f"{OURS}{task}-v0", {}
+
+
+def _place(env: str) -> str:
+    """Returns the place of the task of a shipped environment, and the usual one for others."""
+    name = env.removeprefix(OURS).removesuffix("-v0")
+    return TASKS[name].place if name in TASKS else GRAVITY
+
+
+def _of_level(level: str | None) -> dict[str, Any]:
+    """Returns what a level says of options of the command line."""
+    options = with_level({"level": level, "randomize": None})
+    return {name: value for name, value in options.items() if name in USUAL_OPTIONS}
 
 
 def run_options(folder: str) -> dict[str, Any]:

@@ -1,5 +1,7 @@
 """Tasks: what a wearer does, one file a family, from isolated joints to tools and loads."""
 
+from pathlib import PurePath
+
 from ...errors import InputError, unknown_name
 from .hammer import HAMMER, Hammer
 from .handrail import HANDRAIL, Handrail
@@ -8,7 +10,7 @@ from .overhead_hold import OVERHEAD_HOLD, OverheadHold
 from .random_moves import ARM_TRACKING, ELBOW_FLEXION, SHOULDER_FLEXION, RandomMoves
 from .ratchet import RATCHET, Ratchet
 from .reach_panel import OBJECT_RELOCATION, REACH_PANEL, ObjectRelocation, ReachPanel
-from .recorded import RecordedMotion
+from .recorded import MOTION, RecordedMotion
 from .scoop import SCOOP, Scoop
 from .task import Task
 from .transition_curves import (
@@ -48,15 +50,17 @@ TASKS: dict[str, Task] = {
 
 
 def task_of(given: str | Task) -> Task:
-    """Returns a task, or the shipped one of that name.
+    """Returns a task, the shipped one of that name, or the motion of a CSV file.
 
     Raises:
-        InputError: There is no such task.
+        InputError: There is no such task, or the file holds no motion.
     """
     if isinstance(given, Task):
         return given
     if not isinstance(given, str):
         raise InputError(f"task is a {type(given).__name__}: give a Task, or the name of one")
+    if given.endswith(MOTION):
+        return RecordedMotion(name=PurePath(given).stem, path=given)
     if given not in TASKS:
         raise unknown_name("task", given, TASKS)
     return TASKS[given]

@@ -12,6 +12,7 @@ from ...errors import InputError
 from ..simulation.plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
+MOTION = ".csv"  # how the names of files of motions end
 HEADER = ("time", *JOINTS)
 LARGEST_GAP = 3.0  # times the usual time between samples
 LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known

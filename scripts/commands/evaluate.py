@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, EvaluatedName, Force, Gravity, Json, Suit
+from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName
 from ..output import RunFolder, conclude, progress
 from ..reports.motions import (
     agreement,
@@ -43,6 +44,8 @@ PLACES, SUITS, COUPLINGS = (
 
 def evaluate(
     env: Env = None,
+    task: TaskName = None,
+    level: Level = None,
     policies: tuple[EvaluatedName, ...] = USUAL_POLICIES,
     episodes: int = 20,
     seed: int = FIRST_SEED,
@@ -79,7 +82,18 @@ def evaluate(
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
     for policy in policies:
         check_name(policy)
-    scenes = list(_scenes(arm, env, suit, gravity, policies, table=table))
+    scenes = list(
+        _scenes(
+            arm,
+            policies,
+            table=table,
+            env=env,
+            task=task,
+            level=level,
+            suit=suit,
+            gravity=gravity,
+        )
+    )
     for chosen in scenes[:1]:
         _check(chosen, policies)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
@@ -138,20 +152,23 @@ def run(
 
 def _scenes(
     arm: ArmOptions,
-    env: str | None,
-    suit: str | None,
-    gravity: str | None,
     policies: tuple[str, ...],
     *,
     table: bool,
+    env: str | None,
+    task: str | None,
+    level: str | None,
+    suit: str | None,
+    gravity: str | None,
 ) -> Iterator[Scene]:
+    of_task = partial(scene, arm, env=env, task=task, level=level, policies=policies)
     if not table:
-        yield scene(arm, env=env, suit=suit, gravity=gravity, policies=policies)
+        yield of_task(suit=suit, gravity=gravity)
         return
     if suit is not None or gravity is not None or arm.coupling is not None:
         raise InputError("--table has its own suits, places and couplings: leave yours out")
     for coupling, worn, place in itertools.product(COUPLINGS, SUITS, PLACES):
-        chosen = scene(arm, env=env, suit=worn, gravity=place, policies=policies)
+        chosen = of_task(suit=worn, gravity=place)
         yield Scene(env=chosen.env, options={**chosen.options, "coupling": coupling})
 
 

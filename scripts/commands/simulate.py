@@ -17,7 +17,7 @@ from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
-from ..options import Env, Force, Gravity, Json, PolicyName, Seed, Suit
+from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
 from ..runs import scene
@@ -25,6 +25,8 @@ from ..runs import scene
 
 def simulate(
     env: Env = None,
+    task: TaskName = None,
+    level: Level = None,
     policy: PolicyName = "feedforward",
     suit: Suit = None,
     gravity: Gravity = None,
@@ -44,7 +46,9 @@ def simulate(
             earlier simulate.
     """
     at_least("seed", seed, 0)
-    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
+    chosen = scene(
+        arm, env=env, task=task, level=level, suit=suit, gravity=gravity, policies=(policy,)
+    )
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
     arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(policy), render_mode=mode)
