@@ -3,6 +3,7 @@
 from pathlib import PurePath
 
 from ...errors import InputError, unknown_name
+from ..simulation.plan import Plan
 from .hammer import HAMMER, Hammer
 from .handrail import HANDRAIL, Handrail
 from .minor_loops import MINOR_LOOPS, MinorLoops
@@ -28,6 +29,7 @@ __all__ = [
     "MinorLoops",
     "ObjectRelocation",
     "OverheadHold",
+    "Plan",
     "RandomMoves",
     "RangeOfMotion",
     "Ratchet",

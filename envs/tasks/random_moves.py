@@ -50,6 +50,16 @@ class RandomMoves(Task):
                     f"from {least:g} to {LONGEST:g} s"
                 )
 
+    @property
+    def about(self) -> str:
+        """What the wearer does, in words."""
+        moved, held = (
+            " and ".join(joint.replace("_flexion", "").replace("_", " ") for joint in joints)
+            for joints in (self.span, self.hold)
+        )
+        rest = f"; {held} is held at one" if held else ""
+        return f"Between random angles: {moved or 'nothing'}{rest}."
+
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         """Returns random minimum-jerk moves; see `Task.motion`."""
         return random_motion(

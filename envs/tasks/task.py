@@ -98,6 +98,11 @@ class Task:
         return min(self.hand_error, self.tilt, self.slowness) < FARTHEST
 
     @property
+    def about(self) -> str:
+        """What the wearer does, in words: the first sentences of the class."""
+        return " ".join((type(self).__doc__ or "").partition("\n\n")[0].split())
+
+    @property
     def rule(self) -> str:
         """What success means in this task, in words."""
         parts = [f"tracking within {1000 * self.tracking:g} mrad"]

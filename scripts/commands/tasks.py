@@ -174,7 +174,7 @@ def _list(chosen: Mapping[str, Task], json: bool) -> None:
                     name: {
                         **asdict(task),
                         **{"id": f"ActiveSuit/{name}-v0", "place": task.place},
-                        **{"about": _about(task), "source": task.source, "rule": task.rule},
+                        **{"about": task.about, "source": task.source, "rule": task.rule},
                     }
                     for name, task in chosen.items()
                 }
@@ -182,15 +182,9 @@ def _list(chosen: Mapping[str, Task], json: bool) -> None:
         )
         return
     rows = [
-        [f"ActiveSuit/{name}-v0", f"{task.duration:g} s", task.place, _about(task)]
+        [f"ActiveSuit/{name}-v0", f"{task.duration:g} s", task.place, task.about]
         for name, task in chosen.items()
     ]
     print_table("tasks", ["id", "duration", "place", "motion and load"], rows, left=4)
     for name, task in chosen.items():
         say(f"{name} succeeds with {task.rule}. Source: {task.source}.")
-
-
-def _about(task: Task) -> str:
-    """Returns what a wearer does, the first sentence of the task's class."""
-    words = (type(task).__doc__ or "").strip().partition("\n\n")[0]
-    return " ".join(words.split())

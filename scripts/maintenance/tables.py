@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from ...assets import JOINTS
+from ...envs.levels import LEVELS
 from ...envs.observation import SUITES
 from ...envs.person import control
 from ...envs.provenance import Quantity
 from ...envs.simulation.measurements import COLUMNS
+from ...envs.tasks import TASKS
 from ...errors import InputError
 from ...files import write_text
 from ..output import markdown_table
@@ -67,6 +69,28 @@ def gains() -> str:
     return markdown_table(header, rows)
 
 
+def tasks() -> str:
+    """Returns the table of the tasks."""
+    header = ["id", "motion and load", "lasts", "place", "succeeds with", "source"]
+    rows = []
+    for name, task in TASKS.items():
+        motion, place = task.about, task.place
+        cells = [f"`ActiveSuit/{name}-v0`", motion, f"{task.duration:g} s", place]
+        rows.append([*cells, task.rule, task.source])
+    return markdown_table(header, rows)
+
+
+def levels() -> str:
+    """Returns the table of the levels."""
+    rows = []
+    for name, options in LEVELS.items():
+        terms = {**options, **options.get("randomize", {})}
+        terms.pop("randomize", None)
+        shown = (f"`{term}={value!r}`" for term, value in terms.items())
+        rows.append([f"`{name}`", ", ".join(shown) or "nothing"])
+    return markdown_table(["level", "differs by"], rows)
+
+
 def _gain(group: Sequence[Quantity]) -> Iterator[str]:
     values = [f"{quantity.value:g}" for quantity in group]
     yield ", ".join(values if len(set(values)) > 1 else values[:1])
@@ -80,6 +104,7 @@ def _number(value: float) -> str:
 
 
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
+    "tasks.md": {"tasks": tasks, "levels": levels},
     "environments.md": {"sensor suites": sensor_suites},
     "model.md": {"gains": gains},
 }
