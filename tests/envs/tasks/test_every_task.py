@@ -14,11 +14,12 @@ from scipy.stats import qmc
 EDITED = [name for name, task in TASKS.items() if task.edits]
 USUAL = [("rigid", "shift"), ("cuffs", "randomized")]
 OTHERS = [("cuffs", "nominal"), ("rigid", "randomized"), ("cuffs", "shift"), ("none", "randomized")]
-COMBINATIONS = [(name, *arm) for name in TASKS for arm in USUAL] + [
-    # Models with a task's own parts take half a second each to compile.
-    pytest.param((name, *arm), marks=pytest.mark.slow if name in EDITED else ())
+# Tasks of one arm stand together: those without parts of their own share its compiled model. Models
+# with them take half a second each.
+COMBINATIONS = [
+    pytest.param((name, *arm), marks=pytest.mark.slow if name in EDITED and arm in OTHERS else ())
+    for arm in (*USUAL, *OTHERS)
     for name in TASKS
-    for arm in OTHERS
 ]
 DURATION = 10.0  # s
 ROWS = 3

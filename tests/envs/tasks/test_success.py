@@ -29,10 +29,11 @@ def played(request):
     task = replace(TASKS[name], duration=UNTIL.get(name, 1.0), **LOOSE)
     env = ArmEnv(task, coupling="none")
     env.reset(seed=2)
-    # Something pulls the arm up and outward, so that no motion is as intended.
-    physics(env, "qfrc_applied")[:] = 0.5, 3.0, 3.0, 0.5
+    # Something pulls the arm up and hinders it, so that no motion is as intended.
+    pull, rate = physics(env, "qfrc_applied"), physics(env, "qvel")
     truncated = False
     while not truncated:
+        pull[1:3] = 3.0 - 6.0 * rate[1:3]
         *_, truncated, info = env.step(np.zeros(0))
     return TASKS[name], env, info
 
