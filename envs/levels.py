@@ -39,7 +39,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
     """Returns options of an environment in which "level" is replaced by what it stands for.
 
     Terms of `randomize` replace those of the level one by one. What a level says of suits or cuffs
-    does not count where there are none.
+    does not count where there are none, nor the pressure of its suit for another one.
 
     Raises:
         InputError: There is no such level, or randomize is no dict of terms.
@@ -50,6 +50,8 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
         raise unknown_name("level", level, LEVELS)
     usual = dict(LEVELS[level])
     terms, own = dict(usual.pop("randomize", {})), given.get("randomize") or {}
+    if "suit" in given and "suit" in usual:
+        usual.pop("pressure", None)  # of the level's own suit
     if given.get("suit", usual.get("suit")) == NO_SUIT:
         usual = {name: value for name, value in usual.items() if name not in _OF_SUITS}
         terms.pop("pressure", None)

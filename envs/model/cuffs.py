@@ -135,7 +135,10 @@ def couple(
     base = spec.body("exo_base")
     base.pos = base.pos + shift
     begins = [shift, np.zeros(3), *_lengthen(spec, excess)]
+    ends = _let_go(spec)
     _move(spec, begins)
+    for name, (target, reference) in ends.items():
+        spec.actuator(name).target, spec.actuator(name).refsite = target, reference
     for joint in JOINTS:
         _hand_over(spec, joint)
     hanging = np.cumsum(begins, axis=0)[1:]  # where each part is, seen from its segment
@@ -185,6 +188,20 @@ def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
         stretch(spec.body(f"exo_{segment}"), np.array([1, 1, 1 + longer / length]), {})
         lower.append(np.array([0, 0, -longer]))
     return lower
+
+
+def _let_go(spec: mujoco.MjSpec) -> dict[str, tuple[str, str]]:
+    """Takes forces off the exoskeleton's sites, with which MuJoCo would delete them; returns both.
+
+    Returns:
+        Names of the sites of each such actuator, by its name: target and reference.
+    """
+    found = {}
+    for actuator in spec.actuators:
+        if actuator.trntype == mujoco.mjtTrn.mjTRN_SITE:
+            found[actuator.name] = (actuator.target, actuator.refsite)
+            actuator.target, actuator.refsite = "hand_grip", ""
+    return found
 
 
 def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -80,12 +81,19 @@ def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, push
 def _series(name: str, given: AnyArray | None, shape: tuple[int, ...]) -> Array | None:
     if given is None:
         return None
-    values = np.asarray(given, dtype=float)
+    values = _numbers(name, given)
     if values.shape != shape or not np.isfinite(values).all():
         raise InputError(
             f"the task's {name} has shape {values.shape}: give finite numbers of shape {shape}"
         )
     return values
+
+
+def _numbers(name: str, given: Any) -> Array:
+    try:
+        return np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the task's {name} is {shown(given)}: give numbers") from error
 
 
 def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
@@ -103,7 +111,7 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
         raise InputError(
             f"the task's motion is {shown(motion)}: return angle, rate and acceleration"
         )
-    angle, rate, acceleration = (np.asarray(part, dtype=float) for part in motion)
+    angle, rate, acceleration = (_numbers("motion", part) for part in motion)
     shape, shapes = (samples, len(JOINTS)), [part.shape for part in (angle, rate, acceleration)]
     if shapes != [shape] * 3 or not _is_finite(angle, rate, acceleration):
         raise InputError(

@@ -40,6 +40,7 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "held": (-STRONGEST, STRONGEST),
     "taught": (-STRONGEST, STRONGEST),
     "load": (0.0, HEAVIEST_PAYLOAD),
+    "carried": (0.0, HEAVIEST_PAYLOAD),
     "fall": (0.0, 1000.0),
     "fatigued": (-ROUNDING, 1.0 + ROUNDING),
 }

@@ -16,6 +16,7 @@ from ...assets import JOINTS, SuitJoint
 from ...errors import InputError
 from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
+from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
 from ..person.control import NOISE_SIZE, noise_constants, sight_periods
@@ -196,6 +197,12 @@ class Simulation:
             memory.load[row] = (start.payload or self.config.payload).mass
             if self._carries:
                 memory.carried[row] = memory.load[row] + (0.0 if plan.mass is None else plan.mass)
+                heaviest = memory.carried[row].max()
+                if heaviest > HEAVIEST_PAYLOAD:
+                    raise InputError(
+                        f"payload and the task's load are {heaviest:.3g} kg together: stay within "
+                        f"{HEAVIEST_PAYLOAD:g} kg"
+                    )
                 memory.load[row] = memory.carried[row, 0]
             if plan.push is not None:
                 memory.push[row] = plan.push

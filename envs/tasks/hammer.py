@@ -23,6 +23,7 @@ STEEPNESS = 1.6  # times the mean speed of the swing, at impact
 HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
 HEAD_SHARE = 0.77  # of the mass; the rest is the handle
 CONTACT = 8  # bit of the contacts between hammer and anvil, which nothing else has
+LEAST_REBOUND = 0.15  # exp(-2) is that of a critically damped contact
 EARLY = 0.03  # s before a blow, when speed is watched: an arm may strike too soon
 CONTACT_TIME = 0.016  # s, in which the hammer is thrown back; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
@@ -46,7 +47,7 @@ class Hammer(Task):
     def __post_init__(self) -> None:
         super().__post_init__()
         within("the task's mass", self.mass, 0.1, HEAVIEST_PAYLOAD, " kg")
-        within("the task's rebound", self.rebound, 0.05, 0.9, " of the speed")
+        within("the task's rebound", self.rebound, LEAST_REBOUND, 0.9, " of the speed")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Puts a hammer in the hand, and an anvil where it strikes."""
@@ -101,12 +102,16 @@ class Hammer(Task):
 def contact(rebound: float) -> list[float]:
     """Returns MuJoCo's solref of a contact that leaves a share of the speed.
 
-    A damped oscillator that is left after half a period: the share is exp(-pi ζ / sqrt(1 - ζ²)).
+    A damped oscillator pushes and cannot pull, and is left when its force ends: with the damping
+    sin(x), the share is exp(-(pi - 2 x) tan(x)) (Schwager and Pöschel 2007).
     """
-    log = -math.log(rebound) / math.pi
-    damping = log / math.sqrt(1 + log**2)
-    frequency = math.pi / CONTACT_TIME / math.sqrt(1 - damping**2)
-    return [-(frequency**2), -2 * damping * frequency]
+    low, high = 0.0, math.pi / 2 - 1e-6
+    for _ in range(50):
+        middle = (low + high) / 2
+        softer = math.exp(-(math.pi - 2 * middle) * math.tan(middle)) > rebound
+        low, high = (middle, high) if softer else (low, middle)
+    frequency = (math.pi - 2 * low) / CONTACT_TIME / math.cos(low)
+    return [-(frequency**2), -2 * math.sin(low) * frequency]
 
 
 def _inertia(mass: float) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..simulation.plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
@@ -62,15 +62,22 @@ class RecordedMotion(Task):
 def _read(path: str) -> tuple[Array, Array]:
     """Returns time [s] and angles [rad] of a file, shape (samples,) and (samples, 4)."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read the motion {path!r} ({error}): give a CSV file") from error
+        text = Path(path).read_text(encoding="utf-8-sig")  # spreadsheets write such a mark
+    except (OSError, TypeError, ValueError) as error:
+        raise InputError(
+            f"cannot read the motion {shown(path)} ({error}): give a CSV file"
+        ) from error
     lines = [line.split(",") for line in text.splitlines() if line.strip()]
     names = [name.strip() for name in lines[0]] if lines else []
     if sorted(names) != sorted(HEADER):
         raise InputError(
             f"{path} has the columns {', '.join(names) or 'of nothing'}: use {', '.join(HEADER)}"
         )
+    for number, line in enumerate(lines):
+        if len(line) != len(HEADER):
+            raise InputError(
+                f"{path} has {len(line)} cells in its row {number + 1}: give {len(HEADER)}"
+            )
     try:
         values = np.array([[float(cell) for cell in line] for line in lines[1:]])
     except ValueError as error:

@@ -1,0 +1,117 @@
+"""What every task can do on every coupling and level, with loads and tools in the hand too."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.tasks import TASKS
+from arms import memory
+from gymnasium.utils.env_checker import check_env
+from scipy.stats import qmc
+
+EDITED = [name for name, task in TASKS.items() if task.edits]
+USUAL = [("rigid", "shift"), ("cuffs", "randomized")]
+OTHERS = [("cuffs", "nominal"), ("rigid", "randomized"), ("cuffs", "shift"), ("none", "randomized")]
+# Tasks of one arm stand together: those without parts of their own share its compiled model. Models
+# with them take half a second each.
+COMBINATIONS = [
+    pytest.param((name, *arm), marks=pytest.mark.slow if name in EDITED and arm in OTHERS else ())
+    for arm in (*USUAL, *OTHERS)
+    for name in TASKS
+]
+DURATION = 10.0  # s
+ROWS = 3
+
+
+@pytest.fixture(scope="module", params=COMBINATIONS, ids=str)
+def made(request):
+    """An environment of one task, coupling and level, which tests of it share."""
+    name, coupling, level = request.param
+    env = ArmEnv(replace(TASKS[name], duration=DURATION), coupling=coupling, level=level)
+    arms = env.rows(ROWS, threads=1)
+    env.reset(seed=0)
+    return SimpleNamespace(env=env, arms=arms)
+
+
+@pytest.mark.filterwarnings("error")
+def test_checkers(made):
+    check_env(made.env, skip_render_check=True)
+
+
+@pytest.mark.filterwarnings("error")
+def test_stable_baselines3_checker(made):
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    if not made.env.action_space.shape[0]:
+        pytest.skip("learners need motors")
+    checker.check_env(made.env, warn=True, skip_render_check=True)
+
+
+def test_noise_breaks_nothing(made):
+    env, motors = made.env, made.env.action_space.shape[0]
+    periods = round(DURATION / env.control_dt)
+    noise = 2 * qmc.Halton(max(1, motors), seed=0).random(periods)[:, :motors] - 1
+    env.reset(seed=7)
+    rewards = [env.step(action)[1] for action in noise]
+    assert not env.episodes.simulation.batch.warning[..., 1].any()
+    assert not memory(env).diverged.any()
+    assert env.episodes.truncated.all()
+    assert np.isfinite(rewards).all()
+    assert np.isfinite(memory(env).measured).all()
+
+
+def assert_same(state, other):
+    """Compares everything that lives from step to step; the rows of states of one row."""
+    assert state.keys() == other.keys()
+    for name in state.keys() - {"config"}:
+        np.testing.assert_array_equal(state[name], other[name], name)
+    assert state["config"] == other["config"]
+
+
+def until_loaded(env, arms, rng):
+    """Plays until a load is in the hand, or for half a second where there never is one."""
+    motors = env.action_space.shape
+    for period in range(100):
+        if period == 50 and not env.episodes.task.carries:
+            break
+        load = memory(env).load[0]
+        if period > 50 and load != memory(env).carried[0].min():
+            break
+        actions = rng.uniform(-0.3, 0.3, (ROWS, *motors))
+        answers = env.step(actions[1]), arms.step(actions)
+    return answers
+
+
+def test_a_row_is_the_single_environment(made):
+    env, arms = made.env, made.arms
+    rng = np.random.default_rng(3)
+    env.reset(seed=21)
+    arms.reset(seed=20)
+    one, rows = until_loaded(env, arms, rng)
+    for alone, row in zip(one[:4], rows[:4], strict=True):
+        np.testing.assert_array_equal(alone, row[1])
+    assert_same(env.get_state(), arms.get_state(rows=[1]))
+
+
+def test_states_in_mid_task_go_on_alike(made):
+    env, arms, rng = made.env, made.arms, np.random.default_rng(4)
+    env.reset(seed=31)
+    arms.reset(seed=30)
+    until_loaded(env, arms, rng)
+    state = env.get_state()
+    if env.episodes.task.carries:
+        assert state["load"][0] > 0
+    actions = rng.uniform(-0.3, 0.3, (30, *env.action_space.shape))
+    first = [env.step(action)[0] for action in actions]
+    after = env.get_state()
+    env.reset(seed=1)
+    env.set_state(state)
+    again = [env.step(action)[0] for action in actions]
+    np.testing.assert_array_equal(again, first)
+    assert_same(env.get_state(), after)
+    arms.reset(seed=2)
+    arms.set_state(state, rows=[2])  # another environment, and another row
+    third = [arms.step(np.tile(action, (ROWS, 1)))[0][2] for action in actions]
+    np.testing.assert_array_equal(third, first)
+    assert_same(arms.get_state(rows=[2]), after)

@@ -1,0 +1,153 @@
+"""Plans and tasks that cannot be: one sentence says what is wrong with each."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.model.workplace import add_pushes
+from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.tasks import TASKS, Hammer, ObjectRelocation, Scoop, Task
+from activesuit.envs.tasks.ratchet import Ratchet
+from activesuit.errors import InputError
+
+SAMPLES = 11
+DURATION = 0.1  # s
+HELD = np.tile([0.0, 0.8, 1.0, 0.0], (SAMPLES, 1))
+STILL = np.zeros((SAMPLES, 4))
+MOTION = (HELD, STILL, STILL)
+PUSH = np.zeros((SAMPLES, 3))
+
+
+class Planned(Task):
+    """A task whose plan the test makes."""
+
+    carries = True
+    made = None
+
+    def edit(self, spec):
+        add_pushes(spec)
+
+    def plan(self, rng, samples, dt, arm):
+        return self.made
+
+
+class Idle(Planned):
+    """One that neither carries nor pushes."""
+
+    carries = False
+
+    def edit(self, spec):
+        pass
+
+
+def with_plan(kind, plan):
+    task = kind(name="Planned", duration=DURATION)
+    object.__setattr__(task, "made", plan)
+    return task
+
+
+def one_sentence(error):
+    text = str(error.value)
+    return "\n" not in text and len(text) <= 300 and not text.endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("kind", "plan", "message"),
+    [
+        (Planned, MOTION, r"the task's plan is \(.*\): return a Plan"),
+        (Planned, None, "the task's plan is None: return a Plan"),
+        (Planned, Plan((HELD, STILL)), "motion is .*: return angle, rate and acceleration"),
+        (Planned, Plan(("bent", STILL, STILL)), "the task's motion is 'bent': give numbers"),
+        (Planned, Plan((9 * HELD, STILL, STILL)), "motion takes shoulder_flexion from"),
+        (Idle, Plan(MOTION, mass=np.ones(SAMPLES)), "plan has a mass: set carries = True in its"),
+        (Idle, Plan(MOTION, push=PUSH), r"plan has a push: call add_pushes\(spec\) in its edit"),
+        (Planned, Plan(MOTION, mass=np.full(SAMPLES, 61.0)), "load is 61 to 61 kg: stay between"),
+        (Planned, Plan(MOTION, mass=np.full(SAMPLES, -1.0)), "load is -1 to -1 kg: stay between"),
+        (Planned, Plan(MOTION, mass=np.ones(3)), r"mass has shape \(3,\): give finite numbers of"),
+        (Planned, Plan(MOTION, mass=np.full(SAMPLES, np.nan)), "the task's mass has shape .*fini"),
+        (Planned, Plan(MOTION, mass="heavy"), "the task's mass is 'heavy': give numbers"),
+        (Planned, Plan(MOTION, push=PUSH + 1), r"push begins with \[1.*\] N: begin with 0"),
+        (
+            Planned,
+            Plan(MOTION, push=np.vstack([PUSH[:-1], [0, 0, 2000]])),
+            "push reaches 2000 N: stay within 1000 N",
+        ),
+        (Planned, Plan(MOTION, push=PUSH[:, :2]), r"push has shape \(11, 2\): give finite numbers"),
+        (Planned, Plan(MOTION, watched=np.ones(2)), r"watched has shape \(2,\): give finite"),
+    ],
+)
+def test_plans_are_checked(kind, plan, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        ArmEnv(with_plan(kind, plan), coupling="none")
+    assert one_sentence(refusal)
+
+
+def test_a_good_plan_is_none_of_them():
+    plan = Plan(MOTION, np.full(SAMPLES, 60.0), PUSH, np.ones(SAMPLES, bool))
+    ArmEnv(with_plan(Planned, plan), coupling="none").reset(seed=0)
+    ArmEnv(with_plan(Idle, Plan(MOTION)), coupling="none").reset(seed=0)
+
+
+def test_a_task_without_a_motion_is_refused():
+    with pytest.raises(InputError, match="'Empty' has no motion: override motion or plan"):
+        ArmEnv(Task(name="Empty"))
+
+
+@pytest.mark.parametrize(
+    ("task", "message"),
+    [
+        (3, "task is a int: give a Task, or the name of one"),
+        (Scoop, "task is a type: give a Task, or the name of one"),
+        ({"name": "Scoop"}, "task is a dict: give a Task, or the name of one"),
+        ("Scop", "unknown task 'Scop': use one of .*; did you mean 'Scoop'"),
+    ],
+)
+def test_what_is_no_task_is_refused(task, message):
+    for make in (ArmEnv, ArmEnv().rows(1).__class__):
+        with pytest.raises(InputError, match=message) as refusal:
+            make(task=task)
+        assert one_sentence(refusal)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Hammer(name="Hammer", mass="x"), "the task's mass is 'x': use a number from"),
+        (lambda: Hammer(name="Hammer", rebound=1.0), "the task's rebound is 1.0: use a number"),
+        (lambda: Scoop(name="Scoop", load=(5, 1)), r"load is \(5, 1\): give the smaller number"),
+        (lambda: Scoop(name="Scoop", load=None), "the task's load is None: give two numbers"),
+        (lambda: ObjectRelocation(name="O", load=(-1, 1)), "the task's load is -1: use a number"),
+        (lambda: Ratchet(name="Ratchet", reaction=-1), "the task's reaction is -1: use a number"),
+        (lambda: replace(TASKS["Handrail"], pull=(1,)), r"pull is \(1,\): give two numbers"),
+        (lambda: replace(TASKS["OverheadHold"], load=99), "the task's load is 99: use a number"),
+        (lambda: Task(name="Mine", tilt=-1), "the task's tilt is -1: use a number from 0 to 10"),
+        (lambda: Task(name="Mine", effort="low"), "the task's effort is 'low': use a number"),
+    ],
+)
+def test_fields_of_tasks_are_checked(make, message):
+    with pytest.raises(InputError, match=message) as refusal:
+        make()
+    assert one_sentence(refusal)
+
+
+def test_payload_and_load_are_refused_together_before_the_episode():
+    task = replace(TASKS["OverheadHold"], load=10.0, duration=0.1)
+    env = ArmEnv(task, coupling="none", payload={"mass": 55.0})
+    with pytest.raises(InputError, match="payload and the task's load are 65 kg together: stay"):
+        env.reset(seed=0)
+
+
+def test_a_state_with_another_load_in_the_plan_is_refused():
+    env = ArmEnv(replace(TASKS["OverheadHold"], duration=0.1), coupling="none")
+    env.reset(seed=0)
+    state = env.get_state()
+    for mass in (-1.0, 1e6):
+        with pytest.raises(InputError, match=r"the state's carried is .* from 0 to 60"):
+            env.set_state({**state, "carried": np.full_like(state["carried"], mass)})
+
+
+@pytest.mark.parametrize("share", [-0.1, 0.6, "much", None, np.nan, True])
+def test_shares_of_randomized_loads_are_checked(share):
+    with pytest.raises(InputError, match=r"randomize\.load is .*: use a number from 0 to 0.5"):
+        ArmEnv(randomize={"load": share})

@@ -1,0 +1,244 @@
+"""Loads, pushes, reactions and blows against what mechanics says of them."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.assets import JOINTS
+from activesuit.envs import ArmEnv
+from activesuit.envs.model import ArmConfig, Payload, compose
+from activesuit.envs.model.workplace import PUSHES
+from activesuit.envs.simulation.plan import Plan
+from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
+from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED
+from arms import addresses, memory, physics
+
+SHOULDER = JOINTS.index("shoulder_flexion")
+PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg
+G = 9.81
+POSTURE = np.array([0.0, 0.9, 0.6, 0.0])
+ARMS = {
+    "right": {},
+    "left": {"side": "left"},
+    "tilted": {"tilt": (0.4, 0.2)},
+    "left, tilted": {"side": "left", "tilt": (0.4, 0.2)},
+    "cuffs": {"coupling": "cuffs"},
+    "left, cuffs, tilted": {"coupling": "cuffs", "side": "left", "tilt": (-0.3, 0.1)},
+    "bare": {"coupling": "none", "suit": "none"},
+}
+
+
+class PickUp(Task):
+    """A still arm takes 3 kg, and puts them down."""
+
+    carries = True
+
+    def plan(self, rng, samples, dt, arm):
+        still = np.zeros((samples, 4))
+        mass = np.zeros(samples)
+        mass[PICKED:PUT_DOWN] = MASS
+        return Plan((still + POSTURE, still, still), mass)
+
+
+PICK_UP = PickUp(name="PickUp", duration=6.5)
+BARE = {"coupling": "none", "suit": "none"}
+
+
+def jacobian(model, data, *, body=None, site=None):
+    """Returns the Jacobian of a body's center of mass or of a site [m], shape (3, nv)."""
+    found = np.zeros((3, model.nv))
+    if body is not None:
+        mujoco.mj_jacBodyCom(model, data, found, None, model.body(body).id)
+    else:
+        mujoco.mj_jacSite(model, data, found, None, model.site(site).id)
+    return found
+
+
+@pytest.mark.parametrize("options", [BARE, {"coupling": "cuffs"}], ids=["bare", "cuffs"])
+def test_a_load_that_is_picked_up_weighs_at_once(options):
+    env = ArmEnv(PICK_UP, **options)
+    env.reset(seed=0)
+    motors = np.zeros(env.action_space.shape)
+    for _ in range(PICKED + 1):
+        env.step(motors)
+    assert memory(env).load[0] == MASS
+    bias, still = {}, {}
+    for mass in (0.0, MASS):
+        model = compose(ArmConfig(payload=Payload(mass=mass), **options), drawn=False)
+        data = mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = physics(env, "qpos"), physics(env, "qvel")
+        mujoco.mj_forward(model, data)
+        bias[mass] = data.qfrc_bias.copy()
+        data.qvel[:] = 0.0
+        mujoco.mj_forward(model, data)
+        still[mass] = data.qfrc_bias.copy()
+    # What a model has that was made with the load, to rounding.
+    np.testing.assert_allclose(physics(env, "qfrc_bias"), bias[MASS], rtol=1e-9, atol=1e-9)
+    # And m g r more than without it: for an arm that has begun to sink, within a hundredth.
+    weight = jacobian(model, data, body="payload").T @ [0, 0, MASS * G]
+    np.testing.assert_allclose(bias[MASS] - bias[0.0], weight, atol=0.01 * weight.max())
+    np.testing.assert_allclose(still[MASS] - still[0.0], weight, rtol=1e-9, atol=1e-9)
+    assert weight.max() > 10
+
+
+def test_a_wearer_bears_what_he_has_picked_up():
+    """After five seconds the slow correction holds the load: m g r more than before, within 1 %."""
+    env = ArmEnv(PICK_UP, **BARE)
+    env.reset(seed=0)
+    torque = {}
+    for period in range(PUT_DOWN):
+        info = env.step(np.zeros(0))[-1]
+        if period in (PICKED - 1, PUT_DOWN - 1):
+            torque[period] = info["human_torque"]
+    load = env.data.body("payload").xipos
+    shoulder = env.data.joint("shoulder_flexion").xanchor
+    arm = load[0] - shoulder[0]  # forward
+    assert arm > 0.3
+    more = torque[PUT_DOWN - 1] - torque[PICKED - 1]
+    assert more[SHOULDER] == pytest.approx(MASS * G * arm, rel=0.01)
+    for _ in range(40):
+        env.step(np.zeros(0))
+    assert memory(env).load[0] == 0
+
+
+@pytest.mark.parametrize("options", ARMS.values(), ids=ARMS)
+def test_a_push_acts_as_a_force_on_the_grip(options):
+    env = ArmEnv(replace(TASKS["Handrail"], duration=1.5), **options)
+    env.reset(seed=1)
+    motors = np.zeros(env.action_space.shape)
+    for _ in range(100):
+        env.step(motors)
+    model, data = env.model, env.data
+    push = memory(env).push[0, 99]  # of the last control period
+    assert np.linalg.norm(push) > 10
+    pushes = addresses(env).pushes
+    np.testing.assert_array_equal(data.ctrl[pushes], push)
+    torque = []
+    for force in (push, np.zeros(3)):
+        data.ctrl[pushes] = force
+        mujoco.mj_forward(model, data)
+        torque.append(data.qfrc_actuator.copy())
+    outward = 1 if options.get("side") == "left" else -1
+    turn = data.body("torso").xmat.reshape(3, 3)
+    site = "hand_grip" if options.get("coupling") == "none" else "attachment_ring"
+    expected = jacobian(model, data, site=site).T @ turn @ (push * [1, outward, 1])
+    np.testing.assert_allclose(torque[0] - torque[1], expected, rtol=1e-9, atol=1e-10)
+    on_arm = np.abs(expected[addresses(env).joints]).max()
+    on_ring = np.abs(expected[addresses(env).exo_joints]).max()
+    assert on_ring > 1
+    assert (on_arm == 0) == (options.get("coupling") == "cuffs")
+
+
+def test_the_push_of_a_control_period_is_that_of_the_plan():
+    env = ArmEnv(replace(TASKS["Handrail"], duration=1.0))
+    env.reset(seed=2)
+    for period in range(50):
+        env.step(np.zeros(2))
+        now = physics(env, "ctrl")[addresses(env).pushes]
+        np.testing.assert_array_equal(now, memory(env).push[0, period])
+    assert [env.model.actuator(name).name for name in PUSHES] == list(PUSHES)
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_ratchet_never_drives(coupling, side):
+    limit = 25.0
+    task = Ratchet(name="Ratchet", duration=1.6, reaction=limit)
+    # A control period is one step of the physics.
+    env = ArmEnv(task, coupling=coupling, side=side, control_dt=0.002, sim_dt=0.002)
+    assert env.episodes.simulation.substeps == 1
+    env.reset(seed=0)
+    told, motors = [], np.zeros(env.action_space.shape)
+    number = env.model.actuator("ratchet").id
+    site = "hand_grip" if coupling == "none" else "attachment_ring"
+    for _ in range(800):
+        env.step(motors)
+        data = env.data
+        mujoco.mj_forward(env.model, data)
+        point = jacobian(env.model, data, site=site)
+        forward = data.site(site).xmat.reshape(3, 3)[:, 0]
+        speed = forward @ point @ data.qvel
+        told.append((data.actuator_force[number], speed))
+    force, speed = np.array(told).T
+    assert (force * speed <= 0).all()
+    assert (force[speed < 0] == 0).all()  # on the way back, which is free
+    assert (speed < -0.1).sum() > 100
+    assert force.min() == pytest.approx(-limit)  # a quick stroke meets the limit, and not more
+    assert force.max() == 0
+
+
+def blow(model, push):
+    """Lets a hammer that is pushed along the anvil's normal fly into it; returns its motion.
+
+    Nothing else acts on the arm: no gravity, no muscles, no springs and dampers.
+
+    Returns:
+        Speed of the head along the normal [m/s] and kinetic energy [J], before and after.
+    """
+    disable = mujoco.mjtDisableBit
+    off = (
+        *(disable.mjDSBL_GRAVITY, disable.mjDSBL_ACTUATION, disable.mjDSBL_SPRING),
+        *(disable.mjDSBL_DAMPER, disable.mjDSBL_LIMIT, disable.mjDSBL_FRICTIONLOSS),
+    )
+    model.opt.disableflags = sum(int(flag) for flag in off)
+    data = mujoco.MjData(model)
+    data.qpos[:4] = IMPACT - 0.02 * (IMPACT - RAISED)
+    mujoco.mj_forward(model, data)
+    head, anvil = (model.geom(name).id for name in ("hammer_head", "anvil"))
+    normal = data.geom_xmat[anvil].reshape(3, 3)[:, 2]
+
+    def state():
+        point = np.zeros((3, model.nv))
+        body = model.geom_bodyid[head]
+        mujoco.mj_forward(model, data)
+        mujoco.mj_jac(model, data, point, None, data.geom_xpos[head], body)
+        inertia = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, inertia)
+        along = normal @ point
+        return along, inertia, along @ data.qvel, 0.5 * data.qvel @ inertia @ data.qvel
+
+    along, inertia, *_ = state()
+    # A blow along the normal alone: all of the energy is in it.
+    response = np.linalg.solve(inertia, along)
+    data.qvel[:] = -push * response / (along @ response)
+    met, told = False, [state()[2:]]
+    for _ in range(200):
+        before = state()[2:]
+        mujoco.mj_step(model, data)
+        if data.ncon and not met:
+            met, told = True, [before]
+        if met and not data.ncon:
+            return (*told, state()[2:])
+    raise AssertionError(f"the hammer did not {'leave' if met else 'meet'} the anvil")
+
+
+@pytest.mark.parametrize(("rebound", "mass"), [(0.2, 1.0), (0.4, 2.0), (0.7, 0.6)])
+def test_a_hammer_leaves_the_anvil_with_its_share_of_the_speed(rebound, mass):
+    """The closed form is of continuous time, and the usual step an eighth of the contact.
+
+    So the share is exact to 0.01 with a quarter of that step, and to 0.04 with it.
+    """
+    task = Hammer(name="Hammer", rebound=rebound, mass=mass)
+    model = compose(ArmConfig(**BARE), drawn=False, edits=task.edits)
+    for step, error in ((model.opt.timestep, 0.04), (0.0005, 0.01)):
+        model.opt.timestep = step
+        (before, energy), (after, left) = blow(model, 2.0)
+        assert before == pytest.approx(-2.0, rel=0.05)
+        assert -after / before == pytest.approx(rebound, abs=error)
+        assert np.sqrt(left / energy) == pytest.approx(rebound, abs=error)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
+    model = compose(ArmConfig(side=side, **BARE), edits=TASKS["Hammer"].edits)
+    data = mujoco.MjData(model)
+    data.qpos[:4] = IMPACT
+    mujoco.mj_kinematics(model, data)
+    anvil = data.geom("anvil")
+    away = data.geom("hammer_head").xpos - anvil.xpos
+    thick = model.geom("anvil").size[2] + model.geom("hammer_head").size[0]
+    np.testing.assert_allclose(away @ anvil.xmat.reshape(3, 3), [0, 0, thick], atol=1e-9)
+    assert np.linalg.norm(data.geom("hammer_head").xpos - data.site("hand_grip").xpos) == (
+        pytest.approx(HANDLE)
+    )

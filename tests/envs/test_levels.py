@@ -1,0 +1,176 @@
+"""Levels: options by a name, which given ones replace; the same seed gives the same episodes."""
+
+import pickle
+from dataclasses import asdict, replace
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.evaluation.compare import reference_options
+from activesuit.envs.levels import LEVELS, with_level
+from activesuit.envs.randomization import Randomization
+from activesuit.errors import InputError
+
+COUPLINGS = ["rigid", "cuffs", "none"]
+
+
+def play(env, seed, periods=20):
+    """Returns the states of two episodes after some control periods."""
+    states = []
+    for given in (seed, None):
+        env.reset(seed=given)
+        for _ in range(periods):
+            env.step(np.full(env.action_space.shape, 0.1))
+        states.append(env.get_state())
+    return states
+
+
+def assert_same(states, others):
+    for state, other in zip(states, others, strict=True):
+        assert state["config"] == other["config"]
+        for name in state.keys() - {"config"}:
+            np.testing.assert_array_equal(state[name], other[name], name)
+
+
+@pytest.mark.parametrize("coupling", COUPLINGS)
+@pytest.mark.parametrize("level", LEVELS)
+def test_a_level_is_its_options_and_the_same_seed_the_same_episodes(level, coupling):
+    named = ArmEnv(coupling=coupling, level=level)
+    found = play(named, 4)
+    assert_same(found, play(named, 4))  # after another episode
+    options = with_level({"coupling": coupling, "level": level})
+    assert "level" not in options
+    assert_same(found, play(ArmEnv(**options), 4))
+    assert not np.array_equal(found[0]["physics"], play(named, 5)[0]["physics"])
+
+
+def test_levels_differ_and_nominal_is_the_default():
+    states = {level: play(ArmEnv(level=level), 1) for level in LEVELS}
+    assert_same(states["nominal"], play(ArmEnv(), 1))
+    physics = [states[level][0]["physics"] for level in LEVELS]
+    assert physics[0].shape == physics[1].shape
+    assert not np.array_equal(physics[0], physics[1])
+    for level in ("randomized", "shift"):  # and the motion is the same at each
+        np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
+
+
+def test_a_copy_keeps_its_level():
+    env = ArmEnv(level="randomized", coupling="cuffs")
+    assert_same(play(pickle.loads(pickle.dumps(env)), 3), play(env, 3))
+    made = gymnasium.make("ActiveSuit/ArmTracking-v0", level="randomized", coupling="cuffs")
+    assert_same(play(made.unwrapped, 3), play(env, 3))
+
+
+def test_options_that_are_given_win():
+    shift = LEVELS["shift"]
+    own = {"gravity": "moon"}
+    found = with_level({"level": "shift", **own})
+    assert found == {**shift, **own}
+    assert ArmEnv(level="shift", gravity="moon").config.gravity == "moon"
+    assert ArmEnv(level="shift").config.suit == shift["suit"]
+    assert not ArmEnv(level="randomized", preconditioned=False).config.preconditioned
+    assert (
+        ArmEnv(level="randomized").config.preconditioned == LEVELS["randomized"]["preconditioned"]
+    )
+
+
+def test_terms_are_replaced_one_by_one():
+    usual = {k: v for k, v in LEVELS["randomized"]["randomize"].items() if k != "misalignment"}
+    own = {"pressure": 0.0, "gravity": ["moon", "mars"]}
+    found = with_level({"level": "randomized", "randomize": own})["randomize"]
+    assert found == {**usual, **own}
+    env = ArmEnv(level="randomized", randomize=own)
+    assert env.episodes.randomization == Randomization(**usual | own)
+    # A Randomization says all of its terms.
+    whole = Randomization(load=0.1)
+    found = with_level({"level": "randomized", "randomize": whole})["randomize"]
+    assert Randomization(**found) == whole
+    assert LEVELS["randomized"]["randomize"].keys() > usual.keys()  # nothing has changed there
+    assert with_level({"level": "nominal", "randomize": own}) == {"randomize": own}
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("coupling", COUPLINGS)
+@pytest.mark.parametrize("suit", ["none", "mock-suit", "emu-like"])
+def test_what_a_level_says_of_what_is_not_there_does_not_count(level, coupling, suit):
+    options = with_level({"level": level, "coupling": coupling, "suit": suit})
+    terms = options.get("randomize", {})
+    assert options["suit"] == suit
+    if coupling != "cuffs":
+        assert "misalignment" not in terms
+    if suit == "none":
+        assert "pressure" not in terms
+        assert not options.keys() & {"pressure", "preconditioned"}
+    if coupling == "none" or suit == "none":
+        ArmEnv(**options).reset(seed=0)  # no check refuses it
+
+
+def test_the_pressure_of_a_level_is_of_its_suit():
+    assert ArmEnv(level="shift").config.pressure == LEVELS["shift"]["pressure"]
+    assert ArmEnv(level="shift", suit="mock-suit").config.pressure is None
+    assert ArmEnv(level="shift", suit="emu-like", pressure=30.0).config.pressure == 30.0
+
+
+@pytest.mark.parametrize("reference", ["unsuited", "suited"])
+@pytest.mark.parametrize("level", LEVELS)
+def test_references_are_of_the_same_wearers_places_and_motions(level, reference):
+    given = {"level": level, "coupling": "cuffs"}
+    exo, other = ArmEnv(**given), ArmEnv(**reference_options(reference, given))
+    assert not other.action_space.shape[0]
+    assert (other.config.suit == "none") == (reference == "unsuited")
+    for field in ("gravity", "wearer", "side", "tilt"):
+        assert getattr(other.config, field) == getattr(exo.config, field)
+    met = set()
+    for seed in range(5):
+        exo.reset(seed=seed)
+        other.reset(seed=seed)
+        one, two = exo.get_state(), other.get_state()
+        for name in ("angle", "wearer", "load", "fall"):
+            np.testing.assert_array_equal(one[name], two[name], name)
+        met.add(int(one["wearer"][0]))
+    assert (len(met) > 1) == (level == "randomized")
+
+
+def test_an_evaluation_at_a_level_is_of_that_level():
+    found = {}
+    for level in LEVELS:
+        traces = {}
+        evaluate(
+            "ActiveSuit/ElbowFlexion-v0",
+            ["none"],
+            episodes=1,
+            settled=False,
+            max_episode_steps=20,
+            level=level,
+            on_policy=lambda name, told, traces=traces: traces.update({name: told[0]}),
+        )
+        assert set(traces) == {"unsuited", "suited", "none"}
+        for trace in traces.values():
+            np.testing.assert_array_equal(trace.target_angle, traces["none"].target_angle)
+        assert not traces["unsuited"].suit_torque.any()
+        assert traces["suited"].suit_torque.any()
+        found[level] = traces
+    for name in ("unsuited", "suited", "none"):
+        torques = [found[level][name].human_torque for level in LEVELS]
+        assert not np.allclose(torques[0], torques[2])
+
+
+@pytest.mark.parametrize("level", [3, "randomised", ["shift"], {"level": "shift"}, True])
+def test_unknown_levels_are_refused(level):
+    for make in (ArmEnv, lambda **options: ArmEnv().rows(1, **options)):
+        with pytest.raises(
+            InputError, match=r"unknown level .*: use one of nominal, randomized, s"
+        ):
+            make(level=level)
+
+
+def test_terms_that_are_no_terms_are_refused():
+    for level in LEVELS:
+        with pytest.raises(InputError, match="randomize is 3: give Randomization"):
+            ArmEnv(level=level, randomize=3)
+    with pytest.raises(InputError, match="unknown field of randomize 'size'"):
+        ArmEnv(level="randomized", randomize={"size": 1})
+    terms = Randomization(pressure=0.1)
+    assert replace(terms, **asdict(Randomization())) == Randomization()
