@@ -45,7 +45,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
         InputError: There is no such level, or randomize is no dict of terms.
     """
     given = {name: value for name, value in options.items() if name != "level"}
-    level = options.get("level") or "nominal"
+    level = options.get("level", "nominal")
     if not isinstance(level, str) or level not in LEVELS:
         raise unknown_name("level", level, LEVELS)
     usual = dict(LEVELS[level])

@@ -38,7 +38,8 @@ class Randomization:
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
             the gas's part of it where `volume_share` tells it, is multiplied by a number between
             1 - pressure and 1 + pressure.
-        load: Share by which the task's own loads differ, masses and forces, up to 0.5.
+        load: Share by which the masses and forces of a task's plan differ, up to 0.5; tools that
+            belong to its model stay what they are.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
             configuration.
         gravity: Names of places, of which one is drawn; none is the place of the configuration.

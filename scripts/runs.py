@@ -92,7 +92,7 @@ def scene(
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
     if ":" in chosen:
         _import_from_here()
-    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **_of_level(level), **(usual or {})}
+    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **_of_level(level, given), **(usual or {})}
     flat = {**usual, **found, **given}
     flat.pop("env", None)
     beside |= {} if level is None else {"level": level}
@@ -118,9 +118,9 @@ def _place(env: str) -> str:
     return TASKS[name].place if name in TASKS else GRAVITY
 
 
-def _of_level(level: str | None) -> dict[str, Any]:
-    """Returns what a level says of options of the command line."""
-    options = with_level({"level": level, "randomize": None})
+def _of_level(level: str | None, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns what a level says of options of the command line, beside those that are given."""
+    options = with_level({**given, **({} if level is None else {"level": level})})
     return {name: value for name, value in options.items() if name in USUAL_OPTIONS}
 
 

@@ -31,19 +31,10 @@ class Edits:
 
 
 def edit(spec: mujoco.MjSpec, edits: Edits) -> None:
-    """Applies edits, and keeps the keyframes as long as the model wants them."""
-    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in spec.keys:  # MuJoCo checks their sizes at every change
+    """Applies edits; keyframes go, whose sizes they may change."""
+    for key in spec.keys:
         spec.delete(key)
     edits.apply(spec)
-    model = spec.compile()
-    for name, qpos, act, ctrl in keys:
-        spec.add_key(
-            name=name,
-            qpos=[*qpos, *model.qpos0[len(qpos) :]],
-            act=[*act, *[0.0] * (model.na - len(act))],
-            ctrl=[*ctrl, *[0.0] * (model.nu - len(ctrl))],
-        )
 
 
 def holder(spec: mujoco.MjSpec) -> mujoco.MjsBody:

@@ -1,8 +1,9 @@
 """Motions from a file: joint angles that somebody has recorded."""
 
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -45,6 +46,11 @@ class RecordedMotion(Task):
             time = self._recorded[0]
             object.__setattr__(self, "duration", float(time[-1] - time[0]))
         super().__post_init__()
+
+    def identity(self) -> dict[str, Any]:
+        """Returns class, fields and a digest of what the file held, as plain values."""
+        content = b"".join(part.tobytes() for part in self._recorded)
+        return {**super().identity(), "content": sha256(content).hexdigest()[:16]}
 
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         """Returns the motion of the file; its last posture is held to the end."""

@@ -70,10 +70,6 @@ def test_options_that_are_given_win():
     assert found == {**shift, **own}
     assert ArmEnv(level="shift", gravity="moon").config.gravity == "moon"
     assert ArmEnv(level="shift").config.suit == shift["suit"]
-    assert not ArmEnv(level="randomized", preconditioned=False).config.preconditioned
-    assert (
-        ArmEnv(level="randomized").config.preconditioned == LEVELS["randomized"]["preconditioned"]
-    )
 
 
 def test_terms_are_replaced_one_by_one():
