@@ -20,7 +20,21 @@ from .model.config import nested
 from .observation import NOISY, Observer, checked_sensors
 from .person import VoluntaryControl, isometric_strength
 from .randomization import Randomization
-from .reward import COSTS, TERMS, account, cost_terms, is_success, judge, suited_effort, watch
+from .reward import (
+    CLIPPED,
+    COST,
+    DIVERGED,
+    ENDED,
+    PERIODS,
+    TERM,
+    TERMS,
+    TOLD,
+    cost_terms,
+    is_success,
+    judge,
+    suited_effort,
+    watch,
+)
 from .simulation import Simulation
 from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
@@ -71,7 +85,6 @@ class Episodes:
         reward: Reward of the last control period, shape (n,).
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
-        terms: Terms of the reward, shape (n, 3), in the order of `TERMS`.
         effort_scale: Effort of the suited arm over strength, by which rewards are scaled.
         options: The arguments that any number of rows may share, as they were given.
 
@@ -156,8 +169,9 @@ class Episodes:
         )
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
-        self.simulation.memory.costs = np.zeros((n, len(COSTS)))
-        if task.watches:
+        self.simulation.memory.told = np.zeros((n, TOLD))
+        self._watches = task.watches
+        if self._watches:
             self.simulation.memory.watched = np.zeros((n, samples), np.bool_)
             self.simulation.memory.places = np.zeros((n, samples, 3))
         if belief is not None and "belief" not in sensors:
@@ -167,46 +181,21 @@ class Episodes:
         if "belief" in sensors:
             self._believe(nested("belief", {} if belief is None else belief, config))
         self.motors = self.simulation.addresses.motors.size
-        self.terms, self.reward = np.zeros((n, len(TERMS))), np.zeros(n)
+        self.reward = np.zeros(n)
         self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         self._all = np.arange(n)
         memory, addresses = self.simulation.memory, self.simulation.addresses
         self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
         self._judged = (
-            memory.measured,
-            memory.change,
-            memory.diverged,
-            memory.step,
-            memory.limit,
-            self.simulation.plugin_state,
-            addresses.faults,
-            addresses.assisted,
-            self.effort_scale,
-            self.terms,
-            self.reward,
-            self.terminated,
-            self.truncated,
-        )
-        self._accounted = (
-            memory.measured,
-            memory.change,
-            memory.diverged,
-            addresses.assisted,
-            "cuff_force" in self.simulation.columns,
-            self.simulation.model.jnt_range[: len(JOINTS)],
-            memory.costs,
-            control_dt,
+            *(memory.measured, memory.change, memory.clipped, memory.diverged),
+            *(memory.step, memory.limit, self.simulation.plugin_state),
+            *(addresses.faults, addresses.assisted, "cuff_force" in self.simulation.columns),
+            *(self.simulation.model.jnt_range[: len(JOINTS)], self.effort_scale, control_dt),
+            *(memory.told, self.reward, self.terminated, self.truncated),
         )
         self._watched = (
-            memory.step,
-            memory.watched,
-            memory.places,
-            memory.hand,
-            memory.measured,
-            self.simulation.sensordata,
-            addresses.hand,
-            memory.costs,
-            control_dt,
+            *(memory.step, memory.watched, memory.places, memory.hand, memory.measured),
+            *(self.simulation.sensordata, addresses.hand, memory.told, control_dt),
         )
 
     # --- Episodes -----------------------------------------------------------------------------
@@ -246,8 +235,9 @@ class Episodes:
         except BaseException:
             memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
             raise
-        if self.task.watches:
-            memory.hand[rows] = self.simulation.sensordata[rows[:, None], self._watched[-3]]
+        if self._watches:
+            hand = self.simulation.addresses.hand
+            memory.hand[rows] = self.simulation.sensordata[rows[:, None], hand]
         if memory.believed.shape[1]:
             memory.believed[rows] = self._suit.begin(self._encoded(rows)[0][:, self._assisted])
             self._write_belief(rows)
@@ -281,23 +271,19 @@ class Episodes:
 
     def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
-        memory, columns = self.simulation.memory, self.simulation.columns
-        measured, terms = memory.measured[row].copy(), self.terms[row].tolist()
-        clipped, diverged = int(memory.clipped[row]), bool(memory.diverged[row])
-        costs, periods = memory.costs[row].copy(), int(memory.step[row])
-        ended = bool(self.terminated[row])
+        memory = self.simulation.memory
+        measured, told = memory.measured[row].copy(), memory.told[row].copy()
+        return Info(float(measured[TIME]), partial(self._read, measured, told))
 
-        def read() -> dict[str, Any]:
-            return {
-                **snapshot(measured, columns),
-                "clipped_actions": clipped,
-                "diverged": diverged,
-                "reward_terms": dict(zip(TERMS, terms, strict=True)),
-                "cost_terms": cost_terms(costs, periods),
-                "is_success": is_success(costs, periods, self.task, ended=ended),
-            }
+    @property
+    def terms(self) -> Array:
+        """Terms of the reward, shape (n, 3), in the order of `TERMS`."""
+        return self.simulation.memory.told[:, TERM:COST]
 
-        return Info(float(measured[TIME]), read)
+    @property
+    def costs(self) -> Array:
+        """Costs of the episodes so far, shape (n, 10), in the order of `COSTS`."""
+        return self.simulation.memory.told[:, COST:PERIODS]
 
     # --- State --------------------------------------------------------------------------------
 
@@ -344,6 +330,17 @@ class Episodes:
         self.simulation.restore(self._all, saved["state"])
         self._judge(self._all)
 
+    def _read(self, measured: Array, told: Array) -> dict[str, Any]:
+        costs, periods, ended = told[COST:PERIODS], int(told[PERIODS]), bool(told[ENDED])
+        return {
+            **snapshot(measured, self.simulation.columns),
+            "clipped_actions": int(told[CLIPPED]),
+            "diverged": bool(told[DIVERGED]),
+            "reward_terms": dict(zip(TERMS, told[TERM:COST].tolist(), strict=True)),
+            "cost_terms": cost_terms(costs, periods),
+            "is_success": is_success(costs, periods, self.task, ended=ended),
+        }
+
     # --- Parts --------------------------------------------------------------------------------
 
     def _stream(self, row: int, purpose: str) -> np.random.Generator:
@@ -359,16 +356,15 @@ class Episodes:
         if last is not None:  # only now: an action may have been refused
             memory.shown[moving, 1:] = memory.shown[moving, :-1]
             memory.shown[moving, 0] = last[moving]
-        account(moving, *self._accounted)
-        if self.task.watches:
+        judge(moving, True, *self._judged)
+        if self._watches:
             watch(moving, *self._watched)
-        self._judge(moving)
 
     def _start(self, row: int, taught: Array | None = None) -> Start:
         streams, terms = partial(self._stream, row), self.randomization
         wearer = terms.person(streams)
         plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
-        if self.task.watches:
+        if self._watches:
             memory, arm = self.simulation.memory, self.simulation.arm_of(wearer)
             checked = self.simulation.checked(plan)
             memory.watched[row] = False if checked.watched is None else checked.watched
@@ -423,7 +419,7 @@ class Episodes:
         memory.measured[rows, BELIEF : BELIEF + 4] = np.concatenate([suit, weight], axis=1)
 
     def _judge(self, rows: Rows) -> None:
-        judge(rows, *self._judged)
+        judge(rows, False, *self._judged)
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:

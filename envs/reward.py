@@ -35,6 +35,8 @@ COSTS = (
     *("effort", "hand_error", "tilt", "slowness"),
 )
 CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
+TERM, COST = 0, len(TERMS)  # where terms and costs begin in what is told of an episode
+PERIODS, CLIPPED, DIVERGED, ENDED, TOLD = range(COST + len(COSTS), COST + len(COSTS) + 5)
 MEANS = ("tracking", "effort")  # of which sums of squares are kept
 ROUNDING = 1e-3  # of a motor's load, by which its protection, once a period, misses 1
 TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
@@ -93,16 +95,21 @@ def _force(arm: Arm, plan: Plan, dt: float) -> Array:
 @njit(cache=True)
 def judge(
     rows: AnyArray,
+    moved: bool,
     measured: AnyArray,
     change: AnyArray,
+    clipped: AnyArray,
     diverged: AnyArray,
     step: AnyArray,
     limit: AnyArray,
     plugin_state: AnyArray,
     faults: AnyArray,
     assisted: AnyArray,
+    has_cuffs: bool,
+    ranges: AnyArray,
     scale: float,
-    terms: AnyArray,
+    dt: float,
+    told: AnyArray,
     reward: AnyArray,
     terminated: AnyArray,
     truncated: AnyArray,
@@ -110,7 +117,8 @@ def judge(
     """Rewards the last control period of some rows, and says which episodes have ended.
 
     An episode terminates when the arm is lost, in a suit whose torque met its pole, or diverged;
-    that period earns nothing. `scale` is the effort of the suited arm.
+    that period earns nothing. If rows have `moved`, the period is added to the costs of their
+    episodes. `scale` is the effort of the suited arm; `told` has the columns named above.
     """
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -123,59 +131,58 @@ def judge(
             worst = max(worst, abs(measured[row, ANGLE + at] - measured[row, TARGET + at]))
         for j in range(change.shape[1]):
             unsteady += change[row, j] ** 2 / change.shape[1]
-        terms[row, 0] = effort / scale**2
-        terms[row, 1] = tracking / ERROR_SCALE**2
-        terms[row, 2] = unsteady / CHANGE_SCALE**2
+        told[row, TERM] = effort / scale**2
+        told[row, TERM + 1] = tracking / ERROR_SCALE**2
+        told[row, TERM + 2] = unsteady / CHANGE_SCALE**2
         ended = worst > LOST or diverged[row]
         for j in range(faults.shape[0]):
             ended = ended or plugin_state[row, faults[j]] == 1.0
         terminated[row] = ended
-        reward[row] = 0.0 if ended else 1.0 / (1.0 + terms[row, 0] + terms[row, 1] + terms[row, 2])
+        size = told[row, TERM] + told[row, TERM + 1] + told[row, TERM + 2]
+        reward[row] = 0.0 if ended else 1.0 / (1.0 + size)
         truncated[row] = step[row] >= limit[row]
+        told[row, PERIODS], told[row, CLIPPED] = step[row], clipped[row]
+        told[row, DIVERGED], told[row, ENDED] = diverged[row], ended
+        if moved and not diverged[row]:
+            told[row, COST + TRACKING] += tracking
+            told[row, COST + STRAIN] += effort
+            account(row, measured, change, assisted, has_cuffs, ranges, dt, told)
 
 
 @njit(cache=True)
 def account(
-    rows: AnyArray,
+    row: int,
     measured: AnyArray,
     change: AnyArray,
-    diverged: AnyArray,
     assisted: AnyArray,
     has_cuffs: bool,
     ranges: AnyArray,
-    costs: AnyArray,
     dt: float,
+    told: AnyArray,
 ) -> None:
-    """Adds the last control period of some rows to the costs of their episodes.
+    """Adds the last control period of a row to the costs of its episode.
 
     Columns as `COSTS`: greatest cuff force over what a person should bear; greatest motor load;
     work of the motors against the motion [J]; sum of the squared changes of the command; time at
-    the ends of ranges [s]; sums of the mean squares over four joints of tracking error [rad²] and
-    effort.
+    the ends of ranges [s].
     """
-    for k in range(rows.shape[0]):
-        row = rows[k]
-        if diverged[row]:
-            continue
-        for j in range(change.shape[1]):
-            costs[row, HEAT] = max(costs[row, HEAT], measured[row, LOAD + j])
-            power = measured[row, ASSIST + j] * measured[row, RATE + assisted[j]]
-            costs[row, WRONG_WAY] += max(0.0, -power) * dt
-            costs[row, CHATTER] += change[row, j] ** 2
-        if has_cuffs:
-            for i in range(3):
-                force = 0.0
-                for j in range(3):
-                    force += measured[row, CUFFS + 3 * i + j] ** 2
-                costs[row, CUFF] = max(costs[row, CUFF], np.sqrt(force) / LIMITS[i])
-        stopped = False
-        for j in range(4):
-            angle = measured[row, ANGLE + j]
-            stopped = stopped or angle < ranges[j, 0] + NEAR or angle > ranges[j, 1] - NEAR
-            costs[row, TRACKING] += (angle - measured[row, TARGET + j]) ** 2 / 4.0
-            costs[row, STRAIN] += measured[row, EFFORT + j] ** 2 / 4.0
-        if stopped:
-            costs[row, STOPS] += dt
+    for j in range(change.shape[1]):
+        told[row, COST + HEAT] = max(told[row, COST + HEAT], measured[row, LOAD + j])
+        power = measured[row, ASSIST + j] * measured[row, RATE + assisted[j]]
+        told[row, COST + WRONG_WAY] += max(0.0, -power) * dt
+        told[row, COST + CHATTER] += change[row, j] ** 2
+    if has_cuffs:
+        for i in range(3):
+            force = 0.0
+            for j in range(3):
+                force += measured[row, CUFFS + 3 * i + j] ** 2
+            told[row, COST + CUFF] = max(told[row, COST + CUFF], np.sqrt(force) / LIMITS[i])
+    stopped = False
+    for j in range(4):
+        angle = measured[row, ANGLE + j]
+        stopped = stopped or angle < ranges[j, 0] + NEAR or angle > ranges[j, 1] - NEAR
+    if stopped:
+        told[row, COST + STOPS] += dt
 
 
 def cost_terms(costs: Array, periods: int) -> dict[str, float]:
@@ -201,7 +208,7 @@ def watch(
     measured: AnyArray,
     sensordata: AnyArray,
     hand: AnyArray,
-    costs: AnyArray,
+    told: AnyArray,
     dt: float,
 ) -> None:
     """Looks at the hands of some rows where the task watches them, and keeps the worst.
@@ -218,7 +225,7 @@ def watch(
         measured: Measurements of all rows.
         sensordata: Sensors of the physics.
         hand: Place of the hand in them, shape (3,).
-        costs: Costs of the episodes.
+        told: What is told of the episodes.
         dt: Control period [s].
     """
     for k in range(rows.shape[0]):
@@ -234,11 +241,11 @@ def watch(
                     intended += (places[row, now, j] - places[row, now - 1, j]) ** 2
             for j in range(1, 4):
                 tilt += measured[row, ANGLE + j] - measured[row, TARGET + j]
-            costs[row, HAND] = max(costs[row, HAND], np.sqrt(error))
-            costs[row, TILT] = max(costs[row, TILT], abs(tilt))
+            told[row, COST + HAND] = max(told[row, COST + HAND], np.sqrt(error))
+            told[row, COST + TILT] = max(told[row, COST + TILT], abs(tilt))
             if np.sqrt(intended) > SLOW * dt:
                 lacking = 1.0 - np.sqrt(speed / intended)
-                costs[row, SLOWNESS] = max(costs[row, SLOWNESS], lacking)
+                told[row, COST + SLOWNESS] = max(told[row, COST + SLOWNESS], lacking)
         for j in range(3):
             before[row, j] = sensordata[row, hand[j]]
 

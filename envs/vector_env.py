@@ -358,7 +358,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             found["diverged"] = memory.diverged.copy()
             each = [
                 cost_terms(row, int(count))
-                for row, count in zip(memory.costs, memory.step, strict=True)
+                for row, count in zip(episodes.costs, memory.step, strict=True)
             ]
             by_name = {name: np.array([one[name] for one in each]) for name in COSTS}
             found["cost_terms"] = _with_masks(by_name, mask)
@@ -369,7 +369,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def _successes(self) -> Bools:
         """Returns whether the episode of each row has gone well so far."""
         memory, lost = self.episodes.simulation.memory, self.episodes.terminated.tolist()
-        ends = zip(memory.costs, memory.step.tolist(), lost, strict=True)
+        ends = zip(self.episodes.costs, memory.step.tolist(), lost, strict=True)
         task = self.episodes.task
         return np.array(
             [is_success(costs, periods, task, ended=end) for costs, periods, end in ends]

@@ -98,7 +98,7 @@ def rollout(
     measured, rewards = [], []
     ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
     failed = np.zeros(len(seeds), np.bool_)
-    costs = np.zeros_like(arms.episodes.simulation.memory.costs)
+    costs = np.zeros_like(arms.episodes.costs)
     while (ends == 0).any():
         on_step(len(rewards))
         observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
@@ -106,7 +106,7 @@ def rollout(
         rewards.append(reward)
         ended = (ends == 0) & (terminated | truncated)
         ends[ended], failed[ended] = len(rewards), terminated[ended]
-        costs[ended] = arms.episodes.simulation.memory.costs[ended]
+        costs[ended] = arms.episodes.costs[ended]
     series, returns = np.array(measured), np.array(rewards)
     limits = arms.episodes.simulation.memory.limit
     wearers = arms.episodes.simulation.memory.wearer

@@ -14,7 +14,15 @@ from ...arrays import AnyArray
 from ..model.motor_kernels import clipped as within_heat
 from ..model.motor_kernels import heated
 from ..person.fatigue_kernels import loaded, tired
-from .measurements import EFFORT, TIME, is_finite, measure
+from .measurements import (
+    CONTINUOUS,
+    EFFORT,
+    PEAK,
+    TIME,
+    TIME_CONSTANT,
+    is_finite,
+    measure,
+)
 from .wearer import EXTRA, act, foresee, learn, most
 
 
@@ -25,15 +33,17 @@ def drive(
     mean_square: AnyArray,
     ctrl: AnyArray,
     motors: AnyArray,
-    peak: AnyArray,
-    continuous: AnyArray,
-    time_constant: AnyArray,
+    ratings: AnyArray,
     dt: float,
 ) -> None:
     """Sets motor torques from normalized commands, clipped by the thermal limit."""
     for j in range(motors.shape[0]):
         ctrl[row, motors[j]] = within_heat(
-            command[row, j] * peak[j], mean_square[row, j], continuous[j], time_constant[j], dt
+            command[row, j] * ratings[PEAK, j],
+            mean_square[row, j],
+            ratings[CONTINUOUS, j],
+            ratings[TIME_CONSTANT, j],
+            dt,
         )
 
 
@@ -50,10 +60,7 @@ def tire(
     impedance: AnyArray,
     strength: AnyArray,
     shape: AnyArray,
-    tiring: AnyArray,
-    recovery: AnyArray,
-    multiplier: AnyArray,
-    resting: AnyArray,
+    rates: AnyArray,
     dt: float,
 ) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
@@ -66,10 +73,10 @@ def tire(
             fatigued[row, way, j] = tired(
                 fatigued[row, way, j],
                 loaded(sign * torque + extra, available),
-                tiring[j],
-                recovery[j],
-                multiplier[j],
-                resting[j],
+                rates[0, j],
+                rates[1, j],
+                rates[2, j],
+                rates[3, j],
                 dt,
             )
 
@@ -137,9 +144,7 @@ def before(
     shape: AnyArray,
     spread: AnyArray,
     ringing: AnyArray,
-    peak: AnyArray,
-    continuous: AnyArray,
-    time_constant: AnyArray,
+    ratings: AnyArray,
     reflex: float,
     lead: float,
     lag: float,
@@ -173,7 +178,7 @@ def before(
         clipped[row] += 1 if beyond else 0
         if diverged[row]:
             continue
-        drive(row, command, mean_square, ctrl, motors, peak, continuous, time_constant, dt)
+        drive(row, command, mean_square, ctrl, motors, ratings, dt)
         i = int(min(step[row] + 1, angle.shape[1] - 1))
         foresee(
             row,
@@ -276,13 +281,8 @@ def after(
     impedance: AnyArray,
     strength: AnyArray,
     shape: AnyArray,
-    tiring: AnyArray,
-    recovery: AnyArray,
-    multiplier: AnyArray,
-    resting: AnyArray,
-    peak: AnyArray,
-    continuous: AnyArray,
-    time_constant: AnyArray,
+    rates: AnyArray,
+    ratings: AnyArray,
     ahead: AnyArray,
     count: float,
     smoothing: float,
@@ -309,7 +309,9 @@ def after(
         if moved:
             for j in range(assist.shape[0]):
                 torque = float(actuator_force[row, assist[j]])
-                mean_square[row, j] = heated(mean_square[row, j], torque, time_constant[j], dt)
+                mean_square[row, j] = heated(
+                    mean_square[row, j], torque, ratings[TIME_CONSTANT, j], dt
+                )
             if tires:
                 tire(
                     row,
@@ -323,10 +325,7 @@ def after(
                     impedance,
                     strength,
                     shape,
-                    tiring,
-                    recovery,
-                    multiplier,
-                    resting,
+                    rates,
                     dt,
                 )
         measure(
@@ -354,8 +353,7 @@ def after(
             suited,
             suit_torque,
             dissipated,
-            peak,
-            continuous,
+            ratings,
             ahead,
             count,
             smoothing,

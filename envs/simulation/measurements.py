@@ -52,6 +52,7 @@ COLUMNS, WIDTH = _columns()
 NOISES = 17  # random numbers of sensors in a control period: interaction, EMG, cuffs
 EMG_NOISES, CUFF_NOISES = 4, 8  # where the latter two begin
 
+PEAK, CONTINUOUS, TIME_CONSTANT = range(3)  # rows of `ratings` of the motors [N·m, N·m, s]
 STILL = 1e-9  # rad/s, below which an encoder's rate is zero
 
 SENSED = (
@@ -146,8 +147,7 @@ def measure(  # noqa: PLR0912 (a loop for each measurement)
     suited: AnyArray,
     suit_torque: AnyArray,
     dissipated: AnyArray,
-    peak: AnyArray,
-    continuous: AnyArray,
+    ratings: AnyArray,
     ahead: AnyArray,
     count: float,
     smoothing: float,
@@ -173,9 +173,9 @@ def measure(  # noqa: PLR0912 (a loop for each measurement)
     for j in range(assist.shape[0]):
         torque = actuator_force[row, assist[j]]
         measured[row, ASSIST + j] = torque
-        measured[row, MOTOR + j] = torque / peak[j]
+        measured[row, MOTOR + j] = torque / ratings[PEAK, j]
         measured[row, PREVIOUS + j] = command[row, j]
-        measured[row, LOAD + j] = math.sqrt(mean_square[row, j]) / continuous[j]
+        measured[row, LOAD + j] = math.sqrt(mean_square[row, j]) / ratings[CONTINUOUS, j]
         work += abs(torque * qvel[row, driven[j]])
     measured[row, ASSIST_ENERGY] += work * dt if moved else 0.0
     work = 0.0

@@ -63,7 +63,7 @@ class Memory:
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
-        costs: Costs of the episode so far, shape (n, size); whoever counts them gives it its size.
+        told: What is told of the episode so far, shape (n, size); whoever tells gives it its size.
         watched: Samples at which hands are watched, bool, shape (n, samples); whoever watches gives
             it its size, as that of the next field.
         places: Intended places of the hand in the world [m], shape (n, samples, 3).
@@ -108,7 +108,7 @@ class Memory:
     fall: Array
     offset: Array
     dissipated_before: Array
-    costs: Array
+    told: Array
     watched: NDArray[np.bool_]
     places: Array
     hand: Array
@@ -185,7 +185,7 @@ class Memory:
             fall=np.zeros(n),
             offset=np.zeros((n, joints)),
             dissipated_before=np.zeros(n),
-            costs=np.zeros((n, 0)),
+            told=np.zeros((n, 0)),
             watched=np.zeros((n, 0), np.bool_),
             places=np.zeros((n, 0, 3)),
             hand=np.zeros((n, 3)),

@@ -355,7 +355,8 @@ class Simulation:
         n, config, dt = self.n, self.config, self.control_dt
         motors = list(config.exo.motors.values())[: self.addresses.motors.size]
         impedance = self._impedance_of(0)
-        tiring, recovery, multiplier, resting = RATES
+        continuous = [motor.continuous_torque for motor in motors]
+        heating = [motor.thermal_time_constant for motor in motors]
         return {
             "scratch": np.empty((n, len(JOINTS), 8)),
             "own": np.zeros((n, len(JOINTS))),
@@ -370,13 +371,8 @@ class Simulation:
             **self.control.habits(dt),
             "spread": NOISE_SIZE,
             "ringing": noise_constants(dt),
-            "peak": self.addresses.peak_torque,
-            "continuous": np.array([motor.continuous_torque for motor in motors]),
-            "time_constant": np.array([motor.thermal_time_constant for motor in motors]),
-            "tiring": tiring,
-            "recovery": recovery,
-            "multiplier": multiplier,
-            "resting": resting,
+            "ratings": np.array([self.addresses.peak_torque, continuous, heating]),
+            "rates": np.array(RATES),
             "ahead": np.array([round(ahead / dt) for ahead in PREVIEW]),
             "count": math.tau / 2**config.exo.encoder_bits,
             "smoothing": smoothing(self.sensing.rate_cutoff, dt),

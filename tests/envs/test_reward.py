@@ -13,7 +13,7 @@ from activesuit.envs.policies import make_policy
 from activesuit.envs.reward import COSTS, STRAIN, TRACKING, cost_terms, is_success
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
-from arms import addresses, memory, physics
+from arms import addresses, physics
 
 ASSISTED = [1, 2]
 STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2.0)
@@ -177,5 +177,5 @@ def test_success(changed, well):
 def test_costs_begin_anew_with_each_episode():
     env = ArmEnv(STILL)
     play(env, np.random.default_rng(0).uniform(-1, 1, (20, 2)))
-    assert memory(env).costs.any()
+    assert env.unwrapped.episodes.costs.any()
     assert not env.reset()[1]["cost_terms"]["chatter"]

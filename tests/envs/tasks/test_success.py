@@ -48,7 +48,7 @@ def test_each_quantity_that_is_watched_can_spoil_it(played):
     shipped, env, _ = played
     watched = {name for name in TOLERANCES if getattr(shipped, name) < FARTHEST}
     assert watched >= {"tracking"}
-    costs, periods = memory(env).costs[0], int(memory(env).step[0])
+    costs, periods = env.unwrapped.episodes.costs[0], int(memory(env).step[0])
     for name in watched:
         strict = replace(env.episodes.task, **{name: TINY})
         assert not is_success(costs, periods, strict, ended=False), name
