@@ -15,7 +15,7 @@ from .config import GRAVITY, NO_SUIT, ArmConfig, Payload
 from .cuffs import couple
 from .exoskeleton import ASSISTED, delay_encoders, fit_exoskeleton, remove_exoskeleton
 from .fitting import fit_person
-from .lean import make_lean
+from .lean import make_lean, remove_drawings
 from .mirroring import mirror
 from .suit import attach_others, attach_suit, remove_suit
 from .workplace import Edits, edit, grip, holder
@@ -134,7 +134,7 @@ def _compiled(
 ) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
     worn = None if suit is None else Suit.model_validate_json(suit)
-    spec = _built(config, worn, edits)
+    spec = _built(config, worn, edits, drawn=drawn)
     also_worn = [Suit.model_validate_json(other) for other in others]
     attach_others(spec, worn, also_worn, allow_uncertified=config.allow_uncertified)
     if not drawn:
@@ -142,8 +142,10 @@ def _compiled(
     return spec.compile()
 
 
-def _built(config: ArmConfig, suit: Suit | None, edits: Edits | None = None) -> mujoco.MjSpec:
-    spec = mujoco.MjSpec.from_file(str(SCENE))
+def _built(
+    config: ArmConfig, suit: Suit | None, edits: Edits | None = None, *, drawn: bool = True
+) -> mujoco.MjSpec:
+    spec = mujoco.MjSpec.from_file(str(SCENE)) if drawn else _undrawn().copy()
     spec.option.timestep = config.timestep
     fit_person(spec, config.wearer)
     _strip(spec, config)
@@ -165,6 +167,19 @@ def _built(config: ArmConfig, suit: Suit | None, edits: Edits | None = None) -> 
         couple(spec, config.misalignment, excess)
     if suit is not None:
         attach_suit(spec, suit, allow_uncertified=config.allow_uncertified)
+    return spec
+
+
+@lru_cache(maxsize=1)
+def _undrawn() -> mujoco.MjSpec:
+    """Returns the scene without drawings; to delete them takes longer than all the rest."""
+    spec = mujoco.MjSpec.from_file(str(SCENE))
+    keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
+    for key in spec.keys:
+        spec.delete(key)
+    remove_drawings(spec)
+    for name, qpos, act, ctrl in keys:
+        spec.add_key(name=name, qpos=qpos, act=act, ctrl=ctrl)
     return spec
 
 

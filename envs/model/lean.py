@@ -13,9 +13,7 @@ def make_lean(spec: mujoco.MjSpec) -> None:
     postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
     for key in spec.keys:  # MuJoCo checks their sizes at every deletion, and counts too few inputs
         spec.delete(key)
-    for geom in [*spec.geoms]:
-        if not (_is_solid(geom) or (geom.mass != 0 and _moves(geom.parent))):
-            spec.delete(geom)
+    remove_drawings(spec)
     _write_inertias(spec)
     for geom in [*spec.geoms]:
         if not _is_solid(geom):
@@ -23,15 +21,23 @@ def make_lean(spec: mujoco.MjSpec) -> None:
     for body in reversed([*spec.bodies][1:]):  # a child comes after its parent
         if not (body.geoms or body.sites or body.joints or body.bodies or body.mass):
             spec.delete(body)
-    for part in [*spec.lights, *spec.cameras]:
-        spec.delete(part)
-    for geom in spec.geoms:
-        geom.material = ""
-    for part in [*spec.materials, *spec.textures, *spec.meshes]:
-        spec.delete(part)
+    for mesh in [*spec.meshes]:
+        spec.delete(mesh)
     for name, qpos, act, ctrl in postures:
         spec.add_key(name=name, qpos=qpos, act=act, ctrl=ctrl)
     spec.memory = ARENA
+
+
+def remove_drawings(spec: mujoco.MjSpec) -> None:
+    """Removes what is only drawn, in place; keyframes must be removed before."""
+    for geom in [*spec.geoms]:
+        geom.material = ""
+        if not (_is_solid(geom) or (geom.mass != 0 and _moves(geom.parent))):
+            spec.delete(geom)
+    shapes = {geom.meshname for geom in spec.geoms}
+    unused = [mesh for mesh in spec.meshes if mesh.name not in shapes]
+    for part in [*spec.lights, *spec.cameras, *spec.materials, *spec.textures, *unused]:
+        spec.delete(part)
 
 
 def _is_solid(geom: mujoco.MjsGeom) -> bool:
