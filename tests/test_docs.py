@@ -69,6 +69,12 @@ def test_three_joints_is_short_and_stands_on_its_page():
     assert "\n".join(lines) + "\n" == examples("robot.md")[0]
 
 
+def test_a_task_of_your_own_is_short():
+    task = examples("tasks.md")[0]
+    assert sum(bool(line.strip()) for line in task.splitlines()) <= 30  # with its imports
+    assert "gymnasium.register(" in task
+
+
 def test_the_plugin_example_is_short_and_stands_on_its_page():
     script = (DOCS / "stribeck.py").read_text(encoding="utf-8")
     plugin, demonstration = examples("robot.md")[-2:]

@@ -117,22 +117,6 @@ class Differing:
         variety = self._variety
         if variety.places:
             self._gravity[rows, 2] = -fall[rows]
-        self._write_fields(rows, wearer, misalignment, load)
-
-    def load(self, rows: NDArray[np.int64], wearer: NDArray[np.int64], load: Array) -> None:
-        """Puts other loads into the hands of some rows; see `write`."""
-        for row in rows.tolist():
-            self._carry(row, wearer, load)
-        self._batch.set_const(rows)
-
-    def _write_fields(
-        self,
-        rows: NDArray[np.int64],
-        wearer: NDArray[np.int64],
-        misalignment: Array,
-        load: Array,
-    ) -> None:
-        variety = self._variety
         if not self._fields:
             return
         for row in rows.tolist():
@@ -145,6 +129,12 @@ class Differing:
                 self._carry(row, wearer, load)
         if variety.loads or variety.misalignments:
             self._batch.set_const(rows)
+
+    def load(self, rows: NDArray[np.int64], wearer: NDArray[np.int64], load: Array) -> None:
+        """Puts other loads into the hands of some rows; see `write`."""
+        for row in rows.tolist():
+            self._carry(row, wearer, load)
+        self._batch.set_const(rows)
 
     def strap(self, plugin_state: Array, wearer: int, misalignment: Array) -> None:
         """Straps the cuffs of one row on, after a reset: they bear no force on a hanging arm."""
