@@ -30,13 +30,14 @@ SMALL = (  # words of an example, and the options that it gets beside its own or
     (["identify", "auto"], ["--samples", "2"]),
     (["study"], ["--trials", "2"]),
     (["evaluate"], ["--episodes", "8"]),
-    (["evaluate", "--table"], ["--policies", "none"]),
-    (["tasks", "--table"], ["--episodes", "8", "--levels", "nominal"]),
+    (["evaluate", "--table"], ["--policies", "none", "--naive"]),
+    (["tasks", "--table"], ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
     (["validate"], ["--episodes", "8"]),
     (["envelope"], ["--spacing", "0.08"]),
     (["train"], ["--steps", "2048"]),
     (["train", "--resume"], ["--steps", "4096"]),
-    (["kao-fung"], ["--trials", "2"]),
+    (["animate", "--quality"], ["--fps", "5", "--width", "320", "--height", "240"]),
+    (["kao-fung"], ["--trials", "1", "--iterations", "20"]),
     (["bench"], ["--repeats", "1"]),
 )
 SECONDS = 300  # after which an example has failed
