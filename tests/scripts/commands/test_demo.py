@@ -26,7 +26,7 @@ def run(tmp_path_factory):
         "from dataclasses import replace\n"
         "from activesuit.envs.tasks import TASKS\n"
         "from activesuit.scripts.main import main\n"
-        "TASKS.update({name: replace(task, duration=3.0) for name, task in TASKS.items()})\n"
+        "TASKS.update({name: replace(task, duration=2.0) for name, task in TASKS.items()})\n"
         "main(sys.argv[1:])\n"
         "print('loaded:', *sys.modules)"
     )
@@ -47,7 +47,7 @@ def folder(run):
 def sketched(undrawn, monkeypatch):
     """For demos whose pictures nobody looks at: short motions, neither figures nor the arm."""
     monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
-    shorten_tasks(monkeypatch, 2.0)
+    shorten_tasks(monkeypatch, 1.0)
 
 
 def test_needs_no_torch(run):
@@ -88,7 +88,7 @@ def test_numbers_are_there(folder):
         assert len(rows) == 1 + 7 * 8
     assert set(load_suit(str(folder / "suit.json")).joints) == set(load_suit("mock-suit").joints)
     trace = np.genfromtxt(folder / "trace-earth-none.csv", delimiter=",", names=True)
-    assert trace.size == 300
+    assert trace.size == 200
     assert json.loads((folder / "config.json").read_text())["seed"] == 0
 
 
@@ -114,7 +114,7 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, un
 
     monkeypatch.setattr(Renderer, "picture", unavailable)
     monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
-    shorten_tasks(monkeypatch, 2.0)
+    shorten_tasks(monkeypatch, 1.0)
     demo(out=tmp_path, trials=1, episodes=8)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()
