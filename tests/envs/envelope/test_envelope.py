@@ -11,7 +11,7 @@ from activesuit.envs.envelope import HELD, Holding, work_envelope
 from activesuit.envs.model import GRAVITY, ArmConfig, compose
 from activesuit.errors import InputError
 
-COARSE = 0.04  # m
+COARSE = 0.05  # m
 CONFIGS = {
     "right": ArmConfig(payload={"mass": 2}, tilt=(0.3, -0.2)),
     "left": ArmConfig(payload={"mass": 2}, tilt=(0.3, -0.2), side="left"),
@@ -79,13 +79,13 @@ def test_an_arm_of_free_hinges_reaches_a_ball_without_a_hole():
     free = replace(holding, range=np.tile([-np.pi, np.pi], (4, 1)))
     reach, hole = free.reach, free.lengths[0] - free.lengths[1] - free.grip[0]
     assert hole < 0
-    line = (np.arange(-20, 20) + 0.5) * reach / 20
+    line = (np.arange(-12, 12) + 0.5) * reach / 12
     points = np.array(np.meshgrid(line, line, line)).reshape(3, -1).T.copy()
     effort, posture, _ = free.easiest(points, np.linspace(-np.pi, np.pi, 65))
     inside = np.isfinite(effort)
     assert (inside == (np.linalg.norm(points, axis=1) <= reach)).all()
     assert free.positions(posture)[inside] == pytest.approx(points[inside], abs=1e-9)
-    volume = inside.sum() * (reach / 20) ** 3
+    volume = inside.sum() * (reach / 12) ** 3
     assert volume == pytest.approx(4 / 3 * np.pi * reach**3, rel=5e-3)
 
 
