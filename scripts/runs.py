@@ -38,8 +38,10 @@ class Scene:
 
     @property
     def place(self) -> str:
-        """Title of a table: task, place and suit."""
-        return f"{self.env}, {self.options['gravity']}, {self.options['suit']}"
+        """Title of a table: task, place, suit and level."""
+        task = self.options.get("task", self.env)
+        level = f", {self.options['level']}" if "level" in self.options else ""
+        return f"{task}, {self.options['gravity']}, {self.options['suit']}{level}"
 
 
 def scene(
@@ -92,8 +94,9 @@ def scene(
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
     if ":" in chosen:
         _import_from_here()
-    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **_of_level(level, given), **(usual or {})}
-    flat = {**usual, **found, **given}
+    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **(usual or {})}
+    of_level = {} if level is None else _of_level(level, given)  # a run is tried at any level
+    flat = {**usual, **found, **of_level, **given}
     flat.pop("env", None)
     beside |= {} if level is None else {"level": level}
     return Scene(env=chosen, options={**nested_options(flat), **beside})
@@ -105,7 +108,7 @@ def _task(env: str | None, task: str | None) -> tuple[str | None, dict[str, Any]
         return env, {}
     if env is not None:
         raise InputError(f"--task is {shown(task)}, and --env is {shown(env)}: give one of them")
-    if task.endswith(MOTION):
+    if task.lower().endswith(MOTION):
         return ENV, {"task": task}
     if task not in TASKS:
         raise unknown_name("task", task, [*TASKS, f"a file *{MOTION}"])
@@ -118,9 +121,9 @@ def _place(env: str) -> str:
     return TASKS[name].place if name in TASKS else GRAVITY
 
 
-def _of_level(level: str | None, given: Mapping[str, Any]) -> dict[str, Any]:
+def _of_level(level: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """Returns what a level says of options of the command line, beside those that are given."""
-    options = with_level({**given, **({} if level is None else {"level": level})})
+    options = with_level({**given, "level": level})
     return {name: value for name, value in options.items() if name in USUAL_OPTIONS}
 
 

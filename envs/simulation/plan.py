@@ -82,10 +82,13 @@ def _series(name: str, given: AnyArray | None, shape: tuple[int, ...]) -> Array 
     if given is None:
         return None
     values = _numbers(name, given)
-    if values.shape != shape or not np.isfinite(values).all():
+    if values.shape != shape:
         raise InputError(
             f"the task's {name} has shape {values.shape}: give finite numbers of shape {shape}"
         )
+    if not np.isfinite(values).all():
+        sample = int(np.argwhere(~np.isfinite(values))[0, 0])
+        raise InputError(f"the task's {name} is not finite at sample {sample}: give finite numbers")
     return values
 
 

@@ -61,7 +61,7 @@ def task_of(given: str | Task) -> Task:
         return given
     if not isinstance(given, str):
         raise InputError(f"task is a {type(given).__name__}: give a Task, or the name of one")
-    if given.endswith(MOTION):
+    if given.lower().endswith(MOTION):
         return RecordedMotion(name=PurePath(given).stem, path=given)
     if given not in TASKS:
         raise unknown_name("task", given, TASKS)

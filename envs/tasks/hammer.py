@@ -24,7 +24,9 @@ HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
 HEAD_SHARE = 0.77  # of the mass; the rest is the handle
 CONTACT = 8  # bit of the contacts between hammer and anvil, which nothing else has
 LEAST_REBOUND = 0.15  # exp(-2) is that of a critically damped contact
-EARLY = 0.03  # s before a blow, when speed is watched: an arm may strike too soon
+EARLY = 0.04  # s before the swing ends, when hand and speed are watched: the anvil comes sooner
+ROUNDING = 1e-9  # s
+THROUGH = 0.03  # m, by which the swing ends behind the surface of the anvil, so that it strikes
 CONTACT_TIME = 0.016  # s, in which the hammer is thrown back; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
@@ -84,11 +86,12 @@ class Hammer(Task):
         del arm
         raised = RAISED + np.array([0, *rng.uniform(-0.05, 0.05, 2), 0])
         period = DOWN + UP + PAUSE
-        time = np.mod(dt * np.arange(samples), period)
+        time = np.mod(dt * np.arange(samples) + ROUNDING, period)  # all blows are alike
         rate = STEEPNESS * (IMPACT - raised) / DOWN
         motion = np.zeros((3, samples, len(JOINTS)))
         still = np.zeros(len(JOINTS))
-        down, back = time < DOWN, (time >= DOWN) & (time < DOWN + UP)
+        down = time < DOWN + 2 * ROUNDING
+        back = ~down & (time < DOWN + UP)
         motion[0] = raised
         motion[:, down] = _swing(time[down], DOWN, (raised, still), (IMPACT, rate))
         motion[:, back] = _swing(
@@ -129,7 +132,8 @@ def _strike(spec: mujoco.MjSpec, head: Array) -> tuple[Array, Array]:
     step = 1e-6 * (IMPACT - RAISED)[1:]
     place = place_of(spec, IMPACT[1:], head)
     course = place - place_of(spec, IMPACT[1:] - step, head)
-    return place, course / np.linalg.norm(course)
+    course = course / np.linalg.norm(course)
+    return place - THROUGH * course, course
 
 
 def _swing(

@@ -16,7 +16,7 @@ from ...envs.levels import LEVELS
 from ...envs.policies import make_policy
 from ...envs.tasks import TASKS, Task
 from ...envs.vector_env import ArmVectorEnv
-from ...errors import unknown_name
+from ...errors import InputError, unknown_name
 from ...json_files import read_json
 from ..options import Force, Json, choice
 from ..output import Rows, RunFolder, conclude, markdown_table, progress, say, to_json
@@ -58,6 +58,9 @@ def tasks(
                 raise unknown_name(what, name, known)
     chosen = {name: TASKS[name] for name in only or TASKS}
     if not table:
+        usual = (tuple(LEVELS), 20, FIRST_SEED, None)
+        if (tuple(levels), episodes, seed, out) != usual:
+            raise InputError("--levels, --episodes, --seed and --out belong to --table: add it")
         _list(chosen, json)
         return
     at_least("episodes", episodes, FEWEST_MOTIONS)

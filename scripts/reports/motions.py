@@ -93,16 +93,16 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         100 * float(np.mean(evaluation.scores[name].effort)) for name in ("unsuited", "suited")
     )
     yield (
-        f"The suit raises the wearer's effort from {unsuited:.1f} to {worn:.1f} % of strength, by "
-        f"{100 * cost.value:.1f} ({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
+        f"The suit {'raises' if cost.value > 0 else 'lowers'} the wearer's effort from "
+        f"{unsuited:.1f} to {worn:.1f} % of strength, a change of {100 * cost.value:.1f} "
+        f"({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
     )
     off = evaluation.scores.get("none")
     if off is not None:
         change = 100 * (np.mean(off.effort) - np.mean(suited.effort))
-        yield (
-            f"The exoskeleton with its motors off adds {change:.1f} points: relief "
-            f"{interval_text(evaluation.relief('none'))}."
-        )
+        relief = evaluation.relief("none")
+        told = "" if relief is None else f": relief {interval_text(relief)}"
+        yield f"The exoskeleton with its motors off adds {change:.1f} points{told}."
     for name in evaluation.scores:
         relief = evaluation.relief(name)
         if name in ("unsuited", "suited", "none") or relief is None:

@@ -65,7 +65,11 @@ def one_sentence(error):
         (Planned, Plan(MOTION, mass=np.full(SAMPLES, 61.0)), "load is 61 to 61 kg: stay between"),
         (Planned, Plan(MOTION, mass=np.full(SAMPLES, -1.0)), "load is -1 to -1 kg: stay between"),
         (Planned, Plan(MOTION, mass=np.ones(3)), r"mass has shape \(3,\): give finite numbers of"),
-        (Planned, Plan(MOTION, mass=np.full(SAMPLES, np.nan)), "the task's mass has shape .*fini"),
+        (
+            Planned,
+            Plan(MOTION, mass=np.full(SAMPLES, np.nan)),
+            "the task's mass is not finite at sample 0",
+        ),
         (Planned, Plan(MOTION, mass="heavy"), "the task's mass is 'heavy': give numbers"),
         (Planned, Plan(MOTION, push=PUSH + 1), r"push begins with \[1.*\] N: begin with 0"),
         (
