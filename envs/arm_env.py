@@ -88,7 +88,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         level: How much differs from what a controller was made for: "nominal", "randomized" or
             "shift" (see `envs.levels`); options that are given replace those of the level.
         randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
-            dict of its terms: suit, suits, pressure, payload, gravity, wearers, misalignment,
+            dict of its terms: suit, suits, pressure, load, payload, gravity, wearers, misalignment,
             sensor_noise, encoder_offset.
         sensing: Noise, delay and bandwidth of sensors, as a `Sensing` or a dict of the fields that
             differ from the default.

@@ -364,11 +364,6 @@ class Episodes:
         streams, terms = partial(self._stream, row), self.randomization
         wearer = terms.person(streams)
         plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
-        if self._watches:
-            memory, arm = self.simulation.memory, self.simulation.arm_of(wearer)
-            checked = self.simulation.checked(plan)
-            memory.watched[row] = False if checked.watched is None else checked.watched
-            memory.places[row] = arm.in_world(checked.motion[0])
         return Start(
             plan=plan,
             suit=terms.worn(self._wardrobe, streams),

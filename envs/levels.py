@@ -29,10 +29,9 @@ LEVELS: dict[str, dict[str, Any]] = {
 """Options of each level, which an option that is given replaces.
 
 At "randomized" the suit's pressure and the task's loads differ, three people wear it, and
-exoskeleton and sensors sit differently. "shift" is another suit at another
-pressure in another gravity than the defaults, from which nobody builds a belief by accident.
+exoskeleton and sensors sit differently. "shift" is another suit at another pressure in another
+gravity than the defaults, from which nobody builds a belief by accident.
 """
-_OF_SUITS = ("pressure", "preconditioned")
 
 
 def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -52,8 +51,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
     terms, own = dict(usual.pop("randomize", {})), given.get("randomize") or {}
     if "suit" in given and "suit" in usual:
         usual.pop("pressure", None)  # of the level's own suit
-    if given.get("suit", usual.get("suit")) == NO_SUIT:
-        usual = {name: value for name, value in usual.items() if name not in _OF_SUITS}
+    if given.get("suit") == NO_SUIT:
         terms.pop("pressure", None)
     if given.get("coupling") != "cuffs":
         terms.pop("misalignment", None)

@@ -272,8 +272,6 @@ def follow(
 def through_places(arm: Arm, places: Array, start: Array, dt: float) -> tuple[Array, Array, Array]:
     """Returns the motion whose grip goes through places that are `dt` apart.
 
-    The first and the last place are at rest.
-
     Raises:
         InputError: See `Arm.postures`.
     """

@@ -206,6 +206,9 @@ class Simulation:
                 memory.load[row] = memory.carried[row, 0]
             if plan.push is not None:
                 memory.push[row] = plan.push
+            if memory.watched.shape[1]:
+                memory.watched[row] = False if plan.watched is None else plan.watched
+                memory.places[row] = self.arm_of(start.wearer).in_world(plan.motion[0])
             if start.gravity is not None:
                 memory.fall[row] = GRAVITY[start.gravity]
             if start.suit is not None:

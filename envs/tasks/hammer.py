@@ -108,13 +108,14 @@ def contact(rebound: float) -> list[float]:
     A damped oscillator pushes and cannot pull, and is left when its force ends: with the damping
     sin(x), the share is exp(-(pi - 2 x) tan(x)) (Schwager and Pöschel 2007).
     """
-    low, high = 0.0, math.pi / 2 - 1e-6
-    for _ in range(50):
-        middle = (low + high) / 2
-        softer = math.exp(-(math.pi - 2 * middle) * math.tan(middle)) > rebound
-        low, high = (middle, high) if softer else (low, middle)
-    frequency = (math.pi - 2 * low) / CONTACT_TIME / math.cos(low)
-    return [-(frequency**2), -2 * math.sin(low) * frequency]
+    from scipy.optimize import root_scalar  # slow to import
+
+    def excess(x: float) -> float:
+        return math.exp(-(math.pi - 2 * x) * math.tan(x)) - rebound
+
+    x = float(root_scalar(excess, bracket=(0.0, math.pi / 2 - 1e-6)).root)
+    frequency = (math.pi - 2 * x) / CONTACT_TIME / math.cos(x)
+    return [-(frequency**2), -2 * math.sin(x) * frequency]
 
 
 def _inertia(mass: float) -> tuple[Array, Array]:

@@ -10,8 +10,7 @@ from ...arrays import Array
 from ..model.workplace import add_pushes, draw, place_of
 from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
-from .motions import between, minimum_jerk, posture, repeated
-from .reach_panel import hand_path
+from .motions import between, minimum_jerk, posture, repeated, through
 from .task import SUSTAINED, Task, check_range
 
 FAR, NEAR = posture(1.1, 0.6), posture(0.45, 1.4)  # of the hand that takes hold, and lets go
@@ -59,7 +58,7 @@ class Handrail(Task):
         for start in starts:
             force += rng.uniform(*self.pull) * _pulse(time - start)
         along = (far - near) / np.linalg.norm(far - near)
-        motion = through_places(arm, hand_path(stops, samples, dt), FAR, dt)
+        motion = through_places(arm, through(stops, samples, dt)[0], FAR, dt)
         windows = [(start, start + HOLD) for start in starts]
         return Plan(motion, push=force[:, None] * along, watched=between(windows, samples, dt))
 

@@ -9,7 +9,7 @@ import numpy as np
 from ...assets import JOINTS
 from ...published import LI_RANGES
 from ..simulation.plan import Motion
-from .motions import minimum_jerk
+from .motions import growing
 from .task import SUSTAINED, Task
 
 FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
@@ -28,8 +28,6 @@ class MinorLoops(Task):
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
         """Returns sums of sines that fill the measured ranges; see `Task.motion`."""
         time = dt * np.arange(samples)
-        grown, growth, bend = minimum_jerk(np.minimum(time / BEGINNING, 1.0))
-        growth, bend = growth / BEGINNING, bend / BEGINNING**2
         motion = np.zeros((3, samples, len(JOINTS)))
         speed = math.tau * FREQUENCIES
         for joint, (low, high) in MOVED.items():
@@ -40,9 +38,9 @@ class MinorLoops(Task):
             acceleration = -(speed**2 * np.sin(turned)).sum(axis=1)
             size = (high - low) / 2 / np.abs(wave).max()
             column = JOINTS.index(joint)
-            motion[0, :, column] = (low + high) / 2 + size * grown * wave
-            motion[1, :, column] = size * (growth * wave + grown * rate)
-            motion[2, :, column] = size * (bend * wave + 2 * growth * rate + grown * acceleration)
+            grown = growing(wave, rate, acceleration, time, BEGINNING)
+            motion[:, :, column] = size * np.array(grown)
+            motion[0, :, column] += (low + high) / 2
         return motion[0], motion[1], motion[2]
 
 

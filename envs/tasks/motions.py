@@ -93,16 +93,16 @@ def random_motion(
 
 
 def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Motion:
-    """Returns minimum-jerk moves from posture to posture; a posture twice is a rest.
+    """Returns minimum-jerk moves from stop to stop, and two derivatives; one twice is a rest.
 
     Args:
-        stops: Time of each [s], rising, and its joint angles [rad], shape (4,) each; the last one
-            is held to the end.
+        stops: Time of each [s], rising, and its joint angles [rad], or its place [m], shape (k,)
+            each; the last one is held to the end.
         samples: Number of samples.
         dt: Time between samples [s].
     """
     time = dt * np.arange(samples)
-    motion = np.zeros((3, samples, len(JOINTS)))
+    motion = np.zeros((3, samples, len(stops[-1][1])))
     motion[0] = stops[-1][1]
     for (begin, here), (end, there) in pairwise(stops):
         now = (begin <= time) & (time < end)
@@ -111,6 +111,27 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
             step = share[:, None] * (np.asarray(there) - here) / (end - begin) ** derivative
             motion[derivative, now] = step + (np.asarray(here) if derivative == 0 else 0.0)
     return motion[0], motion[1], motion[2]
+
+
+def growing(
+    wave: AnyArray, rate: AnyArray, acceleration: AnyArray, time: AnyArray, beginning: float
+) -> tuple[Array, Array, Array]:
+    """Returns a wave with its two derivatives that grows from rest.
+
+    Args:
+        wave: The wave, shape (samples,) like all.
+        rate: Its first derivative.
+        acceleration: Its second derivative.
+        time: Time of the samples [s].
+        beginning: Time in which it grows to its full size [s].
+    """
+    grown, growth, bend = minimum_jerk(np.minimum(time / beginning, 1.0))
+    growth, bend = growth / beginning, bend / beginning**2
+    return (
+        grown * wave,
+        growth * wave + grown * rate,
+        bend * wave + 2 * growth * rate + grown * acceleration,
+    )
 
 
 def posture(shoulder: float, elbow: float, abduction: float = 0.0, wrist: float = 0.0) -> Array:

@@ -41,6 +41,10 @@ class RandomMoves(Task):
         super().__post_init__()
         for what in ("span", "hold"):
             _check_spans(what, getattr(self, what))
+        for joint in self.span.keys() & self.hold.keys():
+            raise InputError(
+                f"the task's span and hold both have {joint}: a joint either moves or is held"
+            )
         for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
             times = getattr(self, what)
             check_pair(f"the task's {what}", times, " s")

@@ -12,7 +12,7 @@ from ...checks import within
 from ..model.workplace import add_reaction, draw, grip, holder
 from ..simulation.kinematics import Arm
 from ..simulation.plan import STRONGEST, Plan
-from .motions import between, minimum_jerk
+from .motions import between, growing
 from .task import SUSTAINED, Task
 
 MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
@@ -66,15 +66,13 @@ class Ratchet(Task):
         """Returns strokes that grow from rest; their ends are watched."""
         del arm
         time = dt * np.arange(samples)
-        grown, growth, bend = minimum_jerk(np.minimum(time / BEGINNING, 1.0))
         speed = math.tau * FREQUENCY
         wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
-        growth, bend = growth / BEGINNING, bend / BEGINNING**2
+        grown = growing(wave, rate, -(speed**2) * wave, time, BEGINNING)
         motion = np.zeros((3, samples, len(JOINTS)))
         motion[0, :, STRAIGHT] = rng.uniform(*SHOULDER)
-        motion[0, :, STROKE] = MIDDLE + SWING * grown * wave
-        motion[1, :, STROKE] = SWING * (growth * wave + grown * rate)
-        motion[2, :, STROKE] = SWING * (bend * wave + 2 * growth * rate - speed**2 * grown * wave)
+        motion[:, :, STROKE] = SWING * np.array(grown)
+        motion[0, :, STROKE] += MIDDLE
         ends = (np.arange(1, 1 + round(samples * dt * FREQUENCY)) + 0.5) / FREQUENCY
         windows = [(end, end) for end in ends]
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))

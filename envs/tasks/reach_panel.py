@@ -2,17 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import ClassVar
 
 import mujoco
 import numpy as np
 
-from ...arrays import Array
 from ..model.workplace import CARRIED, draw, grip, holder, straight_arm
 from ..simulation.kinematics import Arm, through_places
 from ..simulation.plan import Plan
-from .motions import between, minimum_jerk, posture, repeated
+from .motions import between, posture, repeated, through
 from .task import SUSTAINED, Task, check_range
 
 # Points of the panel relative to the shoulder, forward, outward and up, in lengths of the straight
@@ -54,7 +52,7 @@ class ReachPanel(Task):
             stops += [(now, place), (now + DWELL, place)]
             windows.append((now, now + DWELL))
             now += DWELL + REACH
-        motion = through_places(arm, hand_path(stops, samples, dt), BENT, dt)
+        motion = through_places(arm, through(stops, samples, dt)[0], BENT, dt)
         return Plan(motion, watched=between(windows, samples, dt))
 
 
@@ -103,25 +101,8 @@ class ObjectRelocation(Task):
         for start in starts:
             held = (start + GRASP / 2 <= time) & (time < start + away + GRASP / 2)
             mass[held] = rng.uniform(*self.load)
-        motion = through_places(arm, hand_path(stops, samples, dt), BENT, dt)
+        motion = through_places(arm, through(stops, samples, dt)[0], BENT, dt)
         return Plan(motion, mass, watched=between(windows, samples, dt))
-
-
-def hand_path(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Array:
-    """Returns straight minimum-jerk moves of the hand from place to place [m], (samples, 3).
-
-    Args:
-        stops: Time [s] and place [m] of each stop, times rising.
-        samples: Number of samples.
-        dt: Time between samples [s].
-    """
-    time, path = dt * np.arange(samples), np.empty((samples, 3))
-    path[:] = stops[-1][1]
-    for (begin, here), (end, there) in pairwise(stops):
-        now = (begin <= time) & (time < end)
-        share = minimum_jerk((time[now] - begin) / (end - begin))[0]
-        path[now] = here + share[:, None] * (there - here)
-    return path
 
 
 def draw_panel(spec: mujoco.MjSpec, points: Sequence[int]) -> None:

@@ -142,6 +142,7 @@ def test_an_info_that_nobody_has_read_is_whole_in_json():
         ({"span": {"elbow_flexion": (1, 0)}}, "span of elbow_flexion is .*: give the smaller"),
         ({"span": {"elbow_flexion": 3}}, "span of elbow_flexion is 3: give two numbers"),
         ({"span": []}, r"the task's span is \[\]: give a dict of angles by joint"),
+        ({"hold": {"elbow_flexion": (0, 1)}}, "span and hold both have elbow_flexion"),
         ({"move_time": (2, 1)}, "move_time is .*: give the shortest and the longest time"),
         ({"dwell_time": (-1, 1)}, "dwell_time is .*: give the shortest and the longest time"),
         ({"name": ""}, "the task's name is '': give it one"),
