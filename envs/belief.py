@@ -11,7 +11,6 @@ from numba import njit
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
-from ..hysteresis.protocol import State
 from .model import ASSISTED
 from .provenance import Quantity
 
@@ -55,7 +54,7 @@ class BelievedSuit:
         self._places: dict[int, slice] = {}
         end = len(ASSISTED)
         for i, entry in self._entries.items():
-            begin, end = end, end + entry.model.memory_size + 1
+            begin, end = end, end + entry.model.memory_size
             self._places[i] = slice(begin, end)
         self.size = end
 
@@ -68,8 +67,7 @@ class BelievedSuit:
         memory = np.zeros((len(angle), self.size))
         memory[:, : len(ASSISTED)] = angle
         for i, entry in self._entries.items():
-            begun = entry.begun()
-            memory[:, self._places[i]] = [*begun.memory, begun.torque]
+            memory[:, self._places[i]] = entry.begun().memory
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array) -> Array:
@@ -85,12 +83,8 @@ class BelievedSuit:
         followed[moved] = angle[moved]
         torque = np.zeros_like(soon)
         for i, entry in self._entries.items():
-            model = entry.model
-            for row, kept in enumerate(memory[:, self._places[i]]):
-                state = State(kept[:-1], float(kept[0]), float(kept[-1]))
-                state, _ = model.step(state, float(followed[row, i]))
-                kept[:-1], kept[-1] = state.memory, state.torque
-                torque[row, i] = model.step(state, float(soon[row, i]))[1]
+            kept = memory[:, self._places[i]]
+            torque[:, i] = entry.model.advance(kept, followed[:, i], soon[:, i])
         return torque
 
 

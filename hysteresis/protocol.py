@@ -224,6 +224,30 @@ class HysteresisModel(ABC):
             raise self._pole(state.angle, angle)
         return _state(memory, torque), float(torque)
 
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves many memories on, in place; returns the torques a little later in their motions.
+
+        Args:
+            memories: Memories as `State` has them, shape (n, memory_size).
+            angle: Angle to which each moves [rad], shape (n,).
+            soon: Angle to which each would move then [rad], shape (n,); no memory keeps it.
+
+        Returns:
+            The resistance there [N·m], shape (n,).
+
+        Raises:
+            PoleError: A motion meets the pole of an uncertified model.
+        """
+        p, commit, move = self.parameter_vector, self.kernels.commit, self.kernels.move
+        torque = np.empty(len(memories))
+        for row, memory in enumerate(memories):
+            before, here = memory[0], angle[row]
+            commit(p, memory, here)
+            torque[row] = move(p, memory, soon[row])[0]
+            if math.isnan(torque[row]):
+                raise self._pole(float(before), float(soon[row]))
+        return torque
+
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] of a motion that goes on with the sign `direction`."""
         s, delta = state.memory, math.copysign(1.0, direction)

@@ -81,6 +81,10 @@ class Asymmetric(Wrapper):
             torque = state.torque
         return replace(inner, torque=torque), torque
 
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves many memories on, in place; see `HysteresisModel.advance`."""
+        return self.model.advance(memories, angle, soon) + self.elastic(soon)
+
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] of a motion that goes on with sign `direction`."""
         slope = poly.polyval(state.angle, poly.polyder(np.array(self.polynomial)))

@@ -71,6 +71,11 @@ class Held(Wrapper):
         inner, torque = self.model.step(state, self._inside(angle))
         return replace(inner, angle=float(angle)), torque
 
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves many memories on, in place; see `HysteresisModel.advance`."""
+        inside = (np.clip(angles, *self.angle_range) for angles in (angle, soon))
+        return self.model.advance(memories, *inside)
+
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] with which a motion goes on; 0 outside the range."""
         low, high = self.angle_range
