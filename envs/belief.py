@@ -2,6 +2,7 @@
 
 # pyright: reportCallIssue=false
 
+import copy
 import math
 from collections.abc import Mapping
 
@@ -70,15 +71,16 @@ class BelievedSuit:
             memory[:, self._places[i]] = entry.begun().memory
         return memory
 
-    def follow(self, memory: Array, angle: Array, rate: Array) -> Array:
+    def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
         """Moves memories on, in place; returns the resistance soon [N·m], shape (n, 2).
 
         Args:
             memory: Memories, shape (n, size).
             angle: Measured angles of the assisted joints [rad], shape (n, 2).
             rate: Measured rates [rad/s], the same shape.
+            lead: Time until the motors have answered [s].
         """
-        followed, soon = memory[:, : len(ASSISTED)], angle + LEAD * rate
+        followed, soon = memory[:, : len(ASSISTED)], angle + lead * rate
         moved = np.abs(angle - followed) > self._dead
         followed[moved] = angle[moved]
         torque = np.zeros_like(soon)
@@ -100,25 +102,13 @@ class BelievedWeight:
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        chains: list[tuple[str, ...]] = [JOINTS]
-        if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
-            chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
-        places = [[model.joint(joint).qposadr[0] for joint in chain] for chain in chains]
-        data, torque = mujoco.MjData(model), np.zeros(model.nv)
-        poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
-        held = np.zeros_like(poses)
-        for pose, found in zip(poses, held, strict=True):
-            for chain in places:
-                data.qpos[chain] = pose
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_rne(model, data, 0, torque)
-            found[:] = sum(torque[chain] for chain in places)
-        products = np.empty((len(poses), PRODUCTS))
-        for pose, row in zip(poses, products, strict=True):
-            _multiply(pose, row)
-        assisted = [JOINTS.index(joint) for joint in ASSISTED]
-        self._coefficients = np.linalg.solve(products, held[:, assisted])
+        self._coefficients = _coefficients(model)
+
+    def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
+        """Returns the weight of what one model has and the other has not."""
+        rest = copy.copy(self)
+        rest._coefficients = self._coefficients - other._coefficients
+        return rest
 
     def __call__(self, angle: Array) -> Array:
         """Returns the torque at the assisted joints [N·m], shape (n, 2).
@@ -129,6 +119,28 @@ class BelievedWeight:
         torque = np.zeros((len(angle), len(ASSISTED)))
         _weigh(angle, self._coefficients, torque)
         return torque
+
+
+def _coefficients(model: mujoco.MjModel) -> Array:
+    chains: list[tuple[str, ...]] = [JOINTS]
+    if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
+        chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
+    places = [[model.joint(joint).qposadr[0] for joint in chain] for chain in chains]
+    data, torque = mujoco.MjData(model), np.zeros(model.nv)
+    poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
+    held = np.zeros_like(poses)
+    for pose, found in zip(poses, held, strict=True):
+        for chain in places:
+            data.qpos[chain] = pose
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_rne(model, data, 0, torque)
+        found[:] = sum(torque[chain] for chain in places)
+    products = np.empty((len(poses), PRODUCTS))
+    for pose, row in zip(poses, products, strict=True):
+        _multiply(pose, row)
+    assisted = [JOINTS.index(joint) for joint in ASSISTED]
+    return np.linalg.solve(products, held[:, assisted])
 
 
 @njit(cache=True)

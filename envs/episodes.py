@@ -395,7 +395,7 @@ class Episodes:
         simulation = self.simulation
         self._believed = config.to_dict()
         self._suit = BelievedSuit(resisting_joints(config), count_of(config.exo.encoder_bits))
-        self._weight = BelievedWeight(compose(config, drawn=False))
+        self._weight = BelievedWeight(compose(config, drawn=False, edits=self.task.edits))
         self._assisted = simulation.addresses.assisted
         simulation.memory.believed = np.zeros((self.n, self._suit.size))
 

@@ -1,17 +1,16 @@
 """Closed-loop evaluation: policies, references and bounds on the same intended motions."""
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from ...assets import AnySuit
 from ...checks import at_least, flag
 from ...errors import InputError, shown, unknown_name
 from ..model.config import NO_SUIT
-from ..policies import POLICIES, Policy, make_policy, needed_options
+from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
+from ..policies.build import own_policy
 from ..randomization import Randomization
 from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
@@ -21,7 +20,7 @@ from .settled import Wearers
 from .statistics import Interval, mean_interval, ratio_interval
 
 Make = Callable[[ArmVectorEnv], Policy]
-Policies = Sequence[str | Make] | Mapping[str, str | Make]
+Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
 FIRST_SEED = 10_000  # of evaluations, far from those of training
 REFERENCES = ("unsuited", "suited")
 LEAST_COST = 0.01  # of strength, that a suit must cost for relief to have a meaning
@@ -107,7 +106,6 @@ def evaluate(
     seed: int = FIRST_SEED,
     references: bool = True,
     settled: bool = True,
-    believed_suit: AnySuit | None = None,
     on_policy: Callable[[str, list[Trace]], None] | None = None,
     **env_options: Any,
 ) -> Evaluation:
@@ -119,17 +117,15 @@ def evaluate(
 
     Args:
         env_id: Id of a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
-        policies: Names that `make_policy` knows, of bounds ("clairvoyant-suit", "clairvoyant"), or
-            functions from the vector environment to a policy of your own, such as its class; or a
-            dict of these by names of your choice.
+        policies: Policies as `policy_spec` takes them, names of bounds ("clairvoyant-suit",
+            "clairvoyant"), or functions from the vector environment to a policy of your own, such
+            as its class; or a dict of these by names of your choice.
         episodes: Number of motions of each policy; motion i has the seed + i.
         seed: Seed of the first motion.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
             "suited", without exoskeleton.
         settled: Whether wearers have learned the motions; those who have not are scored beside.
             Otherwise only those are.
-        believed_suit: Suit in which the named policies with a model of it believe; by default the
-            simulated one.
         on_policy: Function that is called after each of them with its name and its motions.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
 
@@ -138,10 +134,7 @@ def evaluate(
             is not a function or makes something that cannot act, references are asked for where
             there is no suit, or a policy ends episodes, so that no wearer can settle.
     """
-    named = _named(policies)
-    for given in named.values():
-        if isinstance(given, str):
-            check_name(given)
+    named = named_policies(policies)
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     flag("references", references)
@@ -153,9 +146,9 @@ def evaluate(
             raise InputError(f"{name} is what evaluate sets itself: leave it out")
     if env_options.get("coupling") == "none":
         for given in named.values():
-            if isinstance(given, str) and given != "none":
+            if not callable(given) and str(given) != "none":
                 raise InputError(
-                    f"policy {given!r} needs motors, and coupling is 'none': use 'rigid' or "
+                    f"policy {str(given)!r} needs motors, and coupling is 'none': use 'rigid' or "
                     "'cuffs', or the policy 'none'"
                 )
     if references and env_options.get("suit") == NO_SUIT:
@@ -175,11 +168,11 @@ def evaluate(
         wearers.close()
     scores = {name: scores[name] for name in REFERENCES if name in scores}
     for name, given in named.items():
-        needed = needed_options(given) if isinstance(given, str) and given not in BOUNDS else {}
+        needed = needed_options(given) if isinstance(given, PolicySpec) else {}
         kept = {k: v for k, v in env_options.items() if not (needed and k == "belief")}
         options = {**kept, **needed, "effort_scale": scale}
         wearers = Wearers(env_id, episodes, **options)
-        policy = _made(name, given, wearers, seeds, believed_suit)
+        policy = _made(name, given, wearers, seeds)
         scores[name] = _score(name, policy, wearers, seeds, settled, on_policy)
         wearers.close()
     return Evaluation(scores, settled)
@@ -205,41 +198,29 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     return {**kept, "coupling": "none"}
 
 
-def check_name(policy: str) -> None:
-    """Checks that there is a policy or bound of a name, or a folder.
+def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
+    """Returns what to evaluate, by name: a policy as data, the name of a bound, or a function.
 
     Raises:
-        InputError: There is none.
+        InputError: A policy is unknown or no policy, two have one name, or there is none.
     """
-    known = (*POLICIES, *BOUNDS)
-    if policy not in known and not os.path.isdir(policy):
-        raise unknown_name("policy", policy, (*known, "the folder of a training run"))
-
-
-def _named(policies: Policies) -> dict[str, str | Make]:
-    """Returns what to evaluate, by name."""
     if isinstance(policies, str):
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     if not isinstance(policies, Mapping | Sequence):
         raise InputError(f"policies is {shown(policies)}: give a list of names, such as ['none']")
+    named: dict[str, PolicySpec | str | Make] = {}
     if isinstance(policies, Mapping):
-        named = dict(policies)
+        named |= {name: _checked(name, given) for name, given in policies.items()}
     else:
-        names = [
-            one if isinstance(one, str) else getattr(one, "__name__", repr(one)) for one in policies
-        ]
-        for name, one in zip(names, policies, strict=True):
-            if not isinstance(one, str) and names.count(name) > 1:
+        for given in policies:
+            found = _checked(None, given)
+            name = getattr(found, "__name__", repr(found)) if callable(found) else str(found)
+            if name in named:
                 raise InputError(f"two policies are named {name!r}: give a dict of your own names")
-        named = dict(zip(names, policies, strict=True))
+            named[name] = found
     if not named:
         raise InputError("no policy given: name at least one")
-    for name, given in named.items():
-        if not isinstance(given, str) and not callable(given):
-            raise InputError(
-                f"policy {name!r} is {given!r}: give a name, or a function from the environment to "
-                "a policy, such as the policy's class or lambda env: policy"
-            )
+    for name in named:
         if name in REFERENCES:
             raise InputError(
                 f"policy {name!r} is a reference, which has no exoskeleton: leave it out, as "
@@ -248,27 +229,30 @@ def _named(policies: Policies) -> dict[str, str | Make]:
     return named
 
 
+def _checked(name: str | None, given: AnyPolicy | Make) -> PolicySpec | str | Make:
+    if isinstance(given, str) and (given in BOUNDS or given in REFERENCES):
+        return given
+    if isinstance(given, str | Mapping | PolicySpec):
+        return policy_spec(given)
+    if not callable(given):
+        what = "a policy" if name is None else f"policy {name!r}"
+        raise InputError(
+            f"{what} is {shown(given)}: give a name, or a function from the environment to a "
+            "policy, such as the policy's class or lambda env: policy"
+        )
+    return given
+
+
 def _made(
-    name: str,
-    given: str | Make,
-    wearers: Wearers,
-    seeds: Sequence[int],
-    believed_suit: AnySuit | None,
+    name: str, given: PolicySpec | str | Make, wearers: Wearers, seeds: Sequence[int]
 ) -> Policy:
     if isinstance(given, str):
-        if given in BOUNDS:
-            if not wearers.arms.episodes.motors:
-                raise unknown_name("policy without motors", given, ("none",))
-            return clairvoyant(wearers, seeds, suit_only=given != "clairvoyant")
-        return make_policy(given, wearers.arms, believed_suit=believed_suit)
-    policy = given(wearers.arms)
-    for method in ("reset", "act"):
-        if not callable(getattr(policy, method, None)):
-            raise InputError(
-                f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
-                "that returns an object with reset() and act(observation)"
-            )
-    return policy
+        if not wearers.arms.episodes.motors:
+            raise unknown_name("policy without motors", given, ("none",))
+        return clairvoyant(wearers, seeds, suit_only=given != "clairvoyant")
+    if isinstance(given, PolicySpec):
+        return make_policy(given, wearers.arms)
+    return own_policy(name, lambda: given(wearers.arms))
 
 
 def _score(

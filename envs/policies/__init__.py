@@ -1,7 +1,9 @@
 """Assist policies: each turns an observation into an action."""
 
-from .base import Policy
-from .build import POLICIES, make_policy, needed_options
+from .base import Policy, TorquePolicy
+from .belief import Belief
+from .build import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
 from .no_assist import NoAssist
@@ -10,12 +12,19 @@ from .trained import TrainedPolicy
 
 __all__ = [
     "POLICIES",
+    "AnyPolicy",
+    "Belief",
+    "Compensation",
+    "Complement",
     "GravityCompensation",
     "HysteresisFeedforward",
     "NoAssist",
     "Oracle",
     "Policy",
+    "PolicySpec",
+    "TorquePolicy",
     "TrainedPolicy",
     "make_policy",
     "needed_options",
+    "policy_spec",
 ]

@@ -1,11 +1,17 @@
-"""The protocol of a policy."""
+"""The protocol of a policy, and what policies with memory have in common."""
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Array
+from ...errors import InputError
 from ..episodes import Episodes
+
+Seen = Mapping[str, Array]
+"""Parts of the observations of n arms by name, shape (n, size) each."""
 
 
 class Arms(Protocol):
@@ -21,7 +27,10 @@ class Policy(Protocol):
     period. The observation is all that a policy learns of the simulation. Its memory, if it has
     any, lasts from `reset` to `reset`, and is of as many arms as it saw first.
 
-    Shipped policies name the sensor suites that they need in `sensors`.
+    A policy that is made by name is called with the environment and its options as keywords:
+    `Class(arms, gain=0.5)`. A class that takes a `belief` gets a `Belief` of its options `suit`,
+    `pressure`, `load` and `wearer`. `sensors`, where the class has it, names the sensor suites that
+    it needs.
     """
 
     def reset(self) -> None:
@@ -37,3 +46,54 @@ class Policy(Protocol):
             The action, shape (..., motors).
         """
         ...
+
+
+class TorquePolicy:
+    """A policy that says a torque of the motors [N·m] from the parts of the observation.
+
+    A subclass has `torque`, and where it has memory `begin`, which makes it anew.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+
+    Attributes:
+        assisted: Indices of the assisted joints, shoulder and elbow, among the four.
+        peak: Peak torque of the motors [N·m], shape (2,).
+        dt: Control period [s].
+    """
+
+    sensors: ClassVar[tuple[str, ...]] = ("encoders",)
+
+    def __init__(self, arms: Arms) -> None:
+        episodes = arms.episodes
+        addresses = episodes.simulation.addresses
+        self.assisted, self.peak = addresses.assisted, addresses.peak_torque
+        self.dt = episodes.simulation.control_dt
+        self._layout = dict(episodes.observer.layout)
+        self._rows = 0
+
+    def reset(self) -> None:
+        """Clears the memory of the last episode."""
+        self._rows = 0
+
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Returns the torques over the peaks, clipped to [-1, 1]."""
+        rows = observation.reshape(-1, observation.shape[-1])
+        seen = {name: rows[:, part].astype(np.float64) for name, part in self._layout.items()}
+        if not self._rows:
+            self._rows = len(rows)
+            self.begin(seen)
+        elif len(rows) != self._rows:
+            raise InputError(
+                f"the policy sees {len(rows)} arms, and {self._rows} since its reset: reset it, or "
+                "make one for each environment"
+            )
+        share = np.clip(self.torque(seen) / self.peak, -1, 1)
+        return share.reshape(*observation.shape[:-1], len(self.peak))
+
+    def begin(self, seen: Seen) -> None:
+        """Makes the memory anew, from the first observations of an episode."""
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns the torque of the motors [N·m], shape (n, 2); it may be beyond their peaks."""
+        raise NotImplementedError

@@ -1,14 +1,19 @@
-"""Makes policies by name."""
+"""Makes policies by name and options, which are plain data."""
 
+import inspect
 import os
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any, get_type_hints
 
-from ...assets import AnySuit, load_suit
-from ...errors import InputError, unknown_name
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
+from ...errors import InputError, shown, unknown_name
 from ..arm_env import ArmEnv
-from ..model import resisting_joints
 from ..vector_env import ArmVectorEnv
 from .base import Policy
+from .belief import Belief
 from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
@@ -17,82 +22,255 @@ from .oracle import Oracle
 from .trained import TrainedPolicy
 from .transparent import Transparent
 
-SIMPLE = {
+POLICIES: dict[str, Callable[..., Policy]] = {
     "none": NoAssist,
     "transparent": Transparent,
     "gravity": GravityCompensation,
-    "oracle": Oracle,
-}
-BELIEVING = {
     "feedforward": HysteresisFeedforward,
     "complement": Complement,
     "compensation": Compensation,
+    "oracle": Oracle,
 }
-SHIPPED = {**SIMPLE, **BELIEVING}
-POLICIES = ("none", "transparent", "gravity", "feedforward", "complement", "compensation", "oracle")
+_BELIEF: dict[str, Any] = {
+    "suit": Any,
+    "pressure": float | None,
+    "load": float | None,
+    "wearer": Any,
+}
 
 
-def needed_options(name: str) -> dict[str, Any]:
+@dataclass(frozen=True)
+class PolicySpec:
+    """A policy as plain data: which one, and what differs from its usual options.
+
+    Attributes:
+        name: Name among `POLICIES`, the folder of a training run, or "package.module:Class" for a
+            class of your own.
+        options: Values of its options by name.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        if not self.options:
+            return self.name
+        return f"{self.name}:" + ",".join(f"{name}={given}" for name, given in _flat(self.options))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns plain values: the name and the options beside it."""
+        return {"name": self.name, **self.options}
+
+
+AnyPolicy = str | Mapping[str, Any] | PolicySpec
+"""A policy by its name, as "name:option=value,option=value", or as a dict of name and options."""
+
+
+def policy_spec(given: AnyPolicy) -> PolicySpec:
+    """Returns what names a policy, with its options checked and of the right type.
+
+    Args:
+        given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03", or a
+            dict, such as {"name": "feedforward", "lead": 0.03}. Fields of a field have a dot
+            between them, as in "compensation:wearer.mass=65".
+
+    Raises:
+        InputError: There is no such policy, folder, module or option, or a value is of the wrong
+            type.
+    """
+    if isinstance(given, PolicySpec):
+        spec = given
+    elif isinstance(given, str):
+        spec = _parsed(given)
+    elif isinstance(given, Mapping) and isinstance(given.get("name"), str):
+        spec = PolicySpec(given["name"], {k: v for k, v in given.items() if k != "name"})
+    else:
+        raise InputError(
+            f"the policy is {shown(given)}: give a name, such as 'compensation', or a dict with one"
+        )
+    maker = maker_of(spec.name)
+    known = {} if maker is None else options_of(maker)
+    options = {}
+    for name, value in spec.options.items():
+        if name not in known:
+            if not known:
+                raise InputError(f"policy {spec.name!r} has no options: leave {name} out")
+            raise unknown_name(f"option of policy {spec.name!r}", name, known)
+        options[name] = _typed(f"option {name} of policy {spec.name!r}", value, known[name])
+    return PolicySpec(spec.name, options)
+
+
+def maker_of(name: str) -> Callable[..., Policy] | None:
+    """Returns the class of a policy; None for the folder of a training run.
+
+    Raises:
+        InputError: There is no such policy, folder, module or class.
+    """
+    if name in POLICIES:
+        return POLICIES[name]
+    if os.path.isdir(name):
+        return None
+    module, _, attribute = name.partition(":")
+    if not attribute:  # a name may be too long for a path
+        known = (*POLICIES, "the folder of a training run", "package.module:Class")
+        raise unknown_name("policy", name, known)
+    try:
+        found = getattr(import_module(module), attribute)
+    except Exception as error:  # the user's code fails in any way that code can
+        raise InputError(
+            f"the policy {name!r} cannot be imported ({type(error).__name__}: {error}): name a "
+            "module that is installed or in the working folder, and a class in it"
+        ) from error
+    if not callable(found):
+        raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
+    return found
+
+
+def options_of(maker: Callable[..., Policy]) -> dict[str, Any]:
+    """Returns the types of the options that a policy takes, by name.
+
+    Args:
+        maker: Class of the policy, or a function that makes it.
+    """
+    _, *rest = inspect.signature(maker).parameters.values()  # the first is the environment
+    hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
+    known: dict[str, Any] = {}
+    for one in rest:
+        if one.name == "belief":
+            known |= _BELIEF
+        elif one.kind is one.KEYWORD_ONLY or one.default is not one.empty:
+            usual = type(one.default) if one.default not in (None, one.empty) else Any
+            known[one.name] = hints.get(one.name, usual)
+    return known
+
+
+def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
     Args:
-        name: Name of a policy, which needs its sensor suites in their units; or the folder of a
-            training run, which was trained with those that its environment has by itself.
+        given: A policy, which needs its sensor suites in their units; or the folder of a training
+            run, or a class of your own without `sensors`, which take what there is.
 
     Raises:
-        InputError: There is no such policy or folder.
+        InputError: See `policy_spec`.
     """
-    if name in SHIPPED:
-        return {"sensors": SHIPPED[name].sensors, "normalize": False, "history": 1}
-    _check_folder(name)
-    return {}
+    sensors = getattr(maker_of(policy_spec(given).name), "sensors", None)
+    return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
 
-def make_policy(
-    name: str, env: ArmEnv | ArmVectorEnv, *, believed_suit: AnySuit | None = None
-) -> Policy:
+def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     """Returns a policy for an ActiveSuit environment.
 
     Args:
-        name: Name of the policy, one of `POLICIES`, or the folder of a training run.
+        given: A policy; see `policy_spec`.
         env: Environment in which the policy will act, single or vector, wrapped or not.
-        believed_suit: Suit that the policies with a model of it believe in: its name or file, or
-            what else `load_suit` takes; by default the simulated one, at its pressure.
 
     Raises:
-        InputError: There is no such policy or folder, or the environment has no motors or not the
-            sensors that the policy needs.
+        InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
+            policy needs, or an option is out of its range.
     """
-    arm = env.unwrapped
+    arm, spec = env.unwrapped, policy_spec(given)
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
-    episodes, needed = arm.episodes, needed_options(name).get("sensors", ())
+    episodes, needed = arm.episodes, needed_options(spec)
+    name, sensors = spec.name, needed.get("sensors", ())
     if name != "none" and not episodes.motors:
         raise InputError(
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
             "policy 'none'"
         )
-    if set(needed) - set(episodes.observer.sensors):
+    if set(sensors) - set(episodes.observer.sensors):
         raise InputError(
-            f"policy {name!r} needs the sensors {', '.join(needed)}, and the environment has "
-            f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(needed)}"
+            f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
+            f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(sensors)}"
         )
-    if name in SHIPPED and name != "none" and episodes.observer.normalized:
+    if needed and name != "none" and episodes.observer.normalized:
         raise InputError(
             f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
             "without"
         )
-    if name in SIMPLE:
-        return SIMPLE[name](arm)
-    if name in BELIEVING:
-        config = episodes.simulation.config
-        own = believed_suit is None
-        return BELIEVING[name](
-            arm, resisting_joints(config) if own else load_suit(believed_suit).joints
-        )
-    return TrainedPolicy(name, arm)
+    maker = maker_of(name)
+    if maker is None:
+        return TrainedPolicy(name, arm)
+    options = dict(spec.options)
+    if "belief" in inspect.signature(maker).parameters:
+        believed = {part: options.pop(part) for part in _BELIEF if part in options}
+        options["belief"] = Belief(**believed)
+    if name in POLICIES:
+        return maker(arm, **options)
+    return own_policy(name, lambda: maker(arm, **options))
 
 
-def _check_folder(name: str) -> None:
-    if not os.path.isdir(name):  # a name may be too long for a path
-        raise unknown_name("policy", name, (*POLICIES, "the folder of a training run"))
+def own_policy(name: str, make: Callable[[], Policy]) -> Policy:
+    """Returns what a user's code makes, if it can act.
+
+    Raises:
+        InputError: The code fails, or what it makes has no `reset` or `act`.
+    """
+    try:
+        policy = make()
+    except InputError:
+        raise
+    except Exception as error:  # the user's code fails in any way that code can
+        raise InputError(
+            f"policy {name!r} cannot be made ({type(error).__name__}: {error}): repair it"
+        ) from error
+    for method in ("reset", "act"):
+        if not callable(getattr(policy, method, None)):
+            raise InputError(
+                f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
+                "that returns an object with reset() and act(observation)"
+            )
+    return policy
+
+
+def _parsed(text: str) -> PolicySpec:
+    """Returns a policy from "name:option=value,...", where the name may be "module:Class"."""
+    if os.path.isdir(text):
+        return PolicySpec(text)
+    head, *rest = text.split(":")
+    if rest and "=" not in rest[0] and head not in POLICIES:
+        head, rest = f"{head}:{rest[0]}", rest[1:]
+    options: dict[str, Any] = {}
+    for given in filter(None, ":".join(rest).split(",")):
+        name, equal, value = given.partition("=")
+        if not equal:
+            raise InputError(
+                f"policy {text!r} has {shown(given)}: give options as option=value, with commas "
+                "between them"
+            )
+        *outer, last = name.strip().split(".")
+        place = options
+        for part in outer:
+            place = place.setdefault(part, {})
+        place[last] = _number(value.strip()) if outer else value.strip()
+    return PolicySpec(head, options)
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _flat(options: Mapping[str, Any], before: str = "") -> list[tuple[str, Any]]:
+    found = []
+    for name, value in options.items():
+        if isinstance(value, Mapping):
+            found += _flat(value, f"{before}{name}.")
+        else:
+            found.append((before + name, value))
+    return found
+
+
+def _typed(what: str, value: Any, kind: Any) -> Any:
+    """Returns a value as the type of its option, also where it is the text of one."""
+    if isinstance(value, bool) and kind in (int, float):
+        raise InputError(f"{what} is {value}: give a number")
+    try:
+        adapter = TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
+        return adapter.validate_python(value)
+    except ValidationError as error:
+        problem = error.errors()[0]["msg"].removeprefix("Value error, ")
+        raise InputError(f"{what} is {shown(value)}: {problem}") from None

@@ -1,31 +1,41 @@
 """Compensation: weight, suit and friction together."""
 
-from collections.abc import Mapping
-
-from ...assets import SuitJoint
+from ..belief import LEAD
 from .base import Arms
-from .model_based import ModelBased, carried_weight, whole_weight
+from .belief import Belief, BelievedArm
+from .model_based import ModelBased
 
 
 class Compensation(ModelBased):
-    """Cancels the weight of all, the arm's own too, the suit's torque and the motors' friction.
+    """Carries the weight of all, the arm's too, and cancels suit and friction.
+
+    Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts.
 
     Args:
-        env: Environment in which the policy acts, single or vector.
-        suit: Joints of the suit that the controller believes in.
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+        lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
-    def __init__(self, env: Arms, suit: Mapping[str, SuitJoint]) -> None:
-        super().__init__(env, weight=whole_weight(env), suit=suit, friction=True)
+    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+        arm = BelievedArm(arms, belief)
+        weight, suit = arm.whole_weight(), arm.suit()
+        super().__init__(arms, weight=weight, suit=suit, friction=True, lead=lead)
 
 
 class Complement(ModelBased):
-    """Cancels the same less the weight of the bare arm, which its wearer carries as without a suit.
+    """Does what compensation does, but leaves the wearer the weight of the bare arm.
+
+    Law: compensation less the believed weight of the arm, which its wearer carries as without a
+    suit. Tuning: as of compensation.
 
     Args:
-        env: Environment in which the policy acts, single or vector.
-        suit: Joints of the suit that the controller believes in.
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+        lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
-    def __init__(self, env: Arms, suit: Mapping[str, SuitJoint]) -> None:
-        super().__init__(env, weight=carried_weight(env), suit=suit, friction=True)
+    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+        arm = BelievedArm(arms, belief)
+        weight, suit = arm.carried_weight(), arm.suit()
+        super().__init__(arms, weight=weight, suit=suit, friction=True, lead=lead)

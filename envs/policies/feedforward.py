@@ -1,22 +1,23 @@
 """Hysteresis feed-forward: the motors cancel the suit torque that an identified model predicts."""
 
-from collections.abc import Mapping
-
-from ...assets import SuitJoint
+from ..belief import LEAD
 from .base import Arms
+from .belief import Belief, BelievedArm
 from .model_based import ModelBased
 
 
 class HysteresisFeedforward(ModelBased):
-    """Cancels the suit torque that a model predicts, which keeps its own memory of the motion.
+    """Cancels the suit torque that a believed model predicts, with a memory of its own.
 
-    See `BelievedSuit` for the law.
+    Law: the resistance of the model at the measured angle plus `lead` times the measured rate; see
+    `BelievedSuit`. Tuning: the lead is the motors' lag and half a control period.
+    Source: inverse compensation of hysteresis, Hassani et al. 2014 (survey).
 
     Args:
-        env: Environment in which the policy acts, single or vector.
-        suit: Joints of the suit that the controller believes in, which need not be the simulated
-            suit; a joint that is missing gets no assist.
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of the suit; a joint that it lacks gets no assist.
+        lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
-    def __init__(self, env: Arms, suit: Mapping[str, SuitJoint]) -> None:
-        super().__init__(env, suit=suit)
+    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+        super().__init__(arms, suit=BelievedArm(arms, belief).suit(), lead=lead)

@@ -1,17 +1,21 @@
 """Gravity compensation: the motors carry the weight of arm, suit, exoskeleton and load."""
 
 from .base import Arms
-from .model_based import ModelBased, whole_weight
+from .belief import Belief, BelievedArm
+from .model_based import ModelBased
 
 
 class GravityCompensation(ModelBased):
-    """Cancels the static gravity torque at the measured joint angles, computed from known masses.
+    """Carries the weight of arm, suit, exoskeleton and load.
 
-    With cuffs it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
+    Law: the static torque of the believed masses at the measured angles. Tuning: none. With cuffs
+    it uses the exoskeleton's angles for the arm's; they differ because cuffs yield.
+    Source: weight support of arm exoskeletons, such as Bardi et al. 2024 (arXiv 2406.18412).
 
     Args:
-        env: Environment in which the policy acts, single or vector.
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
     """
 
-    def __init__(self, env: Arms) -> None:
-        super().__init__(env, weight=whole_weight(env))
+    def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
+        super().__init__(arms, weight=BelievedArm(arms, belief).whole_weight())

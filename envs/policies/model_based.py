@@ -1,23 +1,19 @@
 """Policies that cancel what models say: of weight, of the suit, and of the motors' friction.
 
-Each is a sum of terms, and all terms are at the angle plus 0.02 s of the rate, both measured, where
-the joint will be when the motors have answered; friction is at the measured rate.
+Each is a sum of terms, and all terms are at the angle plus the lead times the rate, both measured,
+where the joint will be when the motors have answered; friction is at the measured rate.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from typing import ClassVar
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
-from ...assets import SuitJoint
-from ...errors import InputError
-from ..belief import LEAD, BelievedSuit, BelievedWeight, count_of
-from ..model import ASSISTED, ArmConfig, Exo, bare_arm, compose
+from ...checks import within
+from ..belief import LEAD, BelievedSuit
+from ..model import Exo
 from ..provenance import Quantity
-from .base import Arms
+from .base import Arms, Seen, TorquePolicy
 
 _TURNING = Quantity(
     "friction.turning_rate",
@@ -34,94 +30,70 @@ _SHARE = Quantity(
     "assumed",
 )
 PROVENANCE: tuple[Quantity, ...] = (_TURNING, _SHARE)
+LONGEST_LEAD = 0.2  # s
 
 Weight = Callable[[Array], Array]
 
 
-class ModelBased:
-    """Commands the sum of believed torques, divided by the motors' peaks.
+class ModelBased(TorquePolicy):
+    """Gives the sum of believed torques.
 
     Args:
-        env: Environment in which the policy acts, single or vector.
+        arms: Environment in which the policy acts, single or vector.
         weight: Function from angles [rad], shape (n, 4), to the torque that carries what shall be
             carried [N·m], shape (n, 2); None carries nothing.
-        suit: Joints of the suit whose torque is cancelled; one that is missing is not.
+        suit: Follower of the suit whose torque is cancelled; None cancels none.
         friction: Whether most of the motors' friction is cancelled, 0.8 of it.
-    """
+        lead: Time by which the motors answer late [s], 0 to 0.2.
 
-    sensors: ClassVar[tuple[str, ...]] = ("encoders",)
+    Raises:
+        InputError: The lead is out of its range.
+    """
 
     def __init__(
         self,
-        env: Arms,
+        arms: Arms,
         *,
         weight: Weight | None = None,
-        suit: Mapping[str, SuitJoint] | None = None,
+        suit: BelievedSuit | None = None,
         friction: bool = False,
+        lead: float = LEAD,
     ) -> None:
-        episodes = env.episodes
-        exo, layout = episodes.simulation.config.exo, episodes.observer.layout
-        self._weight = weight
-        self._suit = BelievedSuit(suit, count_of(exo.encoder_bits)) if suit else None
-        self._angle, self._rate = layout["angle"], layout["rate"]
-        addresses = episodes.simulation.addresses
-        self._assisted, self._peak = addresses.assisted, addresses.peak_torque
-        motors = list(exo.motors.values()) if friction else []
-        self._coulomb = np.array([motor.coulomb for motor in motors])
-        self._viscous = np.array([motor.viscous for motor in motors])
-        self.reset()
+        super().__init__(arms)
+        within("lead", lead, 0, LONGEST_LEAD, " s")
+        self._weight, self._suit, self.lead = weight, suit, lead
+        self._friction = friction_of(arms.episodes.simulation.config.exo) if friction else None
 
-    def reset(self) -> None:
-        """Resets the memory to the state in which the suit's memory begins."""
-        self._memory: NDArray[np.float64] | None = None
-
-    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Returns the sum of the torques over the peaks, clipped to [-1, 1]."""
-        angle = observation[..., self._angle].reshape(-1, 4).astype(np.float64)
-        rate = observation[..., self._rate].reshape(-1, 4).astype(np.float64)
-        torque = np.zeros((len(angle), len(ASSISTED)))
-        if self._weight is not None:
-            torque += self._weight(angle + LEAD * rate)
+    def begin(self, seen: Seen) -> None:
+        """Begins the suit's memory in the state in which that of the worn suit begins."""
         if self._suit is not None:
-            torque += self._suit_torque(angle[:, self._assisted], rate[:, self._assisted])
-        if self._coulomb.size:
-            turning = rate[:, self._assisted]
-            against = self._coulomb * np.tanh(turning / _TURNING.value) + self._viscous * turning
-            torque += _SHARE.value * against
-        share = np.clip(torque / self._peak, -1, 1)
-        return share.reshape(*observation.shape[:-1], len(ASSISTED))
+            self._memory = self._suit.begin(seen["angle"][:, self.assisted])
 
-    def _suit_torque(self, angle: Array, rate: Array) -> Array:
+    def torque(self, seen: Seen) -> Array:
+        """Returns the sum of the torques [N·m], shape (n, 2)."""
+        angle, rate = seen["angle"], seen["rate"]
+        torque = np.zeros((len(angle), len(self.peak)))
+        if self._weight is not None:
+            torque += self._weight(angle + self.lead * rate)
+        if self._suit is not None:
+            torque += self.suit_torque(seen)
+        if self._friction is not None:
+            torque += self._friction(rate[:, self.assisted])
+        return torque
+
+    def suit_torque(self, seen: Seen) -> Array:
+        """Moves the suit's memory on; returns its believed resistance soon [N·m], (n, 2)."""
         assert self._suit is not None
-        if self._memory is None:
-            self._memory = self._suit.begin(angle)
-        elif len(self._memory) != len(angle):
-            raise InputError(
-                f"the policy sees {len(angle)} arms, and {len(self._memory)} since its reset: "
-                "reset it, or make one for each environment"
-            )
-        return self._suit.follow(self._memory, angle, rate)
+        angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
+        return self._suit.follow(self._memory, angle, rate, self.lead)
 
 
-def whole_weight(env: Arms) -> Weight:
-    """Returns the weight of arm, suit, exoskeleton and load, as the options of `env` have them."""
-    return BelievedWeight(env.episodes.simulation.model)
+def friction_of(exo: Exo) -> Callable[[Array], Array]:
+    """Returns a function from rates [rad/s], (n, 2), to the friction to be cancelled [N·m]."""
+    coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
+    viscous = np.array([motor.viscous for motor in exo.motors.values()])
 
+    def against(rate: Array) -> Array:
+        return _SHARE.value * (coulomb * np.tanh(rate / _TURNING.value) + viscous * rate)
 
-def exo_weight(env: Arms) -> Weight:
-    """Returns the weight of the exoskeleton alone."""
-    config = env.episodes.simulation.config
-    without = BelievedWeight(compose(without_exo(config), drawn=False))
-    whole = whole_weight(env)
-    return lambda angle: whole(angle) - without(angle)
-
-
-def carried_weight(env: Arms) -> Weight:
-    """Returns the weight of all that the bare arm carries: suit, exoskeleton and load."""
-    whole, bare = whole_weight(env), BelievedWeight(bare_arm(env.episodes.simulation.config))
-    return lambda angle: whole(angle) - bare(angle)
-
-
-def without_exo(config: ArmConfig) -> ArmConfig:
-    """Returns the configuration of the same wearer, suit and load without an exoskeleton."""
-    return replace(config, coupling="none", exo=Exo(), misalignment=(0.0, 0.0, 0.0))
+    return against

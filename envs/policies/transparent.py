@@ -1,18 +1,19 @@
 """Transparency: the exoskeleton carries itself and no more."""
 
 from .base import Arms
-from .model_based import ModelBased, exo_weight
+from .belief import BelievedArm
+from .model_based import ModelBased
 
 
 class Transparent(ModelBased):
-    """Cancels the exoskeleton's own weight and the friction of its motors.
+    """Carries the exoskeleton itself, and cancels the friction of its motors.
 
     What it leaves is suit, load and the arm, as if the exoskeleton had been left at home, but for
-    its inertia.
+    its inertia. Tuning: none.
 
     Args:
-        env: Environment in which the policy acts, single or vector.
+        arms: Environment in which the policy acts, single or vector.
     """
 
-    def __init__(self, env: Arms) -> None:
-        super().__init__(env, weight=exo_weight(env), friction=True)
+    def __init__(self, arms: Arms) -> None:
+        super().__init__(arms, weight=BelievedArm(arms).exo_weight(), friction=True)

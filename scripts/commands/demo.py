@@ -26,6 +26,7 @@ COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
 PLANT = "mock-suit"
 GRAVITIES = ("earth", "microgravity")
+BELIEVING = ("feedforward", "compensation")
 SIMULATED = ("none", "gravity", "feedforward", "compensation", "clairvoyant")
 DRAWN = ("none", "feedforward", "compensation", "clairvoyant")
 PICTURE_STEP = 150  # control periods into the motion
@@ -187,6 +188,9 @@ def _simulate(
     """Runs all policies on Earth and in microgravity; keeps the first motion of some."""
     found: dict[str, Evaluation] = {}
     traces: dict[str, dict[str, Trace]] = {gravity: {} for gravity in GRAVITIES}
+    policies = {
+        name: {"name": name, "suit": str(suit)} if name in BELIEVING else name for name in SIMULATED
+    }
     with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * episodes) as bar:
         for gravity in GRAVITIES:
 
@@ -197,10 +201,9 @@ def _simulate(
 
             found[gravity] = evaluate(
                 ENV,
-                SIMULATED,
+                policies,
                 episodes=episodes,
                 seed=FIRST_SEED + seed,
-                believed_suit=str(suit),
                 on_policy=report,
                 suit=PLANT,
                 gravity=gravity,

@@ -9,7 +9,7 @@ from typing import Any
 from ...checks import at_least
 from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
-from ...envs.evaluation.compare import Policies, check_name
+from ...envs.evaluation.compare import Policies, named_policies
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
@@ -80,8 +80,7 @@ def evaluate(
     at_least("seed", seed, 0)
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
-    for policy in policies:
-        check_name(policy)
+    named_policies(policies)
     scenes = list(
         _scenes(
             arm,

@@ -13,9 +13,7 @@ from ...checks import at_least
 from ...envs.evaluation import FIRST_SEED, Evaluation, evaluate
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.levels import LEVELS
-from ...envs.policies import make_policy
 from ...envs.tasks import TASKS, Task
-from ...envs.vector_env import ArmVectorEnv
 from ...errors import InputError, unknown_name
 from ...json_files import read_json
 from ..options import Force, Json, choice
@@ -89,17 +87,12 @@ def difficulty(task: str, level: str, episodes: int, seed: int) -> Evaluation:
         episodes: Number of motions.
         seed: Seed of the first one.
     """
-    wrong = WRONG[level]
-
-    def mistaken(arms: ArmVectorEnv) -> Any:
-        return make_policy("compensation", arms, believed_suit=wrong)
-
     return evaluate(
         f"ActiveSuit/{task}-v0",
         {
             "none": "none",
             "right model": "compensation",
-            "wrong model": mistaken,
+            "wrong model": {"name": "compensation", "suit": WRONG[level]},
             "clairvoyant": "clairvoyant",
         },
         episodes=episodes,

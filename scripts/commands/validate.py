@@ -13,8 +13,6 @@ from ...envs.evaluation import FIRST_SEED, Evaluation
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
-from ...envs.policies import Policy, make_policy
-from ...envs.vector_env import ArmVectorEnv
 from ..arm_options import USUAL, ArmOptions
 from ..options import SUIT, Env, Force, Json, choice, gravity_option, suits
 from ..output import RunFolder, conclude
@@ -61,11 +59,10 @@ def validate(
     folder = RunFolder(out, "validate", force=force) if out else None
     found = run(
         chosen.env,
-        {"none": "none", "feedforward": "feedforward", TRUE: _true_feedforward},
+        {"none": "none", "feedforward": {"name": "feedforward", "suit": suit}, TRUE: "feedforward"},
         episodes,
         seed,
         naive=False,
-        believed_suit=suit,
         **chosen.options,
     )
     scores, share = list(found.scores.values()), _share_by_joint(found, worn)
@@ -90,10 +87,6 @@ def validate(
     remarks = [*_overall(found), *_remarks(share, lacking, suit, plant), *cuff_remarks(scores)]
     tables = {title: score_table(scores, found)}
     conclude(result, tables, remarks, folder=folder, json=json)
-
-
-def _true_feedforward(arms: ArmVectorEnv) -> Policy:
-    return make_policy("feedforward", arms)
 
 
 def _overall(found: Evaluation) -> Iterator[str]:

@@ -12,7 +12,7 @@ SENSORS = ["encoders", "belief"]
 @pytest.mark.parametrize("believed", [{}, {"suit": "emu-like"}, {"payload": {"mass": 2.0}}])
 def test_it_is_what_the_policies_of_that_belief_command(believed):
     env, other = ArmEnv(sensors=SENSORS, belief=believed), ArmEnv(**believed)
-    suit = make_policy("feedforward", env, believed_suit=believed.get("suit"))
+    suit = make_policy({"name": "feedforward", "suit": believed.get("suit")}, env)
     weight = make_policy("gravity", other)
     peak = env.episodes.simulation.addresses.peak_torque
     observation, _ = env.reset(seed=2)

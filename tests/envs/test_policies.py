@@ -10,7 +10,7 @@ from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED, bare_arm, compose
 from activesuit.envs.policies import POLICIES, make_policy, needed_options
-from activesuit.envs.policies.model_based import without_exo
+from activesuit.envs.policies.belief import without_exo
 from activesuit.errors import InputError
 from helpers import shorten_tasks
 
@@ -152,8 +152,8 @@ def test_a_wrong_belief_helps_less(tmp_path):
     found = evaluate(ELBOW, ("none", "feedforward"), **options).scores
     off, right = (found[name].human_rms["elbow_flexion"] for name in ("none", "feedforward"))
     weak = str(tmp_path / "weak.json")
-    found = evaluate(ELBOW, ("feedforward",), believed_suit=weak, **options).scores
-    wrong = found["feedforward"].human_rms["elbow_flexion"]
+    found = evaluate(ELBOW, {"weak": f"feedforward:suit={weak}"}, **options).scores
+    wrong = found["weak"].human_rms["elbow_flexion"]
     assert right < 0.85 * wrong
     assert wrong < 0.95 * off
 
@@ -194,7 +194,7 @@ def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     save_suit(suit.model_copy(update={"joints": elbow}), tmp_path / "half.json")
     arms = ArmEnv("ElbowFlexion").rows(1, max_episode_steps=100)
-    half = make_policy("feedforward", arms, believed_suit=str(tmp_path / "half.json"))
+    half = make_policy({"name": "feedforward", "suit": tmp_path / "half.json"}, arms)
     (trace,) = rollout(arms, half, [0])
     greatest = np.abs(trace.assist_torque).max(axis=0)
     assert greatest[0] < 1e-9

@@ -65,7 +65,8 @@ def weightless(short, believed):
     """Everything there is, on short motions without gravity; and how many motions were told."""
     told = {}
     policies = {
-        **{name: name for name in ("none", "gravity", "feedforward", "oracle", "compensation")},
+        **{name: name for name in ("none", "gravity", "oracle")},
+        **{name: {"name": name, "suit": believed} for name in ("feedforward", "compensation")},
         **{"mine": Push, "clairvoyant-suit": "clairvoyant-suit", "clairvoyant": "clairvoyant"},
     }
     found = evaluate(
@@ -73,7 +74,6 @@ def weightless(short, believed):
         policies,
         episodes=MOTIONS,
         gravity="microgravity",
-        believed_suit=believed,
         threads=1,
         on_policy=lambda name, traces: told.update({name: len(traces)}),
     )

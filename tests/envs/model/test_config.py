@@ -157,4 +157,4 @@ def test_a_suit_as_an_object_in_an_environment():
     np.testing.assert_array_equal(*steps)
     again = envs[1].set_state(envs[1].get_state())[0]
     np.testing.assert_array_equal(again, steps[1])
-    make_policy("feedforward", envs[0], believed_suit=suit)
+    make_policy({"name": "feedforward", "suit": suit}, envs[0])

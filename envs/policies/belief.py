@@ -1,0 +1,112 @@
+"""What a controller believes of person, suit and load, which need not be what is simulated."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+
+from ...assets import AnySuit, SuitJoint
+from ...checks import within
+from ..belief import BelievedSuit, BelievedWeight, count_of
+from ..model import ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
+from ..model.config import HEAVIEST_PAYLOAD, nested
+from ..model.workplace import Edits
+from ..person import Person
+from .base import Arms
+
+
+@dataclass(frozen=True, kw_only=True)
+class Belief:
+    """What differs in the believed arm from the options of the environment; plain values.
+
+    What an episode draws at random is never part of it, nor what a task puts into the hand.
+
+    Attributes:
+        suit: Suit, or its name or file; None is that of the options.
+        pressure: Operating pressure of the suit [kPa]; None is that of the options, and of the suit
+            file where `suit` is given.
+        load: Mass of the load at the hand [kg]; None is that of the options.
+        wearer: Person, or a dict of the fields that differ from the default person; None is that of
+            the options.
+
+    Raises:
+        InputError: A value is out of its range.
+    """
+
+    suit: AnySuit | None = None
+    pressure: float | None = None
+    load: float | None = None
+    wearer: Person | Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        if self.load is not None:
+            within("the believed load", self.load, 0, HEAVIEST_PAYLOAD, " kg")
+
+    def of(self, config: ArmConfig) -> ArmConfig:
+        """Returns the configuration of the believed arm.
+
+        Args:
+            config: Configuration of the simulated arms.
+
+        Raises:
+            InputError: A value is unknown or out of its range.
+        """
+        changes: dict[str, Any] = {}
+        if self.suit is not None:
+            changes |= {"suit": self.suit, "pressure": None}
+        if self.pressure is not None:
+            changes["pressure"] = self.pressure
+        if self.load is not None:
+            changes["payload"] = Payload(mass=self.load)
+        if self.wearer is not None:
+            changes["wearer"] = nested("wearer", self.wearer, Person())
+        return replace(config, **changes)
+
+
+class BelievedArm:
+    """Models of a believed arm: the torque of its suit, its weight and its inertia.
+
+    Args:
+        arms: Environment in which the policy acts, whose exoskeleton and tools are known.
+        belief: What differs from the options of the environment.
+
+    Attributes:
+        config: Configuration of the believed arm.
+    """
+
+    def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
+        simulation = arms.episodes.simulation
+        self.config = (belief or Belief()).of(simulation.config)
+        self._edits: Edits | None = arms.episodes.task.edits
+
+    @property
+    def joints(self) -> dict[str, SuitJoint]:
+        """Joints that the believed suit resists."""
+        return resisting_joints(self.config)
+
+    def suit(self) -> BelievedSuit:
+        """Returns a follower of the suit's torque, with the resolution of the encoders."""
+        return BelievedSuit(self.joints, count_of(self.config.exo.encoder_bits))
+
+    def model(self) -> mujoco.MjModel:
+        """Returns the model of the believed arm with all that it wears and carries."""
+        return compose(self.config, drawn=False, edits=self._edits)
+
+    def whole_weight(self) -> BelievedWeight:
+        """Returns the weight of arm, suit, exoskeleton, load and tools."""
+        return BelievedWeight(self.model())
+
+    def exo_weight(self) -> BelievedWeight:
+        """Returns the weight of the exoskeleton alone."""
+        without = compose(without_exo(self.config), drawn=False, edits=self._edits)
+        return self.whole_weight() - BelievedWeight(without)
+
+    def carried_weight(self) -> BelievedWeight:
+        """Returns the weight of all that the bare arm carries: suit, exoskeleton and load."""
+        return self.whole_weight() - BelievedWeight(bare_arm(self.config))
+
+
+def without_exo(config: ArmConfig) -> ArmConfig:
+    """Returns the configuration of the same wearer, suit and load without an exoskeleton."""
+    return replace(config, coupling="none", exo=Exo(), misalignment=(0.0, 0.0, 0.0))
