@@ -144,6 +144,12 @@ def options_of(maker: Callable[..., Policy]) -> dict[str, Any]:
     return known
 
 
+def believes(name: str) -> bool:
+    """Returns whether a policy takes a `Belief`: its suit, pressure, load and wearer."""
+    maker = maker_of(name) if name in POLICIES or ":" in name else None
+    return maker is not None and "belief" in inspect.signature(maker).parameters
+
+
 def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
@@ -193,7 +199,7 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     if maker is None:
         return TrainedPolicy(name, arm)
     options = dict(spec.options)
-    if "belief" in inspect.signature(maker).parameters:
+    if believes(name):
         believed = {part: options.pop(part) for part in _BELIEF if part in options}
         options["belief"] = Belief(**believed)
     if name in POLICIES:

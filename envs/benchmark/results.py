@@ -1,0 +1,145 @@
+"""Results of the benchmark as lines of JSON, which anyone can merge."""
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+
+from ...errors import InputError, shortened
+from ...json_files import parse_json
+
+RESULTS = "results.jsonl"
+LARGEST = 2**28  # bytes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """Result of one trial; a tuple has one value per motion.
+
+    Attributes:
+        task: Name of the task.
+        level: Name of the level.
+        believed: Suit that controllers believe in.
+        policy: Name of the policy in tables.
+        options: Policy and options as plain values.
+        effort: Effort of the settled wearer over strength; infinite where the policy failed.
+        tracking: Tracking error [rad], likewise.
+        success: Whether the motion went well.
+        failed: Why the policy could not act; None if it could.
+        protocol: How the result came about.
+    """
+
+    task: str
+    level: str
+    believed: str
+    policy: str
+    options: dict[str, Any]
+    effort: tuple[float, ...]
+    tracking: tuple[float, ...]
+    success: tuple[bool, ...]
+    failed: str | None
+    protocol: dict[str, Any]
+
+    def to_json(self) -> str:
+        """Returns one line of strict JSON, with null for infinite values."""
+        content = asdict(self)
+        for name in ("effort", "tracking"):
+            content[name] = [value if math.isfinite(value) else None for value in content[name]]
+        return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
+
+    @classmethod
+    def from_json(cls, text: str, name: str) -> "Result":
+        """Returns the result that `to_json` wrote.
+
+        Raises:
+            InputError: The text is no such result; the message begins with `name`.
+        """
+        try:
+            found = _Saved.model_validate(parse_json(text, name, fix="delete it"))
+        except ValidationError as error:
+            problem: Any = error.errors()[0]
+            place = ".".join(map(str, problem["loc"])) or "the whole"
+            reason = shortened(f"{place}: {problem['msg']}", 120)
+            raise InputError(
+                f"{name} is no result of the benchmark ({reason}): delete it"
+            ) from None
+        values = dict(found)
+        for series in ("effort", "tracking"):
+            values[series] = tuple(math.inf if v is None else v for v in values[series])
+        if not len(values["effort"]) == len(values["tracking"]) == len(values["success"]):
+            raise InputError(f"{name} has series of different lengths: delete it")
+        return cls(**values)
+
+
+class _Saved(BaseModel):
+    """The line of a result."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    task: str
+    level: str
+    believed: str
+    policy: str
+    options: dict[str, Any]
+    effort: Annotated[tuple[FiniteFloat | None, ...], Field(min_length=1)]
+    tracking: tuple[FiniteFloat | None, ...]
+    success: tuple[bool, ...]
+    failed: str | None
+    protocol: dict[str, Any]
+
+
+def lines(results: Iterable[Result]) -> str:
+    """Returns the text of a file of results."""
+    return "".join(one.to_json() + "\n" for one in results)
+
+
+def read_results(paths: Sequence[Path]) -> list[Result]:
+    """Reads and merges results of several runs.
+
+    Args:
+        paths: Files of results, or folders of runs that have one.
+
+    Raises:
+        InputError: A file cannot be read or is none, two files have different results of the same
+            trial, or results have different contracts and cannot be compared.
+    """
+    found: dict[tuple[str, ...], tuple[Result, str]] = {}
+    contract = ""
+    for given in paths:
+        path = given / RESULTS if given.is_dir() else given
+        for number, text in enumerate(_text(path).splitlines(), start=1):
+            result = Result.from_json(text, f"{str(path)!r}, line {number},")
+            mine = str(result.protocol.get("contract"))
+            contract = contract or mine
+            if mine != contract:
+                raise InputError(
+                    f"{str(path)!r} has results of the contract {mine!r}, and those before are of "
+                    f"{contract!r}: run them anew"
+                )
+            key = (result.task, result.level, result.believed, result.policy)
+            if key in found and found[key][0] != result:
+                raise InputError(
+                    f"{str(path)!r} and {found[key][1]!r} have different results of "
+                    f"{result.policy} in {result.task} at {result.level}: leave one of them out"
+                )
+            found[key] = (result, str(path))
+    if not found:
+        raise InputError(
+            "there are no results: give a file or folder of `activesuit benchmark run`"
+        )
+    return [result for result, _ in found.values()]
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InputError(f"{str(path)!r} is longer than {LARGEST >> 20} MiB: no results are")
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot read the results {str(path)!r}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"cannot read the results {str(path)!r}: not a UTF-8 text") from error

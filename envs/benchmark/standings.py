@@ -1,0 +1,149 @@
+"""What results say: success, relief, and which policy is better, by level and by task."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import unknown_name
+from ..evaluation import BOUNDS, REFERENCES
+from ..evaluation.compare import LEAST_COST
+from ..evaluation.statistics import Interval, difference_interval
+from ..evaluation.stratified import paired_improvement, stratified_interval
+from .results import Result
+from .suite import BASELINE, Setting, where
+
+BOUND = BOUNDS[1]
+FIXED = (*REFERENCES, BOUND)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How one policy stands over several tasks.
+
+    Attributes:
+        policy: Name of the policy.
+        success: Share of motions that went well.
+        relief: Interquartile mean of relief over motions and tasks; None where no suit costs enough
+            for relief to have a meaning, or the policy ran fewer motions than the references.
+        improvement: Probability of less effort than the baseline on the same motion.
+        better: Share of the tasks in which that probability is at least 0.9.
+        failed: Number of trials in which the policy could not act.
+    """
+
+    policy: str
+    success: float
+    relief: Interval | None
+    improvement: Interval | None
+    better: float | None
+    failed: int
+
+
+class Standings:
+    """Results, arranged by setting and policy.
+
+    Args:
+        results: Results of one contract.
+
+    Attributes:
+        policies: Names of the policies, references and bound, in their order.
+        levels: Names of the levels.
+        settings: All settings.
+    """
+
+    def __init__(self, results: Sequence[Result]) -> None:
+        self._found: dict[Setting, dict[str, Result]] = {}
+        for one in results:
+            setting = Setting(one.task, one.level, one.believed)
+            self._found.setdefault(setting, {})[one.policy] = one
+        self.settings = list(self._found)
+        self.policies = list(dict.fromkeys(one.policy for one in results))
+        self.levels = list(dict.fromkeys(one.level for one in results))
+
+    def of(self, setting: Setting, policy: str) -> Result | None:
+        """Returns the result of a policy, also of one that believes nothing; None if none."""
+        for place in (setting, where(setting)):
+            if policy in self._found.get(place, {}):
+                return self._found[place][policy]
+        return None
+
+    def relief(self, setting: Setting, policy: str) -> Array | None:
+        """Returns relief by motion, shape (motions,); None where it has no meaning.
+
+        It is (E suited - E) over the mean cost of the suit in all motions of the setting, so that
+        motions in which the suit costs nothing do not decide.
+        """
+        found = [self.of(setting, name) for name in (*REFERENCES, policy)]
+        if any(one is None for one in found):
+            return None
+        unsuited, suited, mine = (np.array(one.effort) for one in found if one is not None)
+        cost = float(np.mean(suited - unsuited))
+        if cost < LEAST_COST:
+            return None
+        return (suited[: mine.size] - mine) / cost
+
+    def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
+        """Returns how a policy stands over some settings."""
+        settings = list(settings)
+        mine = [one for s in settings if (one := self.of(s, policy)) is not None]
+        reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
+        pairs = [self._paired(s, policy) for s in reliefs]
+        ours, theirs = ([pair[i] for pair in pairs if pair is not None] for i in (0, 1))
+        each = [paired_improvement([x], [y]).value for x, y in zip(ours, theirs, strict=True)]
+        return Standing(
+            policy=policy,
+            success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
+            relief=stratified_interval(list(reliefs.values())) if reliefs else None,
+            improvement=paired_improvement(ours, theirs) if ours and policy != BASELINE else None,
+            better=float(np.mean(np.array(each) >= 0.9)) if ours and policy != BASELINE else None,
+            failed=sum(one.failed is not None for one in mine),
+        )
+
+    def by_level(self, level: str) -> list[Standing]:
+        """Returns the standings of all policies at a level, the best relief first.
+
+        References and bound come before all others.
+        """
+        settings = [s for s in self.settings if s.level == level]
+        found = [self.standing(policy, settings) for policy in self.policies]
+        ranked = sorted(
+            (one for one in found if one.policy not in FIXED),
+            key=lambda one: (-one.relief.value if one.relief else np.inf, one.policy),
+        )
+        return [one for one in found if one.policy in FIXED] + ranked
+
+    def difference(self, setting: Setting, one: str, other: str) -> Interval | None:
+        """Returns the paired difference of relief, one less other; None where there is none."""
+        for name in (one, other):
+            if name not in self.policies:
+                raise unknown_name("policy in these results", name, self.policies)
+        mine, theirs = (self.relief(setting, name) for name in (one, other))
+        if mine is None or theirs is None:
+            return None
+        size = min(mine.size, theirs.size)
+        if not np.isfinite([*mine[:size], *theirs[:size]]).all():
+            return None
+        return difference_interval(mine[:size], theirs[:size])
+
+    def profile(self, policy: str, level: str, thresholds: Array) -> Array:
+        """Returns the share of motions with at least each relief, the mean over tasks.
+
+        Args:
+            policy: Name of the policy.
+            level: Name of the level.
+            thresholds: Reliefs, shape (k,).
+
+        Returns:
+            Shares, shape (k,), as in the performance profiles of Agarwal et al. (2021).
+        """
+        reliefs = [self.relief(s, policy) for s in self.settings if s.level == level]
+        shares = [np.mean(r[:, None] >= thresholds, axis=0) for r in reliefs if r is not None]
+        return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
+
+    def _paired(self, setting: Setting, policy: str) -> tuple[Array, Array] | None:
+        mine, theirs = (self.relief(setting, name) for name in (policy, BASELINE))
+        if mine is None or theirs is None:
+            return None
+        size = min(mine.size, theirs.size)
+        return mine[:size], theirs[:size]

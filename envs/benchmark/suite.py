@@ -1,0 +1,237 @@
+"""What the benchmark runs: tasks, levels, suits and policies, and the protocol of it all."""
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
+
+import gymnasium
+import mujoco
+import numpy as np
+
+from ... import __version__
+from ...assets import load_suit
+from ...checks import at_least
+from ...errors import InputError, unknown_name
+from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.statistics import FEWEST_MOTIONS
+from ..levels import LEVELS
+from ..model import ArmConfig
+from ..person import VoluntaryControl
+from ..policies import POLICIES, PolicySpec, policy_spec
+from ..policies.build import believes
+from ..simulation.sensing import Sensing
+from ..tasks import TASKS, Task
+
+VERSION = 1
+BELIEVED = ("mock-suit", "emu-like")
+LONGEST = {"OverheadHold": 40.0}  # s; the whole task takes 120 s, a third of the suite
+BASELINE = "compensation"
+SLOW = {"predictive": 5}  # motions of policies that take much longer than the others
+
+
+class Setting(NamedTuple):
+    """Where policies are compared.
+
+    Attributes:
+        task: Name of the task.
+        level: Name of the level.
+        believed: Name of the suit that controllers believe in: the worn one, but at "shift".
+    """
+
+    task: str
+    level: str
+    believed: str
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Options of the environment."""
+        worn = {} if self.level == "shift" else {"suit": self.believed}
+        return {**worn, "level": self.level, "task": task_of_suite(self.task)}
+
+    @property
+    def worn(self) -> str:
+        """Name of the suit that is worn; at "shift" it is that of the level."""
+        return str(LEVELS[self.level].get("suit", self.believed))
+
+
+class Trial(NamedTuple):
+    """One policy in one setting.
+
+    Attributes:
+        setting: Where.
+        policy: A policy, with its belief; the name of a reference or bound has no options.
+        label: Name of the policy in tables.
+    """
+
+    setting: Setting
+    policy: PolicySpec
+    label: str
+
+    @property
+    def file_name(self) -> str:
+        """Name of the file of its result, which no other trial of a suite has."""
+        text = json.dumps(self.policy.to_dict(), sort_keys=True, default=str)
+        mark = hashlib.sha256(f"{self.label}\n{text}".encode()).hexdigest()[:8]
+        name = "".join(c if c.isalnum() else "-" for c in self.label)[:40]
+        return (
+            f"{self.setting.task}.{self.setting.level}.{self.setting.believed}.{name}.{mark}.json"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suite:
+    """What a benchmark runs.
+
+    At "nominal" and "randomized" controllers believe in the suit that is worn, at its usual
+    pressure. At "shift" they believe in the same suits, and an EMU-like one at 40 kPa is worn: so
+    once another family, and once the right one at another pressure.
+
+    Attributes:
+        name: Name of the suite.
+        policies: Policies as text, as `policy_spec` takes it, or by labels of your choice.
+        tasks: Names of tasks.
+        levels: Names of levels.
+        believed: Names or files of suits that controllers believe in.
+        episodes: Number of motions of each policy, at least 8.
+
+    Raises:
+        InputError: A name is unknown, or there are too few motions.
+    """
+
+    name: str
+    policies: dict[str, PolicySpec]
+    tasks: tuple[str, ...] = tuple(TASKS)
+    levels: tuple[str, ...] = tuple(LEVELS)
+    believed: tuple[str, ...] = BELIEVED
+    episodes: int = 20
+
+    def __post_init__(self) -> None:
+        for what, names, known in (("task", self.tasks, TASKS), ("level", self.levels, LEVELS)):
+            for name in names:
+                if name not in known:
+                    raise unknown_name(what, name, known)
+            if not names or len(set(names)) < len(names):
+                raise InputError(f"the {what}s are {', '.join(names)}: name each one once")
+        for suit in self.believed:
+            load_suit(suit)
+        at_least("episodes", self.episodes, FEWEST_MOTIONS)
+
+    @property
+    def settings(self) -> list[Setting]:
+        """All settings, in the order of every table."""
+        return [
+            Setting(task, level, suit)
+            for level in self.levels
+            for task in self.tasks
+            for suit in self.believed
+        ]
+
+    @property
+    def trials(self) -> list[Trial]:
+        """All trials, references and bound first, without repetition.
+
+        What believes nothing does the same at "shift", whatever suit the others believe in, and
+        runs once.
+        """
+        return list({trial.file_name: trial for trial in self._trials()}.values())
+
+    def _trials(self) -> Iterator[Trial]:
+        fixed = {name: PolicySpec(name) for name in (*REFERENCES, *BOUNDS[1:])}
+        for setting in self.settings:
+            for label, policy in {**fixed, **self.policies}.items():
+                if believes(policy.name):
+                    suit = setting.believed
+                    yield Trial(
+                        setting, PolicySpec(policy.name, {"suit": suit, **policy.options}), label
+                    )
+                else:
+                    yield Trial(where(setting), policy, label)
+
+    def episodes_of(self, policy: PolicySpec) -> int:
+        """Returns the number of motions of a policy."""
+        return min(self.episodes, SLOW.get(policy.name, self.episodes))
+
+    @property
+    def contract(self) -> str:
+        """A hash of all that makes results comparable: tasks, levels, suits, wearer and sensors."""
+        content = {
+            "version": VERSION,
+            "tasks": {name: [type(task).__name__, asdict(task)] for name, task in _TASKS.items()},
+            "levels": LEVELS,
+            "suits": {name: load_suit(name).model_dump(mode="json") for name in BELIEVED},
+            "arm": ArmConfig().to_dict(),
+            "wearer": asdict(VoluntaryControl()),
+            "sensing": asdict(Sensing()),
+            "seed": FIRST_SEED,
+        }
+        text = json.dumps(content, sort_keys=True, default=str)
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    def protocol(self, policy: PolicySpec) -> dict[str, Any]:
+        """Returns how a result came about: version, contract, seeds, motions and packages."""
+        return {
+            "suite_version": VERSION,
+            "contract": self.contract,
+            "first_seed": FIRST_SEED,
+            "episodes": self.episodes_of(policy),
+            "activesuit": __version__,
+            "mujoco": mujoco.__version__,
+            "numpy": np.__version__,
+            "gymnasium": gymnasium.__version__,
+        }
+
+
+def where(setting: Setting) -> Setting:
+    """Returns the setting under which results are kept that do not depend on a belief."""
+    return setting._replace(believed=setting.worn) if setting.level == "shift" else setting
+
+
+def task_of_suite(name: str) -> Task:
+    """Returns a task as the benchmark runs it."""
+    return _TASKS[name]
+
+
+_TASKS = {
+    name: replace(task, duration=LONGEST[name]) if name in LONGEST else task
+    for name, task in TASKS.items()
+}
+_ALL = tuple(name for name in POLICIES if name != "oracle")
+_QUICK = ("none", "compensation")
+
+
+def suite(
+    name: str,
+    *,
+    policies: tuple[str, ...] = (),
+    tasks: tuple[str, ...] = (),
+    levels: tuple[str, ...] = (),
+    believed: tuple[str, ...] = (),
+    episodes: int | None = None,
+) -> Suite:
+    """Returns a suite, with what is given instead of its own.
+
+    Raises:
+        InputError: There is no such suite, or see `Suite` and `policy_spec`.
+    """
+    if name not in SUITES:
+        raise unknown_name("suite", name, SUITES)
+    found = SUITES[name]
+    labels = {str(spec): spec for spec in map(policy_spec, policies)}
+    changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
+    given = {field: value for field, value in changes.items() if value}
+    return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
+
+
+SUITES = {
+    "full": Suite(name="full", policies={name: policy_spec(name) for name in _ALL}),
+    "quick": Suite(
+        name="quick",
+        policies={name: policy_spec(name) for name in _QUICK},
+        tasks=("ElbowFlexion", "MinorLoops", "Ratchet"),
+        believed=("emu-like",),
+        episodes=8,
+    ),
+}
+"""The suites by name."""

@@ -1,0 +1,79 @@
+"""One trial of the benchmark: a policy, on all motions of a setting, with settled wearers.
+
+A worker runs it on one thread, so that trials may run beside each other.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ...errors import InputError
+from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES, rollout, score
+from ..evaluation.bounds import clairvoyant
+from ..evaluation.compare import reference_options
+from ..evaluation.settled import Wearers
+from ..policies import NoAssist, make_policy, needed_options
+from .results import Result
+from .suite import Suite, Trial
+
+LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
+DIGITS = 6
+
+
+def run_trial(suite: Suite, trial: Trial) -> Result:
+    """Runs one trial.
+
+    Args:
+        suite: What the benchmark runs.
+        trial: One of its trials.
+
+    Returns:
+        The result; where the policy cannot act, every motion of it is failed, and why is said.
+    """
+    episodes = suite.episodes_of(trial.policy)
+    try:
+        found = _run(trial, episodes)
+        failed = None
+    except InputError as error:
+        found, failed = dict.fromkeys(("effort", "tracking"), (math.inf,) * episodes), str(error)
+        found["success"] = (False,) * episodes
+    return Result(
+        **trial.setting._asdict(),
+        policy=trial.label,
+        options=trial.policy.to_dict(),
+        failed=failed,
+        protocol=suite.protocol(trial.policy),
+        **found,
+    )
+
+
+def _run(trial: Trial, episodes: int) -> dict[str, tuple[Any, ...]]:
+    options, name = trial.setting.options, trial.policy.name
+    env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
+    if name in REFERENCES:
+        options = reference_options(name, options)
+    elif name not in BOUNDS:
+        options |= needed_options(trial.policy)
+    wearers = Wearers(env, episodes, **options, threads=1)
+    try:
+        if name in REFERENCES:
+            policy = NoAssist(wearers.arms)
+        elif name in BOUNDS:
+            policy = clairvoyant(wearers, seeds)
+        else:
+            policy = make_policy(trial.policy, wearers.arms)
+        taught = wearers.lesson(policy, seeds, rollouts=LED)
+        traces = rollout(wearers.arms, policy, seeds, taught=taught)
+    finally:
+        wearers.close()
+    found = score(trial.label, traces)
+    return {
+        "effort": tuple(_rounded(np.array(found.effort))),
+        "tracking": tuple(_rounded(np.array(found.tracking))),
+        "success": found.success,
+    }
+
+
+def _rounded(values: np.ndarray) -> list[float]:
+    return [float(f"{value:.{DIGITS}g}") for value in values]

@@ -1,0 +1,198 @@
+"""`activesuit benchmark`: compares controllers over tasks, levels and suits."""
+
+from json import loads
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from ...envs.benchmark import BASELINE, SUITES, Result, Suite, Trial, run_trial, suite
+from ...envs.benchmark.results import RESULTS, lines, read_results
+from ...envs.benchmark.standings import Standings
+from ...errors import InputError, shown
+from ...files import write_text
+from ...json_files import read_json
+from ..backends import Backend, check_backend, run_all
+from ..options import Force, Json, choice
+from ..options import levels as level_names
+from ..options import tasks as task_names
+from ..output import RunFolder, progress, say, table, telling, to_json
+from ..reports.benchmark import difference_rows, level_rows, page, profile_figure, task_rows
+
+What = Literal["run", "table", "compare"]
+TRIALS = "trials"
+
+
+def benchmark(
+    what: Annotated[What, tyro.conf.Positional],
+    results: Annotated[tuple[Path, ...], tyro.conf.Positional] = (),
+    /,
+    suite_name: Annotated[
+        str, tyro.conf.arg(name="suite"), choice(lambda: SUITES, "Name of a suite.")
+    ] = "quick",
+    policies: tuple[str, ...] = (),
+    tasks: tuple[Annotated[str, choice(task_names)], ...] = (),
+    levels: tuple[Annotated[str, choice(level_names)], ...] = (),
+    believed: tuple[str, ...] = (),
+    episodes: int | None = None,
+    workers: int = -1,
+    backend: Backend = "loky",
+    out: Path | None = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compare controllers over tasks, levels and suits.
+
+    `run` runs a suite, trial by trial; the same command again goes on where it stopped. `table`
+    merges results of several machines or people into one page. `compare` gives the paired
+    difference of the policies' relief to the first one.
+
+    Args:
+        what: Whether to run a suite, make tables of results, or compare two policies.
+        results: Files of results, or folders of runs, for table and compare.
+        policies: Policies with their options, instead of those of the suite; of compare, the
+            policies to compare.
+        tasks: Names of tasks, instead of those of the suite.
+        levels: Names of levels, instead of those of the suite.
+        believed: Suits that controllers believe in, instead of those of the suite.
+        episodes: Number of motions of each policy, at least 8; by default that of the suite.
+        workers: Number of trials that run at once; -1 uses all cores, or the whole cluster.
+        backend: Place where the trials run: processes (loky) or threads of this machine, or a
+            cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
+        out: Folder for results.jsonl, tables.md and the figure of profiles: a new or an empty one,
+            or that of the same benchmark, which goes on.
+    """
+    if what == "run":
+        if results:
+            raise InputError(f"run takes no results, and {str(results[0])!r} is given: use table")
+        chosen = suite(
+            suite_name,
+            policies=policies,
+            tasks=tasks,
+            levels=levels,
+            believed=believed,
+            episodes=episodes,
+        )
+        check_backend(backend, workers)
+        folder = _folder(out or Path("runs/benchmark"), chosen, force)
+        with telling(lambda: _kept(folder, chosen)):
+            found = _run(folder, chosen, backend, workers)
+        folder.text(RESULTS, lines(found))
+        _report(found, folder, json)
+        return
+    found = read_results(results)
+    folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
+    if what == "table":
+        if folder:
+            folder.text(RESULTS, lines(found))
+        _report(found, folder, json)
+    else:
+        _compare(Standings(found), policies or (BASELINE,), json)
+
+
+def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
+    standings = Standings(found)
+    if folder:
+        folder.text("tables.md", page(standings))
+        folder.figure("profiles", profile_figure(standings))
+    if json:
+        print("[" + ",\n".join(one.to_json() for one in found) + "]")
+        return
+    for level in standings.levels:
+        table(f"{level}: all tasks", *level_rows(standings, level), left=1)
+    for level in standings.levels:
+        table(f"{level}: relief by task", *task_rows(standings, level), left=1)
+    for one in found:
+        if one.failed:
+            say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")
+    if folder:
+        say(f"wrote {folder.path}/{RESULTS}, tables.md and profiles.png")
+
+
+def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> None:
+    if len(policies) < 2:
+        raise InputError("compare needs two policies: add --policies compensation adaptive")
+    first, *others = policies
+    tables = {other: difference_rows(standings, other, first) for other in others}
+    if json:
+        print(
+            to_json(
+                {
+                    name: [dict(zip(h, r, strict=True)) for r in rows]
+                    for name, (h, rows) in tables.items()
+                }
+            )
+        )
+        return
+    for name, rows in tables.items():
+        table(f"relief of {name} less that of {first}", *rows)
+
+
+def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
+    """Opens the folder of a new benchmark, or of one that goes on.
+
+    Raises:
+        InputError: The folder holds another benchmark.
+    """
+    folder = RunFolder(out, "benchmark", force=force)
+    folder.subfolder(TRIALS)
+    wanted: dict[str, Any] = loads(
+        to_json(
+            {
+                "suite": chosen.name,
+                "contract": chosen.contract,
+                "tasks": chosen.tasks,
+                "levels": chosen.levels,
+                "believed": chosen.believed,
+                "episodes": chosen.episodes,
+                "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
+            }
+        )
+    )
+    path = folder / "config.json"
+    present = read_json(path, "configuration of the benchmark") if path.exists() else None
+    if present is None:
+        folder.json("config.json", wanted)
+    elif present != wanted:
+        names = {**wanted, **present} if isinstance(present, dict) else {}
+        given = present if isinstance(present, dict) else {}
+        name = next((n for n in names if given.get(n) != wanted.get(n)), "configuration")
+        raise InputError(
+            f"{str(out)!r} holds a benchmark whose {name} is {shown(given.get(name))}, not "
+            f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
+        )
+    return folder
+
+
+def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> list[Result]:
+    """Returns all results: reads those on disk, and runs and writes the others one by one."""
+    trials = chosen.trials
+    found = {trial.file_name: _load(folder, trial) for trial in trials}
+    missing = [trial for trial in trials if found[trial.file_name] is None]
+    with progress("benchmark", len(trials)) as bar:
+        bar.move_to(len(trials) - len(missing))
+        for name, result in run_all(_named, [(chosen, one) for one in missing], backend, workers):
+            write_text(folder / TRIALS / name, result.to_json() + "\n")
+            found[name] = result
+            bar.advance()
+    return [one for one in found.values() if one is not None]
+
+
+def _named(chosen: Suite, trial: Trial) -> tuple[str, Result]:
+    return trial.file_name, run_trial(chosen, trial)
+
+
+def _load(folder: RunFolder, trial: Trial) -> Result | None:
+    path = folder / TRIALS / trial.file_name
+    if not path.exists():
+        return None
+    (found,) = read_results([path])
+    return found
+
+
+def _kept(folder: RunFolder, chosen: Suite) -> str:
+    done = sum((folder / TRIALS / trial.file_name).exists() for trial in chosen.trials)
+    return (
+        f"the finished trials ({done} of {len(chosen.trials)}) are kept in "
+        f"{folder.path}/{TRIALS}; run the same command again for the rest"
+    )
