@@ -12,6 +12,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from ...errors import InputError, shown, unknown_name
 from ..arm_env import ArmEnv
 from ..vector_env import ArmVectorEnv
+from .adaptive import Adaptive
 from .base import Policy
 from .belief import Belief
 from .compensation import Compensation, Complement
@@ -29,6 +30,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "feedforward": HysteresisFeedforward,
     "complement": Complement,
     "compensation": Compensation,
+    "adaptive": Adaptive,
     "oracle": Oracle,
 }
 _BELIEF: dict[str, Any] = {

@@ -88,12 +88,12 @@ class ModelBased(TorquePolicy):
         return self._suit.follow(self._memory, angle, rate, self.lead)
 
 
-def friction_of(exo: Exo) -> Callable[[Array], Array]:
-    """Returns a function from rates [rad/s], (n, 2), to the friction to be cancelled [N·m]."""
+def friction_of(exo: Exo, share: float = _SHARE.value) -> Callable[[Array], Array]:
+    """Returns a function from rates [rad/s], (n, 2), to a share of the motors' friction [N·m]."""
     coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
     viscous = np.array([motor.viscous for motor in exo.motors.values()])
 
     def against(rate: Array) -> Array:
-        return _SHARE.value * (coulomb * np.tanh(rate / _TURNING.value) + viscous * rate)
+        return share * (coulomb * np.tanh(rate / _TURNING.value) + viscous * rate)
 
     return against
