@@ -18,6 +18,7 @@ from .belief import Belief
 from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
+from .iterative import IterativeLearning
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .trained import TrainedPolicy
@@ -31,6 +32,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "complement": Complement,
     "compensation": Compensation,
     "adaptive": Adaptive,
+    "iterative": IterativeLearning,
     "oracle": Oracle,
 }
 _BELIEF: dict[str, Any] = {

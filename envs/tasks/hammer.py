@@ -45,6 +45,7 @@ class Hammer(Task):
 
     source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
     place: ClassVar[str] = "moon"
+    period: ClassVar[float | None] = DOWN + UP + PAUSE
 
     def __post_init__(self) -> None:
         super().__post_init__()

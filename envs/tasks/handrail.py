@@ -30,6 +30,7 @@ class Handrail(Task):
 
     source: ClassVar[str] = "BVAD (translation takes 12 to 34 % of suited time); forces assumed"
     place: ClassVar[str] = "microgravity"
+    period: ClassVar[float | None] = 2 * HOLD
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -37,6 +37,7 @@ class Ratchet(Task):
         "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
     )
     place: ClassVar[str] = "microgravity"
+    period: ClassVar[float | None] = 1 / FREQUENCY
 
     def __post_init__(self) -> None:
         super().__post_init__()

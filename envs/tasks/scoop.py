@@ -31,6 +31,7 @@ class Scoop(Task):
     source: ClassVar[str] = "sampling on Apollo and IST-2; 3 s and 2 to 5 kg assumed"
     place: ClassVar[str] = "moon"
     carries: ClassVar[bool] = True
+    period: ClassVar[float | None] = 2 * PAUSE + LIFT + LOWER
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -59,8 +60,7 @@ class Scoop(Task):
         """Returns lifts and descents; place and tilt are watched while there is a load."""
         del arm
         cycle = [(0.0, DOWN), (PAUSE, DOWN), (PAUSE + LIFT, UP), (2 * PAUSE + LIFT, UP)]
-        period = 2 * PAUSE + LIFT + LOWER
-        stops = repeated(cycle, period, samples * dt)
+        stops = repeated(cycle, 2 * PAUSE + LIFT + LOWER, samples * dt)
         mass, time = np.zeros(samples), dt * np.arange(samples)
         windows = []
         for start, _ in stops[:: len(cycle)]:

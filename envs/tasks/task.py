@@ -40,6 +40,7 @@ class Task:
         place: Place whose gravity acts, unless the environment says otherwise.
         source: Where motion, loads and rule of success come from.
         carries: Whether plans have a mass (of the class).
+        period: Time of one cycle where the work is cyclic [s], which a controller may be told.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Task:
 
     source: ClassVar[str] = "your own"
     carries: ClassVar[bool] = False
+    period: ClassVar[float | None] = None
     fatigue: ClassVar[bool] = False
     place: ClassVar[str] = "earth"
 
