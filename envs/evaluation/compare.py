@@ -252,7 +252,7 @@ def _made(
         return clairvoyant(wearers, seeds, suit_only=given != "clairvoyant")
     if isinstance(given, PolicySpec):
         return make_policy(given, wearers.arms)
-    return own_policy(name, lambda: given(wearers.arms))
+    return own_policy(name, given, wearers.arms)
 
 
 def _score(

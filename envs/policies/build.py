@@ -4,6 +4,7 @@ import inspect
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from typing import Any, get_type_hints
 
@@ -18,6 +19,7 @@ from .belief import Belief
 from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
+from .guard import Guard
 from .iterative import IterativeLearning
 from .no_assist import NoAssist
 from .oracle import Oracle
@@ -35,6 +37,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "iterative": IterativeLearning,
     "oracle": Oracle,
 }
+GUARD = "guard"  # option of every policy
 _BELIEF: dict[str, Any] = {
     "suit": Any,
     "pressure": float | None,
@@ -93,12 +96,14 @@ def policy_spec(given: AnyPolicy) -> PolicySpec:
             f"the policy is {shown(given)}: give a name, such as 'compensation', or a dict with one"
         )
     maker = maker_of(spec.name)
-    known = {} if maker is None else options_of(maker)
+    known = {} if maker is None else {**options_of(maker), GUARD: bool}
+    if known and spec.options.get(GUARD):
+        known = {**_BELIEF, **known}
     options = {}
     for name, value in spec.options.items():
         if name not in known:
             if not known:
-                raise InputError(f"policy {spec.name!r} has no options: leave {name} out")
+                raise InputError(f"the run in {spec.name!r} has no options: leave {name} out")
             raise unknown_name(f"option of policy {spec.name!r}", name, known)
         options[name] = _typed(f"option {name} of policy {spec.name!r}", value, known[name])
     return PolicySpec(spec.name, options)
@@ -203,22 +208,29 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     if maker is None:
         return TrainedPolicy(name, arm)
     options = dict(spec.options)
+    guarded = options.pop(GUARD, False)
+    belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
     if believes(name):
-        believed = {part: options.pop(part) for part in _BELIEF if part in options}
-        options["belief"] = Belief(**believed)
-    if name in POLICIES:
-        return maker(arm, **options)
-    return own_policy(name, lambda: maker(arm, **options))
+        options["belief"] = belief
+    made = maker if name in POLICIES else partial(own_policy, name, maker)
+    policy = made(arm, **options)
+    return Guard(arm, policy, belief) if guarded else policy
 
 
-def own_policy(name: str, make: Callable[[], Policy]) -> Policy:
+def own_policy(name: str, make: Callable[..., Policy], *given: Any, **options: Any) -> Policy:
     """Returns what a user's code makes, if it can act.
+
+    Args:
+        name: Name of the policy.
+        make: The user's class or function.
+        *given: Its arguments.
+        **options: Its options.
 
     Raises:
         InputError: The code fails, or what it makes has no `reset` or `act`.
     """
     try:
-        policy = make()
+        policy = make(*given, **options)
     except InputError:
         raise
     except Exception as error:  # the user's code fails in any way that code can

@@ -1,0 +1,98 @@
+"""The passivity guard: a wrapper that keeps any policy from driving the arm."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from .base import Arms, Policy, Seen, TorquePolicy
+from .belief import Belief
+from .compensation import Compensation
+
+RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load
+STILLEST = 1e-6  # rad²/s², below which no torque does work
+
+
+class Guard(TorquePolicy):
+    """Lets a policy give the arm no more energy than its believed suit, weight and friction take.
+
+    Law: the ledger of an arm grows by the work that the believed compensation would do and falls by
+    what the motors did, both over shoulder and elbow, and is never above the reserve, so that help
+    not given is no credit. Torque that would bring it below 0 is lessened by a damping just strong
+    enough, as in the passivity controllers of Hannaford and Ryu (2002). In any stretch of time the
+    motors then give at most the reserve more than the belief stores and dissipates.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        policy: The policy that is guarded.
+        belief: What the guard believes of person, suit and load.
+
+    Attributes:
+        acted: In how many control periods it lessened a torque, shape (n,), since the reset.
+    """
+
+    def __init__(self, arms: Arms, policy: Policy, belief: Belief | None = None) -> None:
+        super().__init__(arms)
+        self._policy = policy
+        self._needed = Compensation(arms, belief)
+        self._needed.lead = 0.0  # its work now
+
+    def reset(self) -> None:
+        """Clears the memory of the last episode, the guarded policy's too."""
+        super().reset()
+        self._policy.reset()
+        self._needed.reset()
+
+    def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Returns the policy's action, as far as the ledger allows it."""
+        self._wanted = np.asarray(self._policy.act(observation), np.float64).reshape(-1, 2)
+        return super().act(observation)
+
+    def begin(self, seen: Seen) -> None:
+        """Begins with a full reserve."""
+        self._needed.begin(seen)
+        rows = len(seen["angle"])
+        self._ledger, self.acted = np.full(rows, RESERVE), np.zeros(rows, np.int64)
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns the guarded torque [N·m], shape (n, 2)."""
+        rate = seen["rate"][:, self.assisted]
+        given, wanted = seen["motor_torque"] * self.peak, self._wanted * self.peak
+        needed = self._needed.torque(seen)
+        self._ledger = settled(self._ledger, needed, given, rate, self.dt)
+        found, lessened = lessen(wanted, needed, rate, self._ledger, self.dt)
+        self.acted += lessened
+        return found
+
+
+def settled(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
+    """Returns ledgers after a control period [J], shape (n,).
+
+    Args:
+        ledger: Ledgers before [J], shape (n,).
+        needed: Torque that the belief needs [N·m], shape (n, 2).
+        given: Torque of the motors [N·m], shape (n, 2).
+        rate: Rates of the joints [rad/s], shape (n, 2).
+        dt: Control period [s].
+    """
+    return np.minimum(ledger + ((needed - given) * rate).sum(axis=1) * dt, RESERVE)
+
+
+def lessen(
+    wanted: Array, needed: Array, rate: Array, ledger: Array, dt: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Returns torques that leave no ledger below 0, and which rows they were lessened in.
+
+    Args:
+        wanted: Torque that a policy wants [N·m], shape (n, 2).
+        needed: Torque that the belief needs [N·m], shape (n, 2).
+        rate: Rates of the joints [rad/s], shape (n, 2).
+        ledger: Ledgers [J], shape (n,).
+        dt: Control period [s].
+    """
+    over = ((wanted - needed) * rate).sum(axis=1) * dt - ledger
+    turning = (rate**2).sum(axis=1)
+    lessened = (over > 0) & (turning > STILLEST) & (((wanted * rate).sum(axis=1)) > 0)
+    damping = np.where(lessened, over / np.where(lessened, turning * dt, 1.0), 0.0)
+    # Damping beyond a torque without work would brake the wearer.
+    most = np.where(lessened, (wanted * rate).sum(axis=1) / np.where(lessened, turning, 1.0), 0.0)
+    return wanted - np.minimum(damping, most)[:, None] * rate, lessened
