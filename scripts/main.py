@@ -28,6 +28,7 @@ COMMANDS = {
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
     "benchmark": "Compare controllers over tasks, levels and suits.",
+    "tune": "Tune the options of a policy within a budget that is the same for all.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
     "tasks": "List the tasks, or measure how difficult each is.",
     "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",

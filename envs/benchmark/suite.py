@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -20,7 +21,7 @@ from ..levels import LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.build import believes
+from ..policies.build import SAVED, believes
 from ..simulation.sensing import Sensing
 from ..tasks import TASKS, Task
 
@@ -218,10 +219,14 @@ def suite(
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
     found = SUITES[name]
-    labels = {str(spec): spec for spec in map(policy_spec, policies)}
+    labels = {_label(given): policy_spec(given) for given in policies}
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
     given = {field: value for field, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
+
+
+def _label(given: str) -> str:
+    return PurePath(given).stem if given.endswith(SAVED) else str(policy_spec(given))
 
 
 SUITES = {

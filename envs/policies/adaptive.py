@@ -9,7 +9,7 @@ from ...checks import within
 from ..belief import LEAD
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
-from .model_based import ModelBased, friction_of
+from .model_based import SHARE, ModelBased, friction_of
 
 # The terms: unit hysteresis, a straight spring, bias and carried weight; then acceleration
 BELIEVED = np.array([1.0, 0.0, 0.0, 1.0, 0.0])
@@ -40,12 +40,14 @@ class Adaptive(ModelBased):
         forgetting: Time after which old data count for a third [s], 1 to 1,000.
         delay: Age of the torque between person and suit [s], 0 to 0.5.
         lead: Time by which the motors answer late [s], 0 to 0.2.
+        friction: Share of the motors' friction that is cancelled, 0 to 1.
 
     Raises:
         InputError: An option is out of its range.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
+    tunable: ClassVar = {"forgetting": (3.0, 100.0), "lead": (0.005, 0.06), "friction": (0.3, 1.0)}
 
     def __init__(
         self,
@@ -55,14 +57,15 @@ class Adaptive(ModelBased):
         forgetting: float = 20.0,
         delay: float = 0.05,
         lead: float = LEAD,
+        friction: float = SHARE,
     ) -> None:
         arm = BelievedArm(arms, belief)
         super().__init__(arms, suit=arm.suit(), lead=lead)
         within("forgetting", forgetting, 1, 1000, " s")
         within("delay", delay, 0, 0.5, " s")
         self._carried, self._whole = arm.carried_weight(), arm.whole_weight()
-        self._rubbing = friction_of(arms.episodes.simulation.config.exo, share=1.0)
-        self._against = friction_of(arms.episodes.simulation.config.exo)
+        exo = arms.episodes.simulation.config.exo
+        self._rubbing, self._against = friction_of(exo, 1.0), friction_of(exo, friction)
         self._keep, self._late = 1 - self.dt / forgetting, round(delay / self.dt)
 
     @property

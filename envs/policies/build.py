@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ...errors import InputError, shown, unknown_name
+from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
@@ -38,6 +39,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "oracle": Oracle,
 }
 GUARD = "guard"  # option of every policy
+SAVED = ".json"  # end of the name of a file with a policy
 _BELIEF: dict[str, Any] = {
     "suit": Any,
     "pressure": float | None,
@@ -77,9 +79,9 @@ def policy_spec(given: AnyPolicy) -> PolicySpec:
     """Returns what names a policy, with its options checked and of the right type.
 
     Args:
-        given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03", or a
-            dict, such as {"name": "feedforward", "lead": 0.03}. Fields of a field have a dot
-            between them, as in "compensation:wearer.mass=65".
+        given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
+            dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
+            field have a dot between them, as in "compensation:wearer.mass=65".
 
     Raises:
         InputError: There is no such policy, folder, module or option, or a value is of the wrong
@@ -250,6 +252,11 @@ def _parsed(text: str) -> PolicySpec:
     """Returns a policy from "name:option=value,...", where the name may be "module:Class"."""
     if os.path.isdir(text):
         return PolicySpec(text)
+    if text.endswith(SAVED):
+        found = read_json(text, "policy")
+        if not isinstance(found, dict) or not isinstance(found.get("name"), str):
+            raise InputError(f"{text!r} is no policy: it must be an object with a name")
+        return PolicySpec(found.pop("name"), found)
     head, *rest = text.split(":")
     if rest and "=" not in rest[0] and head not in POLICIES:
         head, rest = f"{head}:{rest[0]}", rest[1:]

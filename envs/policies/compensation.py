@@ -1,9 +1,11 @@
 """Compensation: weight, suit and friction together."""
 
+from typing import ClassVar
+
 from ..belief import LEAD
 from .base import Arms
 from .belief import Belief, BelievedArm
-from .model_based import ModelBased
+from .model_based import SHARE, ModelBased
 
 
 class Compensation(ModelBased):
@@ -15,12 +17,22 @@ class Compensation(ModelBased):
         arms: Environment in which the policy acts, single or vector.
         belief: What the controller believes of person, suit and load.
         lead: Time by which the motors answer late [s], 0 to 0.2.
+        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
-    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+    tunable: ClassVar = {"lead": (0.005, 0.06), "friction": (0.3, 1.0)}
+
+    def __init__(
+        self,
+        arms: Arms,
+        belief: Belief | None = None,
+        *,
+        lead: float = LEAD,
+        friction: float = SHARE,
+    ) -> None:
         arm = BelievedArm(arms, belief)
         weight, suit = arm.whole_weight(), arm.suit()
-        super().__init__(arms, weight=weight, suit=suit, friction=True, lead=lead)
+        super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)
 
 
 class Complement(ModelBased):
@@ -33,9 +45,19 @@ class Complement(ModelBased):
         arms: Environment in which the policy acts, single or vector.
         belief: What the controller believes of person, suit and load.
         lead: Time by which the motors answer late [s], 0 to 0.2.
+        friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
-    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+    tunable: ClassVar = {"lead": (0.005, 0.06), "friction": (0.3, 1.0)}
+
+    def __init__(
+        self,
+        arms: Arms,
+        belief: Belief | None = None,
+        *,
+        lead: float = LEAD,
+        friction: float = SHARE,
+    ) -> None:
         arm = BelievedArm(arms, belief)
         weight, suit = arm.carried_weight(), arm.suit()
-        super().__init__(arms, weight=weight, suit=suit, friction=True, lead=lead)
+        super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)

@@ -1,5 +1,7 @@
 """Hysteresis feed-forward: the motors cancel the suit torque that an identified model predicts."""
 
+from typing import ClassVar
+
 from ..belief import LEAD
 from .base import Arms
 from .belief import Belief, BelievedArm
@@ -18,6 +20,8 @@ class HysteresisFeedforward(ModelBased):
         belief: What the controller believes of the suit; a joint that it lacks gets no assist.
         lead: Time by which the motors answer late [s], 0 to 0.2.
     """
+
+    tunable: ClassVar = {"lead": (0.005, 0.06)}
 
     def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
         super().__init__(arms, suit=BelievedArm(arms, belief).suit(), lead=lead)

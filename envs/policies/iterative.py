@@ -7,9 +7,11 @@ from scipy.ndimage import gaussian_filter1d
 
 from ...arrays import Array
 from ...checks import within
+from ..belief import LEAD
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
 from .compensation import Compensation
+from .model_based import SHARE
 
 CUTOFF = 4.0  # Hz, up to which a cycle is learned; noise and the motors' lag are beyond
 LONGEST = 60.0  # s
@@ -31,12 +33,15 @@ class IterativeLearning(Compensation):
         gain: Share L of what is missing that is added, 0 to 1.
         period: Time of a cycle [s]; 0 is that of the task.
         delay: Age of the torque between person and suit [s], 0 to 0.5.
+        lead: Time by which the motors answer late [s], 0 to 0.2.
+        friction: Share of the motors' friction that is cancelled, 0 to 1.
 
     Raises:
         InputError: An option is out of its range.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
+    tunable: ClassVar = {"gain": (0.1, 1.0), "lead": (0.005, 0.06), "friction": (0.3, 1.0)}
 
     def __init__(
         self,
@@ -46,8 +51,10 @@ class IterativeLearning(Compensation):
         gain: float = 0.5,
         period: float = 0.0,
         delay: float = 0.05,
+        lead: float = LEAD,
+        friction: float = SHARE,
     ) -> None:
-        super().__init__(arms, belief)
+        super().__init__(arms, belief, lead=lead, friction=friction)
         within("gain", gain, 0, 1)
         within("period", period, 0, LONGEST, " s")
         within("delay", delay, 0, 0.5, " s")

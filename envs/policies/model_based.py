@@ -30,6 +30,7 @@ _SHARE = Quantity(
     "assumed",
 )
 PROVENANCE: tuple[Quantity, ...] = (_TURNING, _SHARE)
+SHARE = _SHARE.value
 LONGEST_LEAD = 0.2  # s
 
 Weight = Callable[[Array], Array]
@@ -43,11 +44,11 @@ class ModelBased(TorquePolicy):
         weight: Function from angles [rad], shape (n, 4), to the torque that carries what shall be
             carried [N·m], shape (n, 2); None carries nothing.
         suit: Follower of the suit whose torque is cancelled; None cancels none.
-        friction: Whether most of the motors' friction is cancelled, 0.8 of it.
+        friction: Share of the motors' friction that is cancelled, 0 to 1.
         lead: Time by which the motors answer late [s], 0 to 0.2.
 
     Raises:
-        InputError: The lead is out of its range.
+        InputError: The lead or the share is out of its range.
     """
 
     def __init__(
@@ -56,13 +57,14 @@ class ModelBased(TorquePolicy):
         *,
         weight: Weight | None = None,
         suit: BelievedSuit | None = None,
-        friction: bool = False,
+        friction: float = 0.0,
         lead: float = LEAD,
     ) -> None:
         super().__init__(arms)
         within("lead", lead, 0, LONGEST_LEAD, " s")
         self._weight, self._suit, self.lead = weight, suit, lead
-        self._friction = friction_of(arms.episodes.simulation.config.exo) if friction else None
+        within("friction", friction, 0, 1)
+        self._friction = friction_of(arms.episodes.simulation.config.exo, friction)
 
     def begin(self, seen: Seen) -> None:
         """Begins the suit's memory in the state in which that of the worn suit begins."""
@@ -77,9 +79,7 @@ class ModelBased(TorquePolicy):
             torque += self._weight(angle + self.lead * rate)
         if self._suit is not None:
             torque += self.suit_torque(seen)
-        if self._friction is not None:
-            torque += self._friction(rate[:, self.assisted])
-        return torque
+        return torque + self._friction(rate[:, self.assisted])
 
     def suit_torque(self, seen: Seen) -> Array:
         """Moves the suit's memory on; returns its believed resistance soon [N·m], (n, 2)."""
@@ -88,7 +88,7 @@ class ModelBased(TorquePolicy):
         return self._suit.follow(self._memory, angle, rate, self.lead)
 
 
-def friction_of(exo: Exo, share: float = _SHARE.value) -> Callable[[Array], Array]:
+def friction_of(exo: Exo, share: float) -> Callable[[Array], Array]:
     """Returns a function from rates [rad/s], (n, 2), to a share of the motors' friction [N·m]."""
     coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
     viscous = np.array([motor.viscous for motor in exo.motors.values()])

@@ -2,7 +2,7 @@
 
 from .base import Arms
 from .belief import BelievedArm
-from .model_based import ModelBased
+from .model_based import SHARE, ModelBased
 
 
 class Transparent(ModelBased):
@@ -16,4 +16,4 @@ class Transparent(ModelBased):
     """
 
     def __init__(self, arms: Arms) -> None:
-        super().__init__(arms, weight=BelievedArm(arms).exo_weight(), friction=True)
+        super().__init__(arms, weight=BelievedArm(arms).exo_weight(), friction=SHARE)

@@ -1,0 +1,55 @@
+"""What tuning optimizes: effort in motions that the benchmark never shows."""
+
+import numpy as np
+
+from ...errors import InputError
+from ..evaluation import rollout, score
+from ..evaluation.settled import Wearers
+from ..policies import PolicySpec, make_policy, needed_options
+from ..policies.build import believes, maker_of
+from .suite import Setting
+
+TASKS = ("ArmTracking", "Ratchet")
+BELIEVED = "emu-like"
+MOTIONS = 6
+FIRST_SEED = 0  # far from those of evaluations, which begin at 10,000
+WORST = 10.0  # times strength, where a policy loses the arm
+
+
+def tunable(name: str) -> dict[str, tuple[float, float]]:
+    """Returns the options of a policy that are tuned, each with its least and greatest value.
+
+    Raises:
+        InputError: There is no such policy, or nothing to tune in it.
+    """
+    found = getattr(maker_of(name), "tunable", {})
+    if not found:
+        raise InputError(f"policy {name!r} has no option to tune: choose another policy")
+    return dict(found)
+
+
+def tuning_cost(spec: PolicySpec) -> float:
+    """Returns the mean effort of settled wearers at the level "randomized", over strength.
+
+    Args:
+        spec: Policy with its options.
+    """
+    if believes(spec.name):
+        spec = PolicySpec(spec.name, {"suit": BELIEVED, **spec.options})
+    found = []
+    for task in TASKS:
+        setting = Setting(task, "randomized", BELIEVED)
+        options = {**setting.options, **needed_options(spec)}
+        wearers = Wearers(f"ActiveSuit/{task}-v0", MOTIONS, **options, threads=1)
+        seeds = range(FIRST_SEED, FIRST_SEED + MOTIONS)
+        try:
+            policy = make_policy(spec, wearers.arms)
+            taught = wearers.lesson(policy, seeds, rollouts=1)
+            traces = rollout(wearers.arms, policy, seeds, taught=taught)
+            lost = any(trace.terminated for trace in traces)
+            found.append(WORST if lost else float(np.mean(score(spec.name, traces).effort)))
+        except InputError:  # the arm is lost even where it is led
+            found.append(WORST)
+        finally:
+            wearers.close()
+    return float(np.mean(found))
