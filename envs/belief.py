@@ -5,6 +5,7 @@
 import copy
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
 import mujoco
 import numpy as np
@@ -33,6 +34,39 @@ def count_of(bits: int) -> float:
     return 2 * np.pi / 2**bits
 
 
+class JointBelief(Protocol):
+    """What is believed of one joint of a suit: a resistance that depends on the past motion."""
+
+    @property
+    def memory_size(self) -> int:
+        """How many numbers its memory takes; the first is the last angle [rad]."""
+        ...
+
+    def begin(self) -> Array:
+        """Returns the memory with which the suit begins, shape (memory_size,)."""
+        ...
+
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves memories on, in place; see `HysteresisModel.advance`."""
+        ...
+
+
+def belief_of(joint: "SuitJoint | JointBelief") -> "JointBelief":
+    """Returns what a joint of a suit file says, as a belief; a belief stays what it is."""
+    return _OfSuit(joint) if isinstance(joint, SuitJoint) else joint
+
+
+class _OfSuit:
+    """What a joint of a suit file says, as a belief."""
+
+    def __init__(self, joint: SuitJoint) -> None:
+        self._joint, self.advance = joint, joint.model.advance
+        self.memory_size = joint.model.memory_size
+
+    def begin(self) -> Array:
+        return self._joint.begun().memory
+
+
 class BelievedSuit:
     """Follows the suit's torque at the assisted joints by models with a memory of their own.
 
@@ -41,21 +75,24 @@ class BelievedSuit:
     0.02 s of the measured rate. It needs nothing of what the wearer intends.
 
     Args:
-        joints: Joints of the suit, which need not be the simulated one; one that is missing gives
-            no torque.
+        joints: Joints of the suit, or other beliefs about them, which need not be of the simulated
+            one; a joint that is missing gives no torque.
         count: Angle of one encoder count [rad].
 
     Attributes:
         size: How many numbers the memory of an arm takes.
     """
 
-    def __init__(self, joints: Mapping[str, SuitJoint], count: float) -> None:
+    def __init__(self, joints: Mapping[str, SuitJoint | JointBelief], count: float) -> None:
         self._dead = DEAD_BAND * count
-        self._entries = {i: joints[name] for i, name in enumerate(ASSISTED) if name in joints}
+        self._entries: dict[int, JointBelief] = {}
+        for i, name in enumerate(ASSISTED):
+            if name in joints:
+                self._entries[i] = belief_of(joints[name])
         self._places: dict[int, slice] = {}
         end = len(ASSISTED)
         for i, entry in self._entries.items():
-            begin, end = end, end + entry.model.memory_size
+            begin, end = end, end + entry.memory_size
             self._places[i] = slice(begin, end)
         self.size = end
 
@@ -68,7 +105,7 @@ class BelievedSuit:
         memory = np.zeros((len(angle), self.size))
         memory[:, : len(ASSISTED)] = angle
         for i, entry in self._entries.items():
-            memory[:, self._places[i]] = entry.begun().memory
+            memory[:, self._places[i]] = entry.begin()
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
@@ -86,7 +123,7 @@ class BelievedSuit:
         torque = np.zeros_like(soon)
         for i, entry in self._entries.items():
             kept = memory[:, self._places[i]]
-            torque[:, i] = entry.model.advance(kept, followed[:, i], soon[:, i])
+            torque[:, i] = entry.advance(kept, followed[:, i], soon[:, i])
         return torque
 
 
@@ -122,6 +159,7 @@ class BelievedWeight:
 
 
 def _coefficients(model: mujoco.MjModel) -> Array:
+    """Returns the coefficients of the products for the assisted joints, shape (81, 2)."""
     chains: list[tuple[str, ...]] = [JOINTS]
     if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
         chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
@@ -140,7 +178,7 @@ def _coefficients(model: mujoco.MjModel) -> Array:
     for pose, row in zip(poses, products, strict=True):
         _multiply(pose, row)
     assisted = [JOINTS.index(joint) for joint in ASSISTED]
-    return np.linalg.solve(products, held[:, assisted])
+    return np.linalg.solve(products, held[:, assisted]).astype(np.float64)
 
 
 @njit(cache=True)

@@ -28,6 +28,7 @@ COMMANDS = {
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
     "benchmark": "Compare controllers over tasks, levels and suits.",
+    "knowledge": "Show what it buys to know the memory of a suit.",
     "tune": "Tune the options of a policy within a budget that is the same for all.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
     "tasks": "List the tasks, or measure how difficult each is.",

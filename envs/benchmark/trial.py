@@ -4,9 +4,8 @@ A worker runs it on one thread, so that trials may run beside each other.
 """
 
 import math
-from typing import Any
-
-import numpy as np
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from ...errors import InputError
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES, rollout, score
@@ -32,23 +31,35 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         The result; where the policy cannot act, every motion of it is failed, and why is said.
     """
     episodes = suite.episodes_of(trial.policy)
+    failed = None
     try:
         found = _run(trial, episodes)
-        failed = None
     except InputError as error:
-        found, failed = dict.fromkeys(("effort", "tracking"), (math.inf,) * episodes), str(error)
-        found["success"] = (False,) * episodes
+        found, failed = (
+            _Found((math.inf,) * episodes, (math.inf,) * episodes, (False,) * episodes),
+            str(error),
+        )
     return Result(
-        **trial.setting._asdict(),
+        task=trial.setting.task,
+        level=trial.setting.level,
+        believed=trial.setting.believed,
         policy=trial.label,
         options=trial.policy.to_dict(),
         failed=failed,
         protocol=suite.protocol(trial.policy),
-        **found,
+        effort=found.effort,
+        tracking=found.tracking,
+        success=found.success,
     )
 
 
-def _run(trial: Trial, episodes: int) -> dict[str, tuple[Any, ...]]:
+class _Found(NamedTuple):
+    effort: tuple[float, ...]
+    tracking: tuple[float, ...]
+    success: tuple[bool, ...]
+
+
+def _run(trial: Trial, episodes: int) -> _Found:
     options, name = trial.setting.options, trial.policy.name
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
     if name in REFERENCES:
@@ -68,12 +79,8 @@ def _run(trial: Trial, episodes: int) -> dict[str, tuple[Any, ...]]:
     finally:
         wearers.close()
     found = score(trial.label, traces)
-    return {
-        "effort": tuple(_rounded(np.array(found.effort))),
-        "tracking": tuple(_rounded(np.array(found.tracking))),
-        "success": found.success,
-    }
+    return _Found(_rounded(found.effort), _rounded(found.tracking), found.success)
 
 
-def _rounded(values: np.ndarray) -> list[float]:
-    return [float(f"{value:.{DIGITS}g}") for value in values]
+def _rounded(values: Sequence[float]) -> tuple[float, ...]:
+    return tuple(float(f"{value:.{DIGITS}g}") for value in values)

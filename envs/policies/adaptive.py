@@ -3,6 +3,7 @@
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...checks import within
@@ -100,7 +101,7 @@ class Adaptive(ModelBased):
         own = self._whole(soon) - self._carried(soon)
         return (self._theta * terms).sum(axis=-1) + own + self._against(turning)
 
-    def learn(self, terms: Array, measured: Array, moving: Array) -> None:
+    def learn(self, terms: Array, measured: Array, moving: NDArray[np.bool_]) -> None:
         """Corrects the estimate by one measurement of every joint.
 
         Args:

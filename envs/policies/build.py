@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
-from typing import Any, get_type_hints
+from typing import Any, cast, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
@@ -134,7 +134,7 @@ def maker_of(name: str) -> Callable[..., Policy] | None:
         ) from error
     if not callable(found):
         raise InputError(f"the policy {name!r} is {shown(found)}: name a class or a function")
-    return found
+    return cast(Callable[..., Policy], found)
 
 
 def options_of(maker: Callable[..., Policy]) -> dict[str, Any]:

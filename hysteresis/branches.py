@@ -1,0 +1,73 @@
+"""Curves without memory: one polynomial for rising and one for falling angles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import polynomial as poly
+
+from ..arrays import Array
+
+ANGLE, DIRECTION, MEMORY = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Branches:
+    """A resistance that depends on the angle and on the direction of motion alone.
+
+    It is what a controller without memory can know: a straight spring, a spring with Coulomb
+    friction, or a polynomial for each branch of the loop. At a reversal the torque jumps, so it is
+    no model to simulate a suit with.
+
+    Attributes:
+        rising: Coefficients of the torque while the angle rises, from the constant on [N·m/rad^i].
+        falling: Those while it falls.
+        start_angle: Angle at which motions begin [rad].
+    """
+
+    rising: tuple[float, ...]
+    falling: tuple[float, ...]
+    start_angle: float = 0.0
+
+    memory_size = MEMORY
+
+    def begin(self) -> Array:
+        """Returns the memory at the start: the last angle and the direction, shape (2,)."""
+        return np.array([self.start_angle, 1.0])
+
+    def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
+        """Moves memories on, in place; see `HysteresisModel.advance`."""
+        way = np.sign(angle - memories[:, ANGLE])
+        memories[:, DIRECTION] = np.where(way == 0, memories[:, DIRECTION], way)
+        memories[:, ANGLE] = angle
+        up, down = poly.polyval(soon, self.rising), poly.polyval(soon, self.falling)
+        return np.where(memories[:, DIRECTION] > 0, up, down)
+
+
+def spring(angle: Array, torque: Array) -> Branches:
+    """Returns the straight line through measured torques [N·m] at angles [rad], shape (n,)."""
+    line = tuple(poly.polyfit(angle, torque, 1).tolist())
+    return Branches(line, line, float(angle[0]))
+
+
+def spring_with_friction(angle: Array, torque: Array) -> Branches:
+    """Returns the straight line with a Coulomb friction beside it."""
+    way = _direction(angle)
+    columns = np.stack([np.ones_like(angle), angle, way], axis=1)
+    offset, slope, friction = np.linalg.lstsq(columns, torque, rcond=None)[0].tolist()
+    up, down = (offset + friction, slope), (offset - friction, slope)
+    return Branches(up, down, float(angle[0]))
+
+
+def two_branches(angle: Array, torque: Array, degree: int = 3) -> Branches:
+    """Returns one polynomial for the rising and one for the falling branch of all loops."""
+    way = _direction(angle)
+    up, down = (poly.polyfit(angle[way == s], torque[way == s], degree) for s in (1.0, -1.0))
+    return Branches(tuple(up.tolist()), tuple(down.tolist()), float(angle[0]))
+
+
+def _direction(angle: Array) -> Array:
+    """Returns the sign of the motion at each sample; a pause keeps the one before."""
+    way = np.sign(np.diff(angle, prepend=angle[0]))
+    last = np.maximum.accumulate(np.where(way != 0, np.arange(way.size), 0))
+    found = way[last]
+    return np.where(found == 0, 1.0, found)
