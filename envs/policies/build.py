@@ -24,6 +24,7 @@ from .guard import Guard
 from .iterative import IterativeLearning
 from .no_assist import NoAssist
 from .oracle import Oracle
+from .predictive import PredictiveSampling
 from .trained import TrainedPolicy
 from .transparent import Transparent
 
@@ -36,6 +37,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "compensation": Compensation,
     "adaptive": Adaptive,
     "iterative": IterativeLearning,
+    "predictive": PredictiveSampling,
     "oracle": Oracle,
 }
 GUARD = "guard"  # option of every policy

@@ -1,0 +1,160 @@
+"""Predictive sampling: the motors' torque that a believed arm says costs its wearer least."""
+
+from typing import ClassVar
+
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...checks import at_least, within
+from ..person import isometric_strength
+from ..person.control import STIFF
+from ..simulation.addresses import Addresses
+from .base import Arms, Seen
+from .belief import Belief, BelievedArm
+from .compensation import Compensation
+
+PERIOD = 0.05  # s, between two plans
+KNOTS = 3  # of a plan, over its horizon
+SMOOTHNESS = 0.3  # cost of a correction as large as the motor's peak, beside that of strength
+MOST = 64  # samples
+
+
+class PredictiveSampling(Compensation):
+    """Compensates, and corrects it by the best of sampled plans on the believed arm.
+
+    Law: twenty times a second, plans of corrections (the last one, none, and random ones around the
+    last, with three knots over the horizon) are simulated on a batch of the believed arm, whose
+    wearer goes on at the present rate; the plan that leaves the wearer the least torque over
+    strength is followed (predictive sampling, Howell et al. 2022, arXiv 2212.00541). The state is
+    what encoders and motors tell; the suit's memory is that of an arm which is moved along.
+    Tuning: spread of the samples and horizon, several times the motors' lag.
+
+    With the true suit as belief it is a bound for its kind, and no controller.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+        samples: Number of plans, 2 to 64.
+        horizon: Time that a plan covers [s], 0.02 to 0.5.
+        spread: Standard deviation of the knots over the motors' peaks, 0 to 0.5.
+        seed: Seed of the samples.
+
+    Raises:
+        InputError: An option is out of its range.
+    """
+
+    tunable: ClassVar = {"horizon": (0.05, 0.3), "spread": (0.003, 0.1)}
+
+    def __init__(
+        self,
+        arms: Arms,
+        belief: Belief | None = None,
+        *,
+        samples: int = 16,
+        horizon: float = 0.1,
+        spread: float = 0.02,
+        seed: int = 0,
+    ) -> None:
+        super().__init__(arms, belief)
+        at_least("samples", samples, 2)
+        within("samples", samples, 2, MOST)
+        within("horizon", horizon, 0.02, 0.5, " s")
+        within("spread", spread, 0, 0.5)
+        at_least("seed", seed, 0)
+        arm = BelievedArm(arms, belief)
+        self._model, self._samples, self._seed = arm.model(), samples, seed
+        self._at = Addresses.of(self._model)
+        self._ahead, self._every = round(horizon / self.dt), max(1, round(PERIOD / self.dt))
+        self._substeps = round(self.dt / self._model.opt.timestep)
+        self._strength = isometric_strength(arm.config.wearer).mean(axis=0)
+        self._spread = spread * self.peak
+        # Knots of a correction: how much of each acts in every period of the horizon.
+        place = np.linspace(0, KNOTS - 1, self._ahead)
+        near = 1 - np.abs(place[:, None] - np.arange(KNOTS))
+        self._blend = np.clip(near, 0, 1)
+
+    def begin(self, seen: Seen) -> None:
+        """Begins with believed arms where the measured ones are, and plans that correct nothing."""
+        super().begin(seen)
+        rows = len(seen["angle"])
+        batch = self._batch = Batch(self._model, rows * (1 + self._samples), nthread=1)
+        batch.reset()
+        names = ("qpos", "qvel", "act", "ctrl", "actuator_force")
+        self._physics = {name: batch.bind(name) for name in names}
+        bias = batch.expand("actuator_biasprm")
+        bias[:, self._at.human, 1], bias[:, self._at.human, 2] = -STIFF[0], -STIFF[1]
+        self._rngs = [np.random.default_rng([self._seed, row]) for row in range(rows)]
+        self._knots = np.zeros((rows, KNOTS, len(self.peak)))
+        self._planned = 0
+        self._given = np.zeros((rows, len(self.peak)))
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns compensation and the plan's correction of it [N·m], shape (n, 2)."""
+        nominal = super().torque(seen)
+        self._follow(seen)
+        if self._planned % self._every == 0:
+            self._plan(seen, nominal)
+        place = min(self._planned % self._every, self._ahead - 1)
+        self._planned += 1
+        correction = np.einsum("k,nkm->nm", self._blend[place], self._knots)
+        self._given = np.clip(nominal + correction, -self.peak, self.peak)
+        return nominal + correction
+
+    def _follow(self, seen: Seen) -> None:
+        """Moves the believed arms along what is measured, so that their suits remember it."""
+        rows, at = np.arange(len(seen["angle"])), self._at
+        if self._planned:
+            self._intend(rows, seen["angle"], np.zeros_like(seen["angle"]))
+            self._physics["ctrl"][rows[:, None], at.motors] = self._given
+            self._batch.step(ids=rows, nstep=self._substeps)
+        for joints in (at.joints, at.exo_joints):
+            self._physics["qpos"][rows[:, None], joints] = seen["angle"]
+            self._physics["qvel"][rows[:, None], joints] = seen["rate"]
+        self._physics["act"][rows] = seen["motor_torque"] * self.peak
+
+    def _plan(self, seen: Seen, nominal: Array) -> None:
+        """Simulates plans on the believed arms, and keeps the best one of each."""
+        rows, count, batch = len(nominal), self._samples, self._batch
+        trial = np.arange(rows, rows * (1 + count))
+        source = np.repeat(np.arange(rows), count)
+        batch.state[trial] = batch.state[source]
+        knots = (
+            self._knots[:, None]
+            + np.array([rng.standard_normal((count, KNOTS, len(self.peak))) for rng in self._rngs])
+            * self._spread
+        )
+        knots[:, 0], knots[:, 1] = 0.0, self._knots
+        plans = np.einsum("hk,nckm->hncm", self._blend, knots).reshape(self._ahead, -1, 2)
+        cost = SMOOTHNESS * np.mean((knots / self.peak) ** 2, axis=(2, 3)).ravel()
+        angle, rate = seen["angle"][source], seen["rate"][source]
+        needed = self._needed(seen, nominal)
+        for i in range(self._ahead):
+            self._intend(trial, angle + (i + 1) * self.dt * rate, rate)
+            command = needed[i][source] + plans[i]
+            self._physics["ctrl"][trial[:, None], self._at.motors] = np.clip(
+                command, -self.peak, self.peak
+            )
+            batch.step(ids=trial, nstep=self._substeps)
+            human = self._physics["actuator_force"][trial[:, None], self._at.human]
+            cost += np.mean((human / self._strength) ** 2, axis=1) / self._ahead
+        best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(rows, count), axis=1)
+        self._knots = knots[np.arange(rows), best]
+
+    def _needed(self, seen: Seen, nominal: Array) -> Array:
+        """Returns compensation along the motion at the present rate [N·m], (horizon, n, 2)."""
+        memory, found = self._memory, [nominal]
+        self._memory = memory.copy()
+        for i in range(1, self._ahead):
+            there = seen["angle"] + i * self.dt * seen["rate"]
+            found.append(super().torque({**seen, "angle": there}))
+        self._memory = memory
+        return np.array(found)
+
+    def _intend(self, rows: NDArray[np.int64], angle: Array, rate: Array) -> None:
+        """Lets wearers of some believed arms intend angles [rad] and rates, shape (k, 4) each."""
+        place, ctrl = self._at.intention, self._physics["ctrl"]
+        ctrl[rows[:, None], place[0]], ctrl[rows[:, None], place[1]] = angle, rate
+        ctrl[rows[:, None], place[2]] = np.zeros((1, len(JOINTS)))
