@@ -1,0 +1,64 @@
+"""Iterative learning contracts from cycle to cycle."""
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.policies import make_policy, needed_options
+from activesuit.envs.policies.iterative import learned
+from activesuit.errors import InputError
+
+DT = 0.01
+
+
+@pytest.mark.parametrize("gain", [0.3, 0.5, 0.8])
+def test_what_is_missing_contracts(gain):
+    """A person who gives what the motors leave: the error shrinks by 1 - gain a cycle."""
+    phase = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    wanted = np.stack([3 * np.sin(phase), 2 + np.cos(phase)], axis=-1)[:, None]
+    known = np.zeros_like(wanted)
+    errors = []
+    for _ in range(6):
+        missing = wanted - known
+        errors.append(np.abs(missing).max())
+        known = learned(known, missing, gain, ahead=0, dt=DT)
+    ratios = np.array(errors[1:]) / np.array(errors[:-1])
+    np.testing.assert_allclose(ratios, 1 - gain, atol=0.05)
+
+
+def test_it_comes_earlier_by_the_lag_of_the_motors():
+    missing = np.zeros((100, 1, 2))
+    missing[50] = 1.0
+    found = learned(np.zeros_like(missing), missing, 1.0, ahead=3, dt=DT)
+    assert found[:, 0, 0].argmax() == 47
+
+
+def test_it_helps_from_cycle_to_cycle():
+    """In the ratchet the wearer gives less in the last cycles than under compensation."""
+    given = {}
+    for name in ("compensation", "iterative"):
+        env = ArmEnv("Ratchet", **needed_options(name))
+        policy = make_policy(name, env)
+        observation, info = env.reset(seed=0)
+        policy.reset()
+        torques = []
+        for _ in range(800):
+            observation, *_, info = env.step(policy.act(observation))
+            torques.append(info["human_torque"][2])
+        given[name] = np.sqrt(np.mean(np.square(torques[600:])))
+    assert given["iterative"] < 0.8 * given["compensation"]
+
+
+def test_without_a_cycle_it_is_compensation():
+    env = ArmEnv(**needed_options("iterative"))
+    observation, _ = env.reset(seed=0)
+    policies = [make_policy(name, env) for name in ("compensation", "iterative")]
+    for _ in range(20):
+        first, second = (policy.act(observation) for policy in policies)
+        np.testing.assert_array_equal(first, second)
+        observation, *_ = env.step(first)
+
+
+def test_mistakes():
+    env = ArmEnv(**needed_options("iterative"))
+    with pytest.raises(InputError, match="gain is 2.0: use a number from 0 to 1"):
+        make_policy("iterative:gain=2", env)
