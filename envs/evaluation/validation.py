@@ -214,11 +214,11 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
     dt = float(traces[0].time[0])
 
     def error(names: Sequence[str]) -> TorqueError:
-        columns = (
+        one, other = (
             [np.stack(motion, axis=1) for motion in zip(*(of[name] for name in names), strict=True)]
             for of in (expected, true)
         )
-        return torque_error(*columns, dt)
+        return torque_error(one, other, dt)
 
     return TorqueErrors(
         joints={name: error([name]) for name in judged},
@@ -243,11 +243,11 @@ def torque_error(believed: Sequence[Array], true: Sequence[Array], dt: float) ->
     pairs = list(zip(believed, true, strict=True))
     apart = [one - other for one, other in pairs]
     return TorqueError(
-        rms=_root_interval([np.mean(error**2) for error in apart]),
+        rms=_root_interval([float(np.mean(error**2)) for error in apart]),
         peak=mean_interval([np.abs(error).max() for error in apart]),
         bias=mean_interval([error.mean() for error in apart]),
         lag=mean_interval([1e3 * lag_of(*pair, dt) for pair in pairs]),
-        nrmse=_root_interval([np.mean((error / largest) ** 2) for error in apart]),
+        nrmse=_root_interval([float(np.mean((error / largest) ** 2)) for error in apart]),
     )
 
 
