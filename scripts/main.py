@@ -27,6 +27,7 @@ COMMANDS = {
     "simulate": "Simulate one assisted arm motion, headless.",
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
+    "branch": "Show what the next second of a motion would be under each of some policies.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
     "tasks": "List the tasks, or measure how difficult each is.",
     "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",

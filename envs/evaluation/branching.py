@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ...assets import JOINTS
 from ...checks import at_least, number
 from ...errors import InputError
+from ..model import ASSISTED
 from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
 from ..simulation.measurements import COLUMNS
 from ..vector_env import ArmVectorEnv
@@ -57,6 +59,17 @@ class Stretch:
         """Root mean square of the effort over time and joints."""
         return _rms(self.effort)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Returns what the stretch amounts to, as plain values; torque and error by joint."""
+        return {
+            "effort": self.mean_effort,
+            "tracking_rad": self.tracking,
+            "human_torque_nm": _rms_by(JOINTS, self.human_torque),
+            "suit_torque_nm": _rms_by(JOINTS, self.suit_torque),
+            "assist_torque_nm": _rms_by(ASSISTED, self.assist_torque),
+            "lost": self.lost,
+        }
+
     @property
     def tracking(self) -> float:
         """Root mean square of the tracking error over time and joints [rad]."""
@@ -83,6 +96,14 @@ class Fork:
         Both are means over the branch, so that this is what every second of it costs more.
         """
         return self.futures[policy].mean_effort - self.futures[BEST].mean_effort
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns the numbers of every branch as plain values."""
+        futures = {
+            name: {**one.to_dict(), "regret": self.regret(name)}
+            for name, one in self.futures.items()
+        }
+        return {"at": self.at, "past": self.past.to_dict(), "futures": futures}
 
 
 def branch(
@@ -225,6 +246,10 @@ def _stretch(measured: Sequence[Array], lost: bool = False) -> Stretch:
         **{name: rows[:, COLUMNS[name]] for name in SERIES},
         lost=lost,
     )
+
+
+def _rms_by(joints: Sequence[str], torque: Array) -> dict[str, float]:
+    return {joint: _rms(torque[:, column]) for column, joint in enumerate(joints)}
 
 
 def _rms(values: Array) -> float:

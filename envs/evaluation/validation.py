@@ -25,9 +25,9 @@ LIMITS = {"valid": 0.05, "usable": 0.15}
 """Largest NRMSE of the torque for each verdict.
 
 A torque that is 20 % wrong everywhere has an NRMSE of 0.10, since the torque is mostly below its
-peak. So a valid model errs no more than one that is 10 % wrong everywhere, which a wearer hardly
-feels, and a usable one no more than one that is 30 % wrong. The straight spring through the middle
-of a loop has 0.22 to 0.28: a model without hysteresis is not valid.
+peak. So a valid model errs about as much as one that is 10 % wrong everywhere, and a usable one as
+one that is 30 % wrong. The straight spring through the middle of a loop has 0.22 to 0.28: a model
+without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
 TRUE, BOUND = "true model", "clairvoyant"

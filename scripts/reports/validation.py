@@ -84,9 +84,9 @@ def matrix_figure(cells: Cells) -> Figure:
     for row, one in enumerate(believed):
         for column, other in enumerate(worn):
             shade = norm(max(errors[row, column], LEAST))
-            dark = not 0.15 < shade < 0.85
-            text = {"color": "white" if dark else "black", "ha": "center", "va": "center"}
-            ax.text(column, row, _cell(cells[one, other]), fontsize=9, **text)
+            color = "black" if 0.15 < shade < 0.85 else "white"
+            told = _cell(cells[one, other])
+            ax.text(column, row, told, fontsize=9, color=color, ha="center", va="center")
     ax.set_xticks(range(len(worn)), [labels[other] for other in worn])
     ax.set_yticks(range(len(believed)), [labels[one] for one in believed])
     ax.set(xlabel="worn suit", ylabel="believed suit")

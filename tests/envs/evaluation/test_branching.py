@@ -1,5 +1,8 @@
 """Branches of one motion: they share its past, and what each policy remembers of it is right."""
 
+import sys
+import types
+
 import numpy as np
 import pytest
 from activesuit.envs.evaluation import rollout
@@ -44,7 +47,6 @@ def test_branches_share_the_past_bit_for_bit(forks, whole):
             np.testing.assert_array_equal(
                 getattr(fork.past, name), getattr(whole, name)[:periods], err_msg=name
             )
-        # The torque of the motors follows the first commands; what was before them is the same.
         for future in fork.futures.values():
             assert len(future.time) == 100
             np.testing.assert_array_equal(future.time, whole.time[periods : periods + 100])
@@ -70,8 +72,8 @@ def test_a_branch_does_not_hang_on_the_others(forks):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
-def test_a_policy_has_watched_the_past():
-    watched, told = [], []
+def test_a_policy_has_watched_the_past(monkeypatch):
+    watched = []
 
     class Watching:
         sensors = ("encoders",)
@@ -86,18 +88,14 @@ def test_a_policy_has_watched_the_past():
             watched.append(observation.copy())
             return np.full(self.shape, -0.2)
 
-    import sys
-    import types
-
     module = types.ModuleType("watching")
-    module.Watching = Watching
-    sys.modules["watching"] = module
+    vars(module)["Watching"] = Watching
+    monkeypatch.setitem(sys.modules, "watching", module)
     branch(ENV, ["watching:Watching"], base="none", at=[0.5], horizon=0.2, **OPTIONS)
     assert len(watched) == 50 + 20
     told = np.array(watched)[:51, 0, -2:]
     assert (told == 0).all()  # the last action: what it answered to the past did not count
     assert (np.array(watched)[51:, 0, -2:] == np.float32(-0.2)).all()
-    del sys.modules["watching"]
 
 
 def test_regret_is_effort_above_the_clairvoyant(forks):
