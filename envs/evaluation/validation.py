@@ -16,6 +16,7 @@ from ...checks import at_least
 from ...errors import InputError
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
+from ..policies import make_policy
 from ..policies.belief import Belief
 from .compare import FIRST_SEED, Evaluation, evaluate
 from .rollout import Trace
@@ -172,7 +173,7 @@ def validate(
             raises it.
     """
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    joints = {name: _joints(env_id, name, suit, env_options) for name, suit in believed.items()}
+    joints = believed_joints(env_id, believed, policy, **env_options)
     traces: dict[str, list[Trace]] = {}
 
     def keep(name: str, found: list[Trace]) -> None:
@@ -192,6 +193,31 @@ def validate(
         )
         for name, one in ((name, _named(name)) for name in believed)
     }
+
+
+def believed_joints(
+    env_id: str, believed: Mapping[str, AnySuit], policy: str, **env_options: Any
+) -> dict[str, dict[str, SuitJoint]]:
+    """Returns the assisted joints that each believed suit and the worn one resist, as believed.
+
+    Raises:
+        InputError: The policy cannot believe a suit here, or a suit resists none of the assisted
+            joints that the worn one resists.
+    """
+    arms = make_arms(env_id, 1, **env_options)
+    config, found = arms.episodes.simulation.config, {}
+    needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]
+    for name, suit in believed.items():
+        make_policy({"name": policy, "suit": suit}, arms)
+        joints = resisting_joints(Belief(suit=suit).of(config))
+        found[name] = {joint: joints[joint] for joint in needed if joint in joints}
+        if needed and not found[name]:
+            raise InputError(
+                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the worn "
+                "suit does: give one with a model of an assisted joint"
+            )
+    arms.close()
+    return found
 
 
 def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) -> TorqueErrors:
@@ -318,24 +344,6 @@ def noise_of(joint: SuitJoint) -> float | None:
 
 def _named(suit: str) -> str:
     return f"believes {suit}"
-
-
-def _joints(
-    env_id: str, name: str, suit: AnySuit, env_options: Mapping[str, Any]
-) -> dict[str, SuitJoint]:
-    """Returns the assisted joints that both suits resist, as the believed one has them."""
-    arms = make_arms(env_id, 1, **env_options)
-    config = arms.episodes.simulation.config
-    arms.close()
-    worn, believed = resisting_joints(config), resisting_joints(Belief(suit=suit).of(config))
-    needed = [joint for joint in ASSISTED if joint in worn]
-    found = {joint: believed[joint] for joint in needed if joint in believed}
-    if needed and not found:
-        raise InputError(
-            f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the worn "
-            "suit does: give one with a model of an assisted joint"
-        )
-    return found
 
 
 def _largest(series: Sequence[Array]) -> float:

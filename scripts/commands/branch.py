@@ -56,7 +56,15 @@ def branch(
             that of an earlier branch.
     """
     at_least("seed", seed, 0)
-    chosen = scene(arm, env=env, task=task, level=level, suit=suit, gravity=gravity)
+    chosen = scene(
+        arm,
+        env=env,
+        task=task,
+        level=level,
+        suit=suit,
+        gravity=gravity,
+        policies=(base, *policies),
+    )
     options = {"base": base, "at": at, "horizon": horizon, "seed": seed}
     forks = branches_of(chosen.env, policies, **options, **chosen.options)
     folder = RunFolder(out, "branch", force=force) if out else None

@@ -11,9 +11,15 @@ from ...assets import load_suit
 from ...checks import at_least
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
-from ...envs.evaluation.validation import LIMITS, CurveError, Validation, curve_errors, verdict
+from ...envs.evaluation.validation import (
+    LIMITS,
+    CurveError,
+    Validation,
+    believed_joints,
+    curve_errors,
+    verdict,
+)
 from ...envs.evaluation.validation import validate as validate_suits
-from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...errors import InputError, unknown_name
 from ...identification import load_curves
@@ -94,7 +100,7 @@ def validate(
         for worn in plant
     }
     for chosen in scenes.values():
-        make_env(chosen.env, **chosen.options)[0].close()
+        believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
     folder = RunFolder(out, "validate", force=force) if out else None
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
     _conclude(cells, evaluations, scenes, policy, episodes, seed, folder=folder, json=json)
