@@ -164,7 +164,7 @@ def validate(
         **env_options: Options of the environment; `suit` is the worn one.
 
     Returns:
-        The evaluation, in which "believes NAME" is the policy with that suit beside "true model"
+        The evaluation, in which "by NAME" is the policy with that suit beside "true model"
         and "clairvoyant"; and the validation of each believed suit.
 
     Raises:
@@ -343,7 +343,7 @@ def noise_of(joint: SuitJoint) -> float | None:
 
 
 def _named(suit: str) -> str:
-    return f"believes {suit}"
+    return f"by {suit}"
 
 
 def _largest(series: Sequence[Array]) -> float:

@@ -34,6 +34,7 @@ from ..reports.validation import (
     curve_table,
     matrix_figure,
     matrix_table,
+    names_of,
     story,
     torque_table,
 )
@@ -110,7 +111,7 @@ def _simulated(
     suits: tuple[str, ...], scenes: Mapping[str, Scene], policy: str, episodes: int, seed: int
 ) -> tuple[Cells, dict[str, Evaluation]]:
     cells: Cells = {}
-    evaluations = {}
+    evaluations, labels = {}, names_of(suits)
     total = (len(set(suits)) + OTHERS) * len(scenes) * episodes
     with progress("validate", total) as bar:
 
@@ -121,7 +122,7 @@ def _simulated(
         for worn, chosen in scenes.items():
             evaluations[worn], found = validate_suits(
                 chosen.env,
-                {suit: suit for suit in suits},
+                {labels[suit]: suit for suit in suits},
                 policy=policy,
                 episodes=episodes,
                 seed=seed,
@@ -129,7 +130,7 @@ def _simulated(
                 threads=0,
                 **chosen.options,
             )
-            cells |= {(suit, worn): one for suit, one in found.items()}
+            cells |= {(suit, worn): found[labels[suit]] for suit in suits}
     return cells, evaluations
 
 

@@ -1,6 +1,7 @@
 """Validations of believed suits: tables, sentences, and the matrix of believed and worn suits."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -40,8 +41,8 @@ def torque_table(found: Validation) -> Rows:
     rows = []
     for joint, error in found.torque.joints.items():
         noise = found.torque.noise[joint]
-        ratio = f"{error.rms.value / noise:.3g}" if noise else "not told"
-        rows.append([joint, *_errors(error), ratio])
+        ratio = f"{error.rms.value / noise:.3g}" if noise else "-"
+        rows.append([joint.removesuffix("_flexion"), *_errors(error), ratio])
     if found.torque.together:
         rows.append(["together", *_errors(found.torque.together), ""])
     return header, rows
@@ -65,7 +66,7 @@ def _two_lines(one: Interval, form: str) -> str:
 
 def matrix_table(cells: Cells) -> Rows:
     """Returns one row per believed suit and one column per worn one."""
-    labels = names_of(cells)
+    labels = names_of(chain(*cells))
     believed, worn = _axes(cells)
     rows = [[labels[one], *(_cell(cells[one, other]) for other in worn)] for one in believed]
     return ["believes", *(f"wears\n{labels[other]}" for other in worn)], rows
@@ -73,7 +74,7 @@ def matrix_table(cells: Cells) -> Rows:
 
 def matrix_figure(cells: Cells) -> Figure:
     """Draws a heat map of torque errors; each cell tells error, relief and verdict."""
-    labels = names_of(cells)
+    labels = names_of(chain(*cells))
     believed, worn = _axes(cells)
     size = (3.0 + 2.1 * len(worn), 1.4 + 1.0 * len(believed))
     figure = Figure(figsize=size, layout="constrained")
@@ -121,6 +122,9 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
         least, most = suit.joints[joint].range
         if low < least - 0.05 or high > most + 0.05:
             yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+    silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
+    if silent:
+        yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
     if found.relief is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
         return
@@ -160,9 +164,9 @@ def curve_table(found: Mapping[str, Mapping[str, list[CurveError]]]) -> Rows:
     return header, rows
 
 
-def names_of(cells: Cells) -> dict[str, str]:
-    """Returns short names of the suits: of a file without its folder, where that is enough."""
-    suits = list(dict.fromkeys(suit for pair in cells for suit in pair))
+def names_of(suits: Iterable[str]) -> dict[str, str]:
+    """Returns short names of suits: of a file without its folder, where that is enough."""
+    suits = list(dict.fromkeys(suits))
     short = [Path(suit).stem if suit.endswith(".json") else suit for suit in suits]
     return {
         suit: name if short.count(name) == 1 else suit
