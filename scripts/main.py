@@ -30,6 +30,7 @@ COMMANDS = {
     "benchmark": "Compare controllers over tasks, levels and suits.",
     "knowledge": "Show what it buys to know the memory of a suit.",
     "tune": "Tune the options of a policy within a budget that is the same for all.",
+    "branch": "Show what the next second of a motion would be under each of some policies.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
     "tasks": "List the tasks, or measure how difficult each is.",
     "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",

@@ -69,6 +69,15 @@ class Evaluation:
         unsuited, suited = (np.array(self.scores[name].effort) for name in REFERENCES)
         return ratio_interval(suited - np.array(self.scores[policy].effort), suited - unsuited)
 
+    def relief_difference(self, policy: str, other: str) -> Interval | None:
+        """Returns the relief of a policy less that of another, motion by motion; None likewise."""
+        if self.relief(policy) is None or self.relief(other) is None:
+            return None
+        unsuited, suited, one, two = (
+            np.array(self.scores[name].effort) for name in (*REFERENCES, policy, other)
+        )
+        return ratio_interval(two - one, suited - unsuited)
+
     def share_of_bound(self, policy: str, bound: str = "clairvoyant") -> Interval | None:
         """Returns the relief of a policy over that of a bound; None where there is none."""
         self._check(policy)

@@ -18,6 +18,7 @@ from .compensation import Compensation
 
 PERIOD = 0.05  # s, between two plans
 KNOTS = 3  # of a plan, over its horizon
+QUICKNESS = 3.0  # Hz, up to which accelerations are estimated
 SMOOTHNESS = 0.3  # cost of a correction as large as the motor's peak, beside that of strength
 MOST = 64  # samples
 
@@ -89,11 +90,15 @@ class PredictiveSampling(Compensation):
         self._rngs = [np.random.default_rng([self._seed, row]) for row in range(rows)]
         self._knots = np.zeros((rows, KNOTS, len(self.peak)))
         self._planned = 0
+        self._turned, self._speeding = seen["rate"], np.zeros_like(seen["rate"])
         self._given = np.zeros((rows, len(self.peak)))
 
     def torque(self, seen: Seen) -> Array:
         """Returns compensation and the plan's correction of it [N·m], shape (n, 2)."""
         nominal = super().torque(seen)
+        share = 1 - np.exp(-2 * np.pi * QUICKNESS * self.dt)
+        self._speeding += share * ((seen["rate"] - self._turned) / self.dt - self._speeding)
+        self._turned = seen["rate"]
         self._follow(seen)
         if self._planned % self._every == 0:
             self._plan(seen, nominal)
@@ -130,9 +135,12 @@ class PredictiveSampling(Compensation):
         plans = np.einsum("hk,nckm->hncm", self._blend, knots).reshape(self._ahead, -1, 2)
         cost = SMOOTHNESS * np.mean((knots / self.peak) ** 2, axis=(2, 3)).ravel()
         angle, rate = seen["angle"][source], seen["rate"][source]
+        speeding = self._speeding[source]
         needed = self._needed(seen, nominal)
         for i in range(self._ahead):
-            self._intend(trial, angle + (i + 1) * self.dt * rate, rate)
+            later = (i + 1) * self.dt
+            turning = rate + later * speeding
+            self._intend(trial, angle + later * (rate + turning) / 2, turning)
             command = needed[i][source] + plans[i]
             self._physics["ctrl"][trial[:, None], self._at.motors] = np.clip(
                 command, -self.peak, self.peak

@@ -6,9 +6,9 @@ from typing import Annotated, get_args
 
 import tyro
 
-from ...assets import JOINTS, Suit, load_suit
+from ...assets import Suit, load_suit
 from ...checks import at_least
-from ...errors import InputError, unknown_name
+from ...errors import InputError
 from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
@@ -16,6 +16,7 @@ from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
 from ...identification.uncertainty.uncertainty import Uncertainty, uncertainty
+from ..curve_joints import joint_of
 from ..options import Force, Json, Seed, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
@@ -83,7 +84,7 @@ def identify(
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     _check_samples(samples, method, model)
-    joint_name = _joint_of(curves, joint) if out or joint is not None else None
+    joint_name = joint_of(curves, joint) if out or joint is not None else None
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
@@ -130,21 +131,6 @@ def identify(
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
-
-
-def _joint_of(path: Path, joint: str | None) -> str:
-    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
-    if joint is not None:
-        if joint not in JOINTS:
-            raise unknown_name("joint", joint, JOINTS)
-        return joint
-    for name in (path.stem, f"{path.stem}_flexion"):
-        if name in JOINTS:
-            return name
-    raise InputError(
-        f"cannot tell which joint {path.name!r} was measured on: give --joint with one of "
-        f"{', '.join(JOINTS)}"
-    )
 
 
 def _check_samples(samples: int, method: str, model: str | None) -> None:

@@ -1,33 +1,58 @@
-"""`activesuit validate`: scores a controller whose model of the suit is not the simulated one."""
+"""`activesuit validate`: a believed suit against a worn one, first its torque and then relief."""
 
-import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import tyro
 
-from ...assets import Suit, load_suit
+from ...assets import load_suit
 from ...checks import at_least
-from ...envs.evaluation import FIRST_SEED, Evaluation
+from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
-from ...envs.making import make_env
+from ...envs.evaluation.validation import (
+    LIMITS,
+    CurveError,
+    Validation,
+    believed_joints,
+    curve_errors,
+    verdict,
+)
+from ...envs.evaluation.validation import validate as validate_suits
 from ...envs.model import ASSISTED
+from ...errors import InputError, unknown_name
+from ...identification import load_curves
 from ..arm_options import USUAL, ArmOptions
-from ..options import SUIT, Env, Force, Json, choice, gravity_option, suits
-from ..output import RunFolder, conclude
-from ..reports.motions import cuff_remarks, interval_text, score_table
-from ..runs import scene
-from .evaluate import run
+from ..curve_joints import joint_of
+from ..options import SUIT, Env, Force, Json, SuitName, choice, gravity_option, joints, suits
+from ..output import RunFolder, conclude, progress
+from ..reports.motions import cuff_remarks, score_table
+from ..reports.validation import (
+    RULE,
+    covered_text,
+    curve_table,
+    matrix_figure,
+    matrix_table,
+    names_of,
+    story,
+    torque_table,
+)
+from ..runs import Scene, scene
 
 GRAVITY = "microgravity"
-TRUE = "true model"
+POLICIES = ("feedforward", "compensation")
+OTHERS = 4  # policies and references that each worn suit is evaluated with beside the believers
+Cells = dict[tuple[str, str], Validation]  # by believed and worn suit
 
 
 def validate(
-    suit: Annotated[str, choice(suits), tyro.conf.Positional],
+    suits: Annotated[tuple[Annotated[str, choice(suits)], ...], tyro.conf.Positional],
     /,
-    plant: Annotated[str, choice(suits)] = SUIT,
+    plant: tuple[SuitName, ...] = (SUIT,),
+    policy: Annotated[str, choice(lambda: POLICIES)] = "feedforward",
+    held_out: tuple[Path, ...] = (),
+    joint: Annotated[str | None, choice(joints)] = None,
     env: Env = None,
     gravity: Annotated[str | None, gravity_option(GRAVITY)] = None,
     episodes: int = 20,
@@ -39,91 +64,155 @@ def validate(
 ) -> None:
     """Validate an identified suit model in closed loop.
 
-    The controller cancels the torque that its model of the suit predicts, while the simulated arm
-    wears the suit PLANT. The score compares the wearer's relief with that by the same controller
-    with the true model of PLANT. By default there is no gravity, so that only the suit's torque
-    remains.
+    A controller believes a suit, while the simulated arm wears the suit PLANT. First comes the
+    error of the believed torque along the motions that happened, which decides the verdict, then
+    relief beside that by the same controller with the true model of PLANT. By default there is no
+    gravity, so that only the suit's torque remains. Several suits or plants make a matrix.
 
     Args:
-        suit: Suit that the controller believes: name of a shipped one, or path of a suit file.
-        plant: Suit that is simulated: name of a shipped one, or path of a suit file.
+        suits: Suits that the controller believes: names of shipped ones, or paths of suit files.
+        plant: Suits that are simulated: names of shipped ones, or paths of suit files.
+        policy: Policy that believes.
+        held_out: CSV files of measured curves: predict their torque, and simulate nothing.
+        joint: Joint on which these curves were measured; by default the file name tells it
+            (elbow.csv).
         episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
-        out: Folder for result.json: a new or an empty one, or that of an earlier validate.
+        out: Folder for result.json, and for the matrix as PNG and SVG: a new or an empty one, or
+            that of an earlier validate.
     """
-    believed, worn = load_suit(suit), load_suit(plant)
+    if not suits:
+        raise InputError("no suit is given: name one that the controller believes")
+    for suit in (*suits, *plant):
+        load_suit(suit)
+    if held_out:
+        result, tables, remarks = _predicted(suits, held_out, joint)
+        folder = RunFolder(out, "validate", force=force) if out else None
+        conclude(result, tables, remarks, folder=folder, json=json)
+        return
+    if joint is not None:
+        raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
+    if policy not in POLICIES:
+        raise unknown_name("policy that believes a suit", policy, POLICIES)
     at_least("episodes", episodes, FEWEST_MOTIONS)
     at_least("seed", seed, 0)
-    chosen = scene(arm, env=env, suit=plant, gravity=gravity, usual={"gravity": GRAVITY})
-    make_env(chosen.env, **chosen.options)[0].close()
+    scenes = {
+        worn: scene(arm, env=env, suit=worn, gravity=gravity, usual={"gravity": GRAVITY})
+        for worn in plant
+    }
+    for chosen in scenes.values():
+        believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
     folder = RunFolder(out, "validate", force=force) if out else None
-    found = run(
-        chosen.env,
-        {"none": "none", "feedforward": {"name": "feedforward", "suit": suit}, TRUE: "feedforward"},
-        episodes,
-        seed,
-        naive=False,
-        **chosen.options,
-    )
-    scores, share = list(found.scores.values()), _share_by_joint(found, worn)
-    lacking = {
-        "feedforward": [joint for joint in ASSISTED if joint not in believed.joints],
-        TRUE: [joint for joint in ASSISTED if joint not in worn.joints],
-    }
+    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
+    _conclude(cells, evaluations, scenes, policy, episodes, seed, folder=folder, json=json)
+
+
+def _simulated(
+    suits: tuple[str, ...], scenes: Mapping[str, Scene], policy: str, episodes: int, seed: int
+) -> tuple[Cells, dict[str, Evaluation]]:
+    cells: Cells = {}
+    evaluations, labels = {}, names_of(suits)
+    total = (len(set(suits)) + OTHERS) * len(scenes) * episodes
+    with progress("validate", total) as bar:
+
+        def report(name: str, traces: list[Trace]) -> None:
+            del name
+            bar.advance(len(traces))
+
+        for worn, chosen in scenes.items():
+            evaluations[worn], found = validate_suits(
+                chosen.env,
+                {labels[suit]: suit for suit in suits},
+                policy=policy,
+                episodes=episodes,
+                seed=seed,
+                on_policy=report,
+                threads=0,
+                **chosen.options,
+            )
+            cells |= {(suit, worn): found[labels[suit]] for suit in suits}
+    return cells, evaluations
+
+
+def _conclude(
+    cells: Cells,
+    evaluations: Mapping[str, Evaluation],
+    scenes: Mapping[str, Scene],
+    policy: str,
+    episodes: int,
+    seed: int,
+    *,
+    folder: RunFolder | None,
+    json: bool,
+) -> None:
+    chosen = next(iter(scenes.values()))
+    result: dict[str, Any] = {"env": chosen.env, "policy": policy}
+    result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
+    del result["suit"]
+    result["cells"] = [
+        {"believed": suit, "worn": worn, **one.to_dict()} for (suit, worn), one in cells.items()
+    ]
+    result["evaluations"] = {worn: found.to_dict() for worn, found in evaluations.items()}
+    place = f"{chosen.env}, {chosen.options['gravity']}, {policy}"
+    tables, remarks = {}, []
+    if len(cells) > 1:
+        tables[f"Torque error, relief and verdict: {place}"] = matrix_table(cells)
+        remarks.append(covered_text(cells))
+        if folder:
+            folder.figure("matrix", matrix_figure(cells))
+    else:
+        ((suit, worn),) = cells
+        scores = list(evaluations[worn].scores.values())
+        title = f"believes {suit}, wears {worn}"
+        tables[f"Torque, believed less true: {title}"] = torque_table(cells[suit, worn])
+        tables[f"Human torque: {place}"] = score_table(scores, evaluations[worn])
+        found = cells[suit, worn]
+        remarks += [*story(found, suit, load_suit(suit)), *_lacking(suit, worn)]
+        remarks += cuff_remarks(scores)
+    conclude(result, tables, [*remarks, RULE], folder=folder, json=json)
+
+
+def _lacking(believed: str, worn: str) -> Iterator[str]:
+    for joint in ASSISTED:
+        if joint not in load_suit(worn).joints:
+            yield f"{joint}: nothing to assist, because {worn} has no such joint"
+        elif joint not in load_suit(believed).joints:
+            yield f"{joint}: not assisted, because {believed} has no such joint"
+
+
+def _predicted(
+    suits: tuple[str, ...], files: tuple[Path, ...], joint: str | None
+) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
+    """Returns result, tables and remarks of measured curves that suits predict."""
+    found: dict[str, dict[str, list[CurveError]]] = {}
+    remarks = []
+    for path in files:
+        name, curves = joint_of(path, joint), load_curves(path)
+        measured = curves.held_out() or curves
+        series = {curve.name: (curve.angle, curve.torque) for curve in measured}
+        for suit in suits:
+            entry = load_suit(suit).joints.get(name)
+            if entry is None:
+                raise InputError(f"the suit {suit!r} has no {name}, and {path.name!r} is of it")
+            if curves.sha256 == entry.data_sha256 and not curves.held_out():
+                remarks.append(f"{name}: {suit} was fitted to {path.name}, which tests nothing")
+            found.setdefault(suit, {}).setdefault(name, []).extend(curve_errors(entry, series))
     result = {
-        "believed_suit": suit,
-        "plant": plant,
-        "env": chosen.env,
-        "episodes": episodes,
-        "seed": seed,
-        **chosen.options,
-        "share_of_true_model_by_joint": share,
-        "believed_suit_lacks": lacking["feedforward"],
-        "plant_lacks": lacking[TRUE],
-        **found.to_dict(),
+        suit: {
+            name: {"verdict": _worst(errors), "curves": [asdict(error) for error in errors]}
+            for name, errors in by_joint.items()
+        }
+        for suit, by_joint in found.items()
     }
-    place = f"{chosen.env}, {chosen.options['gravity']}"
-    title = f"Human torque: {place}; believes {suit}, wears {plant}"
-    remarks = [*_overall(found), *_remarks(share, lacking, suit, plant), *cuff_remarks(scores)]
-    tables = {title: score_table(scores, found)}
-    conclude(result, tables, remarks, folder=folder, json=json)
-
-
-def _overall(found: Evaluation) -> Iterator[str]:
-    relief, share = found.relief("feedforward"), found.share_of_bound("feedforward", TRUE)
-    if relief is None or share is None:
-        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
-        return
-    yield (
-        f"feed-forward gives back {interval_text(relief)} of what the suit costs, "
-        f"{interval_text(share)} of what the true model does"
+    for suit, by_joint in result.items():
+        remarks += [f"{suit}, {name}: {one['verdict']}" for name, one in by_joint.items()]
+    remarks.append(f"{RULE} Of curves, the worst one decides.")
+    return (
+        {"limits": LIMITS, "suits": result},
+        {"Torque, predicted less measured": curve_table(found)},
+        remarks,
     )
 
 
-def _share_by_joint(found: Evaluation, worn: Suit) -> dict[str, float]:
-    """Returns the believed model's reduction of torque over the true one's, by assisted joint.
-
-    It is NaN where the true model reduces nothing.
-    """
-    off, forward, true = (found.scores[n].human_rms for n in ("none", "feedforward", TRUE))
-    return {
-        joint: (off[joint] - forward[joint]) / (off[joint] - true[joint])
-        if off[joint] > true[joint]
-        else math.nan
-        for joint in ASSISTED
-        if joint in worn.joints
-    }
-
-
-def _remarks(
-    share: dict[str, float], lacking: dict[str, list[str]], suit: str, plant: str
-) -> Iterator[str]:
-    for joint, value in share.items():
-        if joint in lacking["feedforward"]:
-            yield f"{joint}: not assisted, because {suit} has no such joint"
-        elif math.isnan(value):
-            yield f"{joint}: the true model reduces nothing to compare with"
-        else:
-            yield f"{joint}: {value:.1%} of the true model's reduction"
-    for joint in lacking[TRUE]:
-        yield f"{joint}: nothing to assist, because {plant} has no such joint"
+def _worst(errors: list[CurveError]) -> str:
+    return verdict(max(error.nrmse for error in errors))

@@ -82,10 +82,15 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     suit = tmp_path / "one" / "suit.json"
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", *FEW]
     result = json.loads(run(capsys, "validate", suit, *arguments))
-    assert result["share_of_true_model_by_joint"]["elbow_flexion"] > 0.7
-    assert abs(result["share_of_true_model_by_joint"]["shoulder_flexion"]) < 0.3
+    (cell,) = result["cells"]
+    assert set(cell["torque"]["joints"]) == {"elbow_flexion"}
+    assert cell["verdict"] == "valid"
+    assert (
+        cell["relief"]["value"]
+        < result["evaluations"]["mock-suit"]["scores"]["true model"]["relief"]["value"]
+    )
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
-    assert set(result["share_of_true_model_by_joint"]) == {"elbow_flexion"}
+    assert set(result["cells"][0]["torque"]["joints"]) == {"elbow_flexion"}
     run(capsys, "identify", ELBOW, "--base", "mock-suit", "--out", tmp_path / "all")
     whole = load_suit(str(tmp_path / "all" / "suit.json"))
     assert set(whole.joints) == set(load_suit("mock-suit").joints)
@@ -176,12 +181,35 @@ def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_p
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
     arguments = ["validate", "published-2022", "--plant", "mock-suit", "--out", tmp_path]
     result = json.loads(run(capsys, *arguments, *FEW))
-    share = result["share_of_true_model_by_joint"]
-    assert share["elbow_flexion"] > 0.7
+    (cell,) = result["cells"]
+    assert (cell["believed"], cell["worn"]) == ("published-2022", "mock-suit")
+    assert cell["torque"]["joints"]["elbow_flexion"]["nrmse"]["high"] < 0.05
     assert json.loads((tmp_path / "result.json").read_text()) == result
     out = run(capsys, *arguments, "--episodes", "8")
-    assert f"elbow_flexion: {share['elbow_flexion']:.1%} of the true model's reduction" in out
-    assert "feed-forward gives back" in out
+    assert f"published-2022: {cell['verdict']} for shoulder_flexion from" in out
+    assert "beside the true model's" in out
+    assert "valid up to 5%, usable up to 15%, not valid beyond" in out
+
+
+@pytest.mark.usefixtures("short")
+def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
+    suits = ["emu-like", "mock-suit"]
+    out = run(capsys, "validate", *suits, "--plant", *suits, "--episodes", 8, "--out", tmp_path)
+    assert "wears" in out
+    assert "The motions covered shoulder_flexion" in out
+    cells = json.loads((tmp_path / "result.json").read_text())["cells"]
+    verdicts = {(cell["believed"], cell["worn"]): cell["verdict"] for cell in cells}
+    assert len(verdicts) == 4
+    assert all((verdicts[one, two] == "valid") == (one == two) for one, two in verdicts)
+    assert (tmp_path / "matrix.png").stat().st_size > 10_000
+
+
+def test_validate_predicts_held_out_curves(capsys):
+    result = json.loads(run(capsys, "validate", "mock-suit", "--held-out", ELBOW, "--json"))
+    found = result["suits"]["mock-suit"]["elbow_flexion"]
+    assert found["verdict"] == "valid"
+    assert [one["curve"] for one in found["curves"]] == load_curves(ELBOW).held_out().names
+    assert "worst one decides" in run(capsys, "validate", "mock-suit", "--held-out", ELBOW)
 
 
 def test_simulate_writes_the_motion(capsys, tmp_path):
@@ -242,6 +270,10 @@ MISTAKES = [
     (["simulate", "--suit", "{bad}/cut.json", "--out", "{bad}/out"], "not complete JSON"),
     (["validate", "{bad}/cut.json"], "not complete JSON"),
     (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
+    (["validate"], "no suit is given"),
+    (["validate", "mock-suit", "--policy", "gravity"], "unknown policy that believes a suit"),
+    (["validate", "mock-suit", "--joint", "elbow_flexion"], "add --held-out"),
+    (["validate", "mock-suit", "--held-out", "{bad}/other.csv"], "give --joint"),
     (["suits", "nope"], "unknown suit 'nope'"),
     (["bench", "--repeats", "0"], "repeats is 0"),
     (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
@@ -361,8 +393,9 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
     if model not in ("bouc-wen", "held"):
         return
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *FEW))
-    assert not any(score["failures"] for score in result["scores"].values())
-    assert result["share_of_true_model_by_joint"][f"{joint}_flexion"] > 0.7
+    (found,) = result["evaluations"].values()
+    assert not any(score["failures"] for score in found["scores"].values())
+    assert result["cells"][0]["torque"]["joints"][f"{joint}_flexion"]["nrmse"]["high"] < 0.01
 
 
 def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):

@@ -21,6 +21,7 @@ WRITERS = {
     "evaluate": ["evaluate", "--episodes", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit"],
+    "branch": ["branch", "--policies", "none"],
     "train": ["train", "--steps", "1"],
 }
 

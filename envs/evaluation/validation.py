@@ -1,0 +1,367 @@
+"""Validation of a believed suit against a worn one: its torque along real motions, then relief.
+
+Torque comes first, because motors and wearer blur it: a torque that is 20 % too large everywhere
+still gives back 93 % of what the true model does.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS, AnySuit, SuitJoint
+from ...checks import at_least
+from ...errors import InputError
+from ..making import make_arms
+from ..model import ASSISTED, resisting_joints
+from ..policies import make_policy
+from ..policies.belief import Belief
+from .compare import FIRST_SEED, Evaluation, evaluate
+from .rollout import Trace
+from .statistics import FEWEST_MOTIONS, Interval, interval_of, mean_interval
+
+LIMITS = {"valid": 0.05, "usable": 0.15}
+"""Largest NRMSE of the torque for each verdict.
+
+A torque that is 20 % wrong everywhere has an NRMSE of 0.10, since the torque is mostly below its
+peak. So a valid model errs about as much as one that is 10 % wrong everywhere, and a usable one as
+one that is 30 % wrong. The straight spring through the middle of a loop has 0.22 to 0.28: a model
+without hysteresis is not valid.
+"""
+NOT_VALID = "not valid"
+TRUE, BOUND = "true model", "clairvoyant"
+LEAST_TORQUE = 0.01  # N·m, that a joint must resist somewhere to be judged
+FARTHEST = 0.2  # s, up to which a lag is sought
+FINEST = 0.001  # s, its resolution
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueError:
+    """Believed less true resistance along motions, with intervals over the motions.
+
+    Of several joints the errors are taken together: the root mean square and the mean over all of
+    them, and the largest of any.
+
+    Attributes:
+        rms: Root mean square [N·m].
+        peak: Largest size in a motion, the mean over motions [N·m].
+        bias: Mean [N·m].
+        lag: Time by which the believed torque comes later than the true one [ms], to 1 ms, up to
+            200 ms: where the two correlate best.
+        nrmse: Root mean square, each joint's over the largest true torque in all motions, which is
+            taken as given.
+    """
+
+    rms: Interval
+    peak: Interval
+    bias: Interval
+    lag: Interval
+    nrmse: Interval
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueErrors:
+    """Torque errors of a believed suit along motions, and what they say of it.
+
+    Attributes:
+        joints: Torque error of each joint that is judged: an assisted one that both suits resist.
+        together: Torque error of these joints together; None without any.
+        covered: Lowest and highest angle of the motions [rad], by joint.
+        noise: Root mean square of what the fit of the believed joint left of its curves [N·m], by
+            joint; None where the suit file does not tell it.
+    """
+
+    joints: dict[str, TorqueError]
+    together: TorqueError | None
+    covered: dict[str, tuple[float, float]]
+    noise: dict[str, float | None]
+
+    @property
+    def nrmse(self) -> Interval | None:
+        """NRMSE of the joint whose interval ends highest, which decides; None without joints."""
+        found = [error.nrmse for error in self.joints.values()]
+        return max(found, key=lambda one: one.high, default=None)
+
+    @property
+    def verdict(self) -> str | None:
+        """The verdict by the upper end of `nrmse`; None without joints."""
+        return None if self.nrmse is None else verdict(self.nrmse.high)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """What a believed suit is worth in a worn one.
+
+    Attributes:
+        torque: Torque errors along the motions under the controller that believes.
+        relief: Relief of that controller; see `Evaluation.relief`.
+        difference: Its relief less that with the true model, motion by motion.
+        share_of_true: Its relief over that with the true model.
+        share_of_bound: Its relief over that of the clairvoyant.
+    """
+
+    torque: TorqueErrors
+    relief: Interval | None
+    difference: Interval | None
+    share_of_true: Interval | None
+    share_of_bound: Interval | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything as plain values, the verdict first."""
+        nrmse = self.torque.nrmse
+        return {
+            "verdict": self.torque.verdict,
+            "nrmse": nrmse and nrmse.to_dict(),
+            **asdict(self),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurveError:
+    """Predicted less measured torque of one curve.
+
+    Attributes:
+        curve: Name of the curve.
+        rms: Root mean square [N·m].
+        peak: Largest size [N·m].
+        bias: Mean [N·m].
+        nrmse: Root mean square over the largest measured torque of the curve.
+    """
+
+    curve: str
+    rms: float
+    peak: float
+    bias: float
+    nrmse: float
+
+
+def verdict(nrmse: float) -> str:
+    """Returns "valid", "usable" or "not valid" for a torque error, as `LIMITS` says."""
+    return next((name for name, limit in LIMITS.items() if nrmse <= limit), NOT_VALID)
+
+
+def validate(
+    env_id: str,
+    believed: Mapping[str, AnySuit],
+    *,
+    policy: str = "feedforward",
+    episodes: int = 20,
+    seed: int = FIRST_SEED,
+    on_policy: Callable[[str, list[Trace]], None] = lambda name, traces: None,
+    **env_options: Any,
+) -> tuple[Evaluation, dict[str, Validation]]:
+    """Runs a policy that believes each of some suits in an arm that wears another one.
+
+    Args:
+        env_id: Id of a registered environment.
+        believed: Believed suits, by names of your choice.
+        policy: Policy that takes the option `suit`, such as "compensation".
+        episodes: Number of motions, at least 8.
+        seed: Seed of the first motion.
+        on_policy: Function that is called after each policy with its name and its motions.
+        **env_options: Options of the environment; `suit` is the worn one.
+
+    Returns:
+        The evaluation, in which "by NAME" is the policy with that suit beside "true model"
+        and "clairvoyant"; and the validation of each believed suit.
+
+    Raises:
+        InputError: There are fewer than 8 episodes, a suit resists none of the assisted joints that
+            the worn one resists, its model has no torque somewhere on the way, or `evaluate`
+            raises it.
+    """
+    at_least("episodes", episodes, FEWEST_MOTIONS)
+    joints = believed_joints(env_id, believed, policy, **env_options)
+    traces: dict[str, list[Trace]] = {}
+
+    def keep(name: str, found: list[Trace]) -> None:
+        traces[name] = found
+        on_policy(name, found)
+
+    policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
+    policies |= {_named(name): {"name": policy, "suit": suit} for name, suit in believed.items()}
+    found = evaluate(env_id, policies, episodes=episodes, seed=seed, on_policy=keep, **env_options)
+    return found, {
+        name: Validation(
+            torque=torque_errors(joints[name], traces[one]),
+            relief=found.relief(one),
+            difference=found.relief_difference(one, TRUE),
+            share_of_true=found.share_of_bound(one, TRUE),
+            share_of_bound=found.share_of_bound(one, BOUND),
+        )
+        for name, one in ((name, _named(name)) for name in believed)
+    }
+
+
+def believed_joints(
+    env_id: str, believed: Mapping[str, AnySuit], policy: str, **env_options: Any
+) -> dict[str, dict[str, SuitJoint]]:
+    """Returns the assisted joints that each believed suit and the worn one resist, as believed.
+
+    Raises:
+        InputError: The policy cannot believe a suit here, or a suit resists none of the assisted
+            joints that the worn one resists.
+    """
+    arms = make_arms(env_id, 1, **env_options)
+    config, found = arms.episodes.simulation.config, {}
+    needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]
+    for name, suit in believed.items():
+        make_policy({"name": policy, "suit": suit}, arms)
+        joints = resisting_joints(Belief(suit=suit).of(config))
+        found[name] = {joint: joints[joint] for joint in needed if joint in joints}
+        if needed and not found[name]:
+            raise InputError(
+                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the worn "
+                "suit does: give one with a model of an assisted joint"
+            )
+    arms.close()
+    return found
+
+
+def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) -> TorqueErrors:
+    """Compares believed joints with the true torque along at least 8 motions.
+
+    The models follow the true angles of each control period, from the beginning of their memory.
+
+    Args:
+        believed: Believed joints, by their names.
+        traces: The motions.
+
+    Raises:
+        InputError: There are fewer than 8 motions.
+        PoleError: A motion meets the pole of an uncertified model.
+    """
+    angles = {name: [one.angle[:, JOINTS.index(name)] for one in traces] for name in believed}
+    true = {name: [-one.suit_torque[:, JOINTS.index(name)] for one in traces] for name in believed}
+    judged = [name for name in believed if _largest(true[name]) >= LEAST_TORQUE]
+    expected = {name: [believed[name].response(one) for one in angles[name]] for name in judged}
+    dt = float(traces[0].time[0])
+
+    def error(names: Sequence[str]) -> TorqueError:
+        one, other = (
+            [np.stack(motion, axis=1) for motion in zip(*(of[name] for name in names), strict=True)]
+            for of in (expected, true)
+        )
+        return torque_error(one, other, dt)
+
+    return TorqueErrors(
+        joints={name: error([name]) for name in judged},
+        together=error(judged) if judged else None,
+        covered={name: _span(angles[name]) for name in judged},
+        noise={name: noise_of(believed[name]) for name in judged},
+    )
+
+
+def torque_error(believed: Sequence[Array], true: Sequence[Array], dt: float) -> TorqueError:
+    """Compares believed with true torque in at least 8 motions.
+
+    Args:
+        believed: Believed resistance in each motion [N·m], shape (n, joints).
+        true: True resistance [N·m], of the same shapes.
+        dt: Time between samples [s].
+
+    Raises:
+        InputError: There are fewer than 8 motions.
+    """
+    largest = np.max([np.abs(one).max(axis=0) for one in true], axis=0)
+    pairs = list(zip(believed, true, strict=True))
+    apart = [one - other for one, other in pairs]
+    return TorqueError(
+        rms=_root_interval([float(np.mean(error**2)) for error in apart]),
+        peak=mean_interval([np.abs(error).max() for error in apart]),
+        bias=mean_interval([error.mean() for error in apart]),
+        lag=mean_interval([1e3 * lag_of(*pair, dt) for pair in pairs]),
+        nrmse=_root_interval([float(np.mean((error / largest) ** 2)) for error in apart]),
+    )
+
+
+def lag_of(late: Array, early: Array, dt: float) -> float:
+    """Returns the time by which one record comes later than another [s].
+
+    That is the shift, to 1 ms and up to 0.2 s, with which the two correlate best over the middle of
+    the record; 0 where one of them is constant there.
+
+    Args:
+        late: One record, shape (n, columns); the correlations of the columns are summed.
+        early: The other one, of the same shape.
+        dt: Time between samples [s].
+    """
+    time = dt * np.arange(len(late))
+    farthest = min(FARTHEST, time[-1] / 4)
+    middle = (time >= farthest) & (time <= time[-1] - farthest)
+    shifts = FINEST * np.arange(-round(farthest / FINEST), round(farthest / FINEST) + 1)
+    alike = np.zeros_like(shifts)
+    for one, other in zip(late.T, early.T, strict=True):
+        shifted = np.interp(time[middle] + shifts[:, None], time, one)
+        alike += _correlation(shifted, other[middle])
+    best = np.flatnonzero(alike >= alike.max() - 1e-12)
+    return float(shifts[best[np.abs(shifts[best]).argmin()]])
+
+
+def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) -> list[CurveError]:
+    """Compares a joint with curves that were measured, each from the beginning of its memory.
+
+    Args:
+        joint: Joint of a believed suit.
+        curves: Angles [rad] and measured torques [N·m] of each curve, by its name.
+
+    Raises:
+        InputError: The torque of a curve is 0 everywhere.
+        PoleError: A curve meets the pole of an uncertified model.
+    """
+    found = []
+    for name, (angle, torque) in curves.items():
+        error, largest = joint.response(angle) - torque, np.abs(torque).max()
+        if largest == 0:
+            raise InputError(f"curve {name!r} has no torque: leave it out")
+        rms = float(np.sqrt(np.mean(error**2)))
+        found.append(
+            CurveError(
+                curve=name,
+                rms=rms,
+                peak=float(np.abs(error).max()),
+                bias=float(error.mean()),
+                nrmse=rms / float(largest),
+            )
+        )
+    return found
+
+
+def noise_of(joint: SuitJoint) -> float | None:
+    """Returns the root mean square of what a fit left of its curves [N·m]; None if not told.
+
+    The file has it over the largest torque of the curves, which is taken to be that of the model
+    along one loading and unloading over its range.
+    """
+    if joint.fit_nrmse is None:
+        return None
+    low, high = joint.range
+    loop = np.concatenate([np.linspace(low, high, 100), np.linspace(high, low, 100)])
+    return joint.fit_nrmse * float(np.abs(joint.response(loop)).max())
+
+
+def _named(suit: str) -> str:
+    return f"by {suit}"
+
+
+def _largest(series: Sequence[Array]) -> float:
+    return max(float(np.abs(one).max()) for one in series)
+
+
+def _span(series: Sequence[Array]) -> tuple[float, float]:
+    return min(float(one.min()) for one in series), max(float(one.max()) for one in series)
+
+
+def _root_interval(squares: Sequence[float]) -> Interval:
+    """Returns the interval of a root mean square from mean squares of motions."""
+    found = interval_of(lambda mean: np.sqrt(np.maximum(mean, 0)), squares)
+    return Interval(found.value, max(0.0, found.low), found.high)
+
+
+def _correlation(rows: Array, one: Array) -> Array:
+    """Returns the correlation of each row with one record; 0 where one is constant."""
+    rows, one = rows - rows.mean(axis=1, keepdims=True), one - one.mean()
+    size = np.linalg.norm(rows, axis=1) * np.linalg.norm(one)
+    return np.divide(rows @ one, size, out=np.zeros_like(size), where=size > 0)

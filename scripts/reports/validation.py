@@ -1,0 +1,190 @@
+"""Validations of believed suits: tables, sentences, and the matrix of believed and worn suits."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from ...assets import Suit
+from ...envs.evaluation import Interval
+from ...envs.evaluation.validation import (
+    LIMITS,
+    NOT_VALID,
+    CurveError,
+    TorqueError,
+    Validation,
+)
+from ..output import Rows
+from .motions import interval_text
+
+Cells = Mapping[tuple[str, str], Validation]  # by believed and worn suit
+
+RULE = (
+    "The verdict is by the root mean square of the torque error over the largest true torque, of "
+    "the joint where the upper end of the 95 % interval is highest: "
+    + ", ".join(f"{name} up to {limit:.0%}" for name, limit in LIMITS.items())
+    + f", {NOT_VALID} beyond; and it holds for these angles only."
+)
+LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
+COLORS = "RdYlGn_r"
+NOTHING = "nothing to judge"
+
+
+def torque_table(found: Validation) -> Rows:
+    """Returns one row per joint, and one of all: the errors of the believed torque."""
+    header = ["joint", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]", "late by\n[ms]"]
+    header += ["RMS of the\npeak [%]", "over fit\nnoise"]
+    rows = []
+    for joint, error in found.torque.joints.items():
+        noise = found.torque.noise[joint]
+        ratio = f"{error.rms.value / noise:.3g}" if noise else "-"
+        rows.append([joint.removesuffix("_flexion"), *_errors(error), ratio])
+    if found.torque.together:
+        rows.append(["together", *_errors(found.torque.together), ""])
+    return header, rows
+
+
+def _errors(error: TorqueError) -> Iterator[str]:
+    for one in (error.rms, error.peak, error.bias):
+        yield _two_lines(one, ".2f")
+    yield _two_lines(error.lag, ".0f")
+    yield _two_lines(_percent(error.nrmse), ".1f")
+
+
+def _percent(one: Interval) -> Interval:
+    return Interval(100 * one.value, 100 * one.low, 100 * one.high)
+
+
+def _two_lines(one: Interval, form: str) -> str:
+    value, low, high = (f"{0.0 + round(end, 6):{form}}" for end in (one.value, one.low, one.high))
+    return f"{value}\n{low} to {high}"
+
+
+def matrix_table(cells: Cells) -> Rows:
+    """Returns one row per believed suit and one column per worn one."""
+    labels = names_of(chain(*cells))
+    believed, worn = _axes(cells)
+    rows = [[labels[one], *(_cell(cells[one, other]) for other in worn)] for one in believed]
+    return ["believes", *(f"wears\n{labels[other]}" for other in worn)], rows
+
+
+def matrix_figure(cells: Cells) -> Figure:
+    """Draws a heat map of torque errors; each cell tells error, relief and verdict."""
+    labels = names_of(chain(*cells))
+    believed, worn = _axes(cells)
+    size = (3.0 + 2.1 * len(worn), 1.4 + 1.0 * len(believed))
+    figure = Figure(figsize=size, layout="constrained")
+    ax = figure.subplots()
+    errors = np.array([[_error(cells[one, other]) for other in worn] for one in believed])
+    norm, colors = LogNorm(LEAST, MOST, clip=True), colormaps[COLORS]
+    image = ax.imshow(np.maximum(errors, LEAST), norm=norm, cmap=colors, aspect="auto")
+    for row, one in enumerate(believed):
+        for column, other in enumerate(worn):
+            shade = norm(max(errors[row, column], LEAST))
+            color = "black" if 0.15 < shade < 0.85 else "white"
+            told = _cell(cells[one, other])
+            ax.text(column, row, told, fontsize=9, color=color, ha="center", va="center")
+    ax.set_xticks(range(len(worn)), [labels[other] for other in worn])
+    ax.set_yticks(range(len(believed)), [labels[one] for one in believed])
+    ax.set(xlabel="worn suit", ylabel="believed suit")
+    bar = figure.colorbar(image, ax=ax, label="torque error, RMS of the peak")
+    ticks = [LEAST, *LIMITS.values(), MOST]
+    bar.set_ticks(ticks, labels=[f"{tick:.0%}" for tick in ticks])
+    bar.ax.minorticks_off()
+    return figure
+
+
+def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
+    """Yields sentences about one believed suit: verdict with its range, limits, and relief.
+
+    Args:
+        found: Validation of that suit.
+        believed: Name of the believed suit.
+        suit: The believed suit.
+    """
+    covered = ", ".join(
+        f"{joint} from {low:.2f} to {high:.2f} rad"
+        for joint, (low, high) in found.torque.covered.items()
+    )
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        yield f"{believed}: {NOTHING}, as the worn suit resists no assisted joint"
+    else:
+        yield (
+            f"{believed}: {found.torque.verdict} for {covered}; torque error "
+            f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
+        )
+    for joint, (low, high) in found.torque.covered.items():
+        least, most = suit.joints[joint].range
+        if low < least - 0.05 or high > most + 0.05:
+            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+    silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
+    if silent:
+        yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
+    if found.relief is None:
+        yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+        return
+    yield (
+        f"relief {interval_text(found.relief)}, "
+        f"{interval_text(found.difference)} beside the true model's; "
+        f"{interval_text(found.share_of_true)} of it, and "
+        f"{interval_text(found.share_of_bound)} of the clairvoyant's"
+    )
+
+
+def covered_text(cells: Cells) -> str:
+    """Returns a sentence that names the angles which the motions of all cells covered."""
+    covered: dict[str, tuple[float, float]] = {}
+    for found in cells.values():
+        for joint, (low, high) in found.torque.covered.items():
+            least, most = covered.get(joint, (low, high))
+            covered[joint] = min(low, least), max(high, most)
+    told = (f"{joint} {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered.items())
+    return f"The motions covered {', '.join(told) or 'no joint that is judged'}."
+
+
+def curve_table(found: Mapping[str, Mapping[str, list[CurveError]]]) -> Rows:
+    """Returns one row per suit, joint and measured curve."""
+    header = ["suit", "joint", "curve", "RMS\n[N·m]", "largest\n[N·m]", "bias\n[N·m]"]
+    header.append("RMS of the\npeak [%]")
+    rows = [
+        [
+            *(suit, joint, error.curve),
+            *(f"{value:.2f}" for value in (error.rms, error.peak, error.bias)),
+            f"{100 * error.nrmse:.1f}",
+        ]
+        for suit, by_joint in found.items()
+        for joint, errors in by_joint.items()
+        for error in errors
+    ]
+    return header, rows
+
+
+def names_of(suits: Iterable[str]) -> dict[str, str]:
+    """Returns short names of suits: of a file without its folder, where that is enough."""
+    suits = list(dict.fromkeys(suits))
+    short = [Path(suit).stem if suit.endswith(".json") else suit for suit in suits]
+    return {
+        suit: name if short.count(name) == 1 else suit
+        for suit, name in zip(suits, short, strict=True)
+    }
+
+
+def _axes(cells: Cells) -> tuple[list[str], list[str]]:
+    believed, worn = zip(*cells, strict=True)
+    return list(dict.fromkeys(believed)), list(dict.fromkeys(worn))
+
+
+def _error(found: Validation) -> float:
+    return 0.0 if found.torque.nrmse is None else found.torque.nrmse.value
+
+
+def _cell(found: Validation) -> str:
+    if found.torque.nrmse is None:
+        return NOTHING
+    relief = "-" if found.relief is None else f"{found.relief.value:.2f}"
+    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{found.torque.verdict}"
