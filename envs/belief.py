@@ -121,11 +121,16 @@ class BelievedWeight:
         return torque
 
 
-def _coefficients(model: mujoco.MjModel) -> Array:
-    chains: list[tuple[str, ...]] = [JOINTS]
+def chains(model: mujoco.MjModel) -> list[Array]:
+    """Returns the addresses of the four joints: the arm's, and with cuffs the exoskeleton's too."""
+    names: list[tuple[str, ...]] = [JOINTS]
     if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
-        chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
-    places = [[model.joint(joint).qposadr[0] for joint in chain] for chain in chains]
+        names.append(tuple(f"exo_{joint}" for joint in JOINTS))
+    return [np.array([model.joint(joint).qposadr[0] for joint in chain]) for chain in names]
+
+
+def _coefficients(model: mujoco.MjModel) -> Array:
+    places = chains(model)
     data, torque = mujoco.MjData(model), np.zeros(model.nv)
     poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
     held = np.zeros_like(poses)

@@ -12,13 +12,20 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from ...errors import InputError, shown, unknown_name
 from ..arm_env import ArmEnv
 from ..vector_env import ArmVectorEnv
+from .admittance import Admittance
+from .amplification import ForceAmplification
 from .base import Policy
 from .belief import Belief
 from .compensation import Compensation, Complement
+from .disturbance_observer import DisturbanceObserver
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
+from .impedance import Impedance
+from .momentum_observer import ObserverAssist
 from .no_assist import NoAssist
 from .oracle import Oracle
+from .proportional import ProportionalAssist
+from .radial_basis import RadialBasisTracker
 from .trained import TrainedPolicy
 from .transparent import Transparent
 
@@ -29,6 +36,13 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "feedforward": HysteresisFeedforward,
     "complement": Complement,
     "compensation": Compensation,
+    "impedance": Impedance,
+    "admittance": Admittance,
+    "amplification": ForceAmplification,
+    "observer": ObserverAssist,
+    "disturbance-observer": DisturbanceObserver,
+    "proportional": ProportionalAssist,
+    "radial-basis": RadialBasisTracker,
     "oracle": Oracle,
 }
 _BELIEF: dict[str, Any] = {
