@@ -32,9 +32,7 @@ class ForceAmplification(Transparent):
 
     sensors = ("encoders", "interaction")
 
-    def __init__(
-        self, arms: Arms, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF
-    ) -> None:
+    def __init__(self, arms: Arms, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF) -> None:
         super().__init__(arms)
         within("cutoff", cutoff, 0.1, 5, " Hz")
         within("alpha", alpha, 1, greatest_amplification(cutoff))

@@ -24,6 +24,7 @@ from .impedance import Impedance
 from .momentum_observer import ObserverAssist
 from .no_assist import NoAssist
 from .oracle import Oracle
+from .oscillators import AdaptiveOscillators
 from .proportional import ProportionalAssist
 from .radial_basis import RadialBasisTracker
 from .trained import TrainedPolicy
@@ -42,6 +43,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "observer": ObserverAssist,
     "disturbance-observer": DisturbanceObserver,
     "proportional": ProportionalAssist,
+    "oscillators": AdaptiveOscillators,
     "radial-basis": RadialBasisTracker,
     "oracle": Oracle,
 }

@@ -8,7 +8,7 @@ from .carried import Carried
 from .compensation import Compensation
 from .filters import SecondOrderLowPass
 
-BANDWIDTH = 2.0  # Hz, at which the loop's gain is below 1 at all frequencies (see the rule)
+BANDWIDTH = 2.0  # Hz, at which the loop's gain is 0.31 at most (see the rule)
 
 
 class DisturbanceObserver(Compensation):

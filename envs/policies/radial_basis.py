@@ -19,9 +19,9 @@ FORGETTING = 0.05  # 1/s, so that weights decay where nothing is to be learned
 class RadialBasisTracker(TorquePolicy):
     """Tracks the intention and learns by a radial basis network the torque that this takes.
 
-    Law: tau = W'phi(x) + K s with s = e' + L e, and W' = G phi s - f W. The network phi is of
-    Gaussians of angle and rate of the joint's intention, which add up to 1; weights stay within the
-    motors' peak. No model of weight or suit is needed.
+    Law: tau = W'phi(x) + K s with s = e' + L e, and dW/dt = G s phi / |phi|² - f W. The network phi
+    is of Gaussians of the intended angles and rates of both joints, which add up to 1; weights stay
+    within the motors' peak. No model of weight or suit is needed.
     Tuning rule: L and K as of a critically damped arm of the believed inertia at the bandwidth w,
     L = w / 2 and K = 2 M w; G = K w / 2, which learns at the pace at which s decays.
     Signals needed: encoders and a preview of the intention.
@@ -58,7 +58,8 @@ class RadialBasisTracker(TorquePolicy):
         target, target_rate = intended(seen["target"])
         slip = target_rate - rate + self._slope * (target - angle)
         active = self.activity(target, target_rate)[:, None]
-        learned = (self._learning * slip)[..., None] * active - FORGETTING * self._weights
+        size = (active**2).sum(-1)
+        learned = (self._learning * slip / size)[..., None] * active - FORGETTING * self._weights
         limit = self.peak[:, None]
         self._weights = np.clip(self._weights + self.dt * learned, -limit, limit)
         return (self._weights * active).sum(-1) + self._gain * slip
