@@ -9,6 +9,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
@@ -121,12 +122,14 @@ class BelievedWeight:
         return torque
 
 
-def chains(model: mujoco.MjModel) -> list[Array]:
+def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
     """Returns the addresses of the four joints: the arm's, and with cuffs the exoskeleton's too."""
     names: list[tuple[str, ...]] = [JOINTS]
     if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
         names.append(tuple(f"exo_{joint}" for joint in JOINTS))
-    return [np.array([model.joint(joint).qposadr[0] for joint in chain]) for chain in names]
+    return [
+        np.array([model.joint(joint).qposadr[0] for joint in chain], np.int64) for chain in names
+    ]
 
 
 def _coefficients(model: mujoco.MjModel) -> Array:

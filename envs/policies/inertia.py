@@ -37,7 +37,7 @@ class BelievedInertia:
             mujoco.mj_comPos(model, data)
             mujoco.mj_makeM(model, data)
             mujoco.mj_fullM(model, data, full)
-            return np.sum([full[np.ix_(chain, chain)] for chain in places], axis=0)
+            return np.sum([full[chain[:, None], chain] for chain in places], axis=0)
 
         self._matrix = Trigonometric(at, len(JOINTS) - 1, 2)
 
