@@ -91,8 +91,8 @@ class AdaptiveOscillators(Compensation):
 
     Law: compensation at the angles and rates that oscillators predict, without the delay and noise
     of encoders. It fades in with their confidence; what has no rhythm gets transparency alone.
-    Tuning rule: amplitudes settle in 1 s, a third of a period of the slowest motion; frequency and
-    phase follow with a damping of 0.7 (see `Oscillators`).
+    Tuning rule: amplitudes settle in 1 s, a third of a period of 0.3 Hz; frequency and phase follow
+    with a damping of 0.7 (see `Oscillators`). The rate was picked from a few, by locking to sines.
     Signals needed: encoders. It is made for repeated motions, and assists on for a moment where
     one stops.
     Source: Ronsse et al. 2010, BioRob; 2011, Med. Biol. Eng. Comput. 49, 1173-1185.
