@@ -10,6 +10,7 @@ from typing import Protocol
 import mujoco
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
@@ -158,12 +159,19 @@ class BelievedWeight:
         return torque
 
 
+def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
+    """Returns the addresses of the four joints: the arm's, and with cuffs the exoskeleton's too."""
+    names: list[tuple[str, ...]] = [JOINTS]
+    if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
+        names.append(tuple(f"exo_{joint}" for joint in JOINTS))
+    return [
+        np.array([model.joint(joint).qposadr[0] for joint in chain], np.int64) for chain in names
+    ]
+
+
 def _coefficients(model: mujoco.MjModel) -> Array:
     """Returns the coefficients of the products for the assisted joints, shape (81, 2)."""
-    chains: list[tuple[str, ...]] = [JOINTS]
-    if any(model.joint(i).name == f"exo_{JOINTS[0]}" for i in range(model.njnt)):
-        chains.append(tuple(f"exo_{joint}" for joint in JOINTS))
-    places = [[model.joint(joint).qposadr[0] for joint in chain] for chain in chains]
+    places = chains(model)
     data, torque = mujoco.MjData(model), np.zeros(model.nv)
     poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
     held = np.zeros_like(poses)

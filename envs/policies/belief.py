@@ -14,6 +14,7 @@ from ..model.config import HEAVIEST_PAYLOAD, nested
 from ..model.workplace import Edits
 from ..person import Person
 from .base import Arms
+from .inertia import BelievedInertia
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,6 +106,19 @@ class BelievedArm:
     def carried_weight(self) -> BelievedWeight:
         """Returns the weight of all that the bare arm carries: suit, exoskeleton and load."""
         return self.whole_weight() - BelievedWeight(bare_arm(self.config))
+
+    def inertia(self) -> BelievedInertia:
+        """Returns the inertia of arm, suit, exoskeleton, load and tools."""
+        return BelievedInertia(self.model())
+
+    def exo_inertia(self) -> BelievedInertia:
+        """Returns the inertia of the exoskeleton alone, with its motors."""
+        without = compose(without_exo(self.config), drawn=False, edits=self._edits)
+        return self.inertia() - BelievedInertia(without)
+
+    def carried_inertia(self) -> BelievedInertia:
+        """Returns the inertia of all that the bare arm carries: suit, exoskeleton and load."""
+        return self.inertia() - BelievedInertia(bare_arm(self.config))
 
 
 def without_exo(config: ArmConfig) -> ArmConfig:

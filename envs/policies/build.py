@@ -15,16 +15,24 @@ from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
+from .admittance import Admittance
+from .amplification import ForceAmplification
 from .base import Policy
 from .belief import Belief
 from .compensation import Compensation, Complement
+from .disturbance_observer import DisturbanceObserver
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
 from .guard import Guard
+from .impedance import Impedance
 from .iterative import IterativeLearning
+from .momentum_observer import ObserverAssist
 from .no_assist import NoAssist
 from .oracle import Oracle
+from .oscillators import AdaptiveOscillators
 from .predictive import PredictiveSampling
+from .proportional import ProportionalAssist
+from .radial_basis import RadialBasisTracker
 from .trained import TrainedPolicy
 from .transparent import Transparent
 
@@ -38,6 +46,14 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "adaptive": Adaptive,
     "iterative": IterativeLearning,
     "predictive": PredictiveSampling,
+    "impedance": Impedance,
+    "admittance": Admittance,
+    "amplification": ForceAmplification,
+    "observer": ObserverAssist,
+    "disturbance-observer": DisturbanceObserver,
+    "proportional": ProportionalAssist,
+    "oscillators": AdaptiveOscillators,
+    "radial-basis": RadialBasisTracker,
     "oracle": Oracle,
 }
 GUARD = "guard"  # option of every policy

@@ -1,0 +1,113 @@
+"""Admittance: the exoskeleton moves as a light mass would that the wearer pushes by the cuffs."""
+
+import mujoco
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...checks import within
+from ..belief import LEAD
+from ..model import ASSISTED
+from ..model.cuffs import CUFF_SITES
+from .base import Arms, Seen
+from .belief import Belief, BelievedArm
+from .model_based import ModelBased
+from .trigonometric import Trigonometric
+
+VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
+SHARE = 0.7  # of the suit's torque; with all of it the arm swings in a stiff suit (see the rule)
+DAMPING = 1.0  # 1/s, so that a push of noise dies away within a second
+
+
+class Admittance(ModelBased):
+    """Moves the exoskeleton as a virtual mass moves that the forces at the cuffs push.
+
+    Law: M_v q'' + B_v q' = tau_cuff - tau_des with tau_des = -rho times the believed torque of the
+    suit, and an inner loop K_v (q'_v - q') to the velocity of that mass, beside the exoskeleton's
+    own weight, friction and -tau_des. In the end the cuffs press with rho times the suit's torque.
+    Tuning rule: M_v is the exoskeleton's believed inertia. Below it, the exoskeleton is no longer
+    passive against the springs of the cuffs. K_v is this inertia times a third of the inverse of
+    the lag of motors and rates. rho leaves the wearer a part of the suit's torque, since cuffs
+    yield and an arm without load is soft: both swing by 0.1 rad in the emu-like suit at rho = 1, by
+    0.03 rad at 0.85, and by 0.01 rad at 0.7.
+    Signals needed: encoders and cuffs (coupling="cuffs").
+    Source: Keemink, van der Kooij and Stienen 2018, Admittance control for physical human-robot
+    interaction, Int. J. Robotics Research 37(11).
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+        rho: Share of the suit's torque that the cuffs give, 0 to 1; 0 is transparent.
+        mass: Virtual mass over the exoskeleton's, 0.5 to 5.
+        damping: Virtual damping B_v over the virtual mass [1/s], 0 to 10.
+        lead: Time by which the motors answer late [s], 0 to 0.2.
+    """
+
+    sensors = ("encoders", "cuffs")
+
+    def __init__(
+        self,
+        arms: Arms,
+        belief: Belief | None = None,
+        *,
+        rho: float = SHARE,
+        mass: float = 1.0,
+        damping: float = DAMPING,
+        lead: float = LEAD,
+    ) -> None:
+        arm = BelievedArm(arms, belief)
+        super().__init__(arms, weight=arm.exo_weight(), suit=arm.suit(), friction=True, lead=lead)
+        within("rho", rho, 0, 1)
+        within("mass", mass, 0.5, 5)
+        within("damping", damping, 0, 10, " 1/s")
+        self._rho, self._damping = rho, damping
+        inertia = arm.exo_inertia().nominal()
+        self.virtual_mass, self._gain = mass * inertia, VELOCITY_BANDWIDTH * inertia
+        self._levers = Trigonometric(_levers(arm.model()), 2, 1)
+
+    def begin(self, seen: Seen) -> None:
+        """Begins with the virtual mass at rest."""
+        super().begin(seen)
+        self._velocity = np.zeros((len(seen["angle"]), len(self.peak)))
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns own weight, friction, the suit's share and the inner loop [N·m], shape (n, 2)."""
+        given = super().torque(seen)
+        push = self.cuff_torque(seen) + self._pressing
+        change = push / self.virtual_mass - self._damping * self._velocity
+        self._velocity = self._velocity + change * self.dt
+        return given + self._gain * (self._velocity - seen["rate"][:, self.assisted])
+
+    def suit_torque(self, seen: Seen) -> Array:
+        """Keeps the torque with which the cuffs shall press on the arm; returns it."""
+        self._pressing = self._rho * super().suit_torque(seen)
+        return self._pressing
+
+    def cuff_torque(self, seen: Seen) -> Array:
+        """Returns the torque of the cuffs' forces on the exoskeleton's motors [N·m], (n, 2)."""
+        levers = self._levers(seen["angle"][:, -2:])
+        return (levers * seen["cuff_force"][:, None]).sum(-1)
+
+
+def _levers(model: mujoco.MjModel):
+    """Returns a function from elbow and wrist angle to levers [m], shape (2, 9).
+
+    The sensors tell forces on the limb in the axes of the exoskeleton's sites; on the exoskeleton
+    they act the other way. Levers about a joint do not depend on joints above it.
+    """
+    data, jacobian = mujoco.MjData(model), np.empty((3, model.nv))
+    sites = [model.site(name).id for name in CUFF_SITES.values()]
+    moved = [model.joint(f"exo_{joint}").qposadr[0] for joint in JOINTS[-2:]]
+    driven = [model.joint(f"exo_{joint}").dofadr[0] for joint in ASSISTED]
+
+    def at(pose: Array) -> Array:
+        data.qpos[moved] = pose
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        found = []
+        for site in sites:
+            mujoco.mj_jacSite(model, data, jacobian, None, site)
+            found.append(-data.site_xmat[site].reshape(3, 3).T @ jacobian[:, driven])
+        return np.concatenate(found).T
+
+    return at

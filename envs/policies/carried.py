@@ -1,0 +1,35 @@
+"""What the arm carries, as an observer of disturbances sees it: momentum, and torques upon it."""
+
+import numpy as np
+
+from ...arrays import Array
+from .base import Arms, Seen
+from .belief import Belief, BelievedArm
+from .inertia import ASSISTED_PLACES
+from .model_based import friction_of
+
+
+class Carried:
+    """Believed momentum of suit, exoskeleton and load, and all torques upon them but the suit's.
+
+    The bare arm is no part of it: `interaction_torque` is what the person gives beyond what his
+    bare arm needs, and moves these alone.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+    """
+
+    def __init__(self, arms: Arms, belief: Belief | None) -> None:
+        arm = BelievedArm(arms, belief)
+        self._inertia, self._weight = arm.carried_inertia(), arm.carried_weight()
+        self._friction = friction_of(arm.config.exo)
+        self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])
+
+    def __call__(self, seen: Seen) -> tuple[Array, Array]:
+        """Returns the momentum [N·m·s] and the torque that is known [N·m], shape (n, 2) each."""
+        angle, rate = seen["angle"], seen["rate"]
+        momentum, gyration = self._inertia.momentum(angle, rate)
+        given = seen["motor_torque"] * self._peak - self._friction(rate[:, ASSISTED_PLACES])
+        person = seen["interaction_torque"][:, ASSISTED_PLACES]
+        return momentum, gyration - self._weight(angle) + given + person

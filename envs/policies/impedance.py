@@ -1,0 +1,53 @@
+"""Impedance: springs and dampers pull the arm along the intention."""
+
+import math
+
+from ...arrays import Array
+from ...checks import within
+from .base import Arms, Seen
+from .belief import Belief, BelievedArm
+from .compensation import Compensation
+from .intention import intended
+
+BANDWIDTH = 1.0  # Hz, a fifth of what the lag of motors and rates, 0.03 s, would let oscillate
+
+
+class Impedance(Compensation):
+    """Pulls the arm along the intention by springs and dampers, beside compensation.
+
+    Law: compensation + K (q_d - q) + B (q_d' - q'), all at the angles of soon.
+    Tuning rule: K = M w² and B = 2 z M w with the believed inertia M of each joint, the bandwidth
+    w and the damping ratio z; w is a fifth of the inverse of the loop's lag, 0.03 s.
+    Signals needed: encoders and a preview of the intention. Where the preview is wrong it fights
+    the wearer.
+    Source: Hogan 1985, Impedance control, J. Dyn. Syst. Meas. Control 107, 1-24.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        belief: What the controller believes of person, suit and load.
+        bandwidth: Natural frequency of the believed arm on the springs [Hz], 0 to 3.
+        damping_ratio: Damping ratio, 0 to 3.
+    """
+
+    sensors = ("encoders", "preview")
+
+    def __init__(
+        self,
+        arms: Arms,
+        belief: Belief | None = None,
+        *,
+        bandwidth: float = BANDWIDTH,
+        damping_ratio: float = 1.0,
+    ) -> None:
+        super().__init__(arms, belief)
+        within("bandwidth", bandwidth, 0, 3, " Hz")
+        within("damping_ratio", damping_ratio, 0, 3)
+        inertia, pole = BelievedArm(arms, belief).inertia().nominal(), math.tau * bandwidth
+        self.stiffness, self.damping = inertia * pole**2, 2 * damping_ratio * inertia * pole
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns compensation and the pull of springs and dampers [N·m], shape (n, 2)."""
+        angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
+        target, target_rate = intended(seen["target"])
+        pull = self.stiffness * (target - angle - self.lead * rate)
+        return super().torque(seen) + pull + self.damping * (target_rate - rate)

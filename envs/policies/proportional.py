@@ -1,0 +1,35 @@
+"""Proportional assist: the motors give a share of the wearer's voluntary torque."""
+
+from ...arrays import Array
+from ...checks import within
+from .base import Arms, Seen
+from .transparent import Transparent
+
+GAIN = 0.5  # half of the gain at which learning no longer settles (see the rule)
+
+
+class ProportionalAssist(Transparent):
+    """Gives a multiple of the wearer's voluntary torque that the EMG tells, beside transparency.
+
+    Law: transparent + gain times the estimated torque, which acts 0.05 s after it is told.
+    Tuning rule: below 1. A wearer who learns a motion gives less by what he is helped; where help
+    is as much as his own torque, learning swings from one repetition to the next and does not
+    settle. The default is half of that.
+    Signals needed: encoders and EMG.
+    Source: Lenzi et al. 2012, Intention-based EMG control for powered exoskeletons, IEEE T-BME 59.
+
+    Args:
+        arms: Environment in which the policy acts, single or vector.
+        gain: Torque of the motors over that of the wearer, 0 to 1.
+    """
+
+    sensors = ("encoders", "emg")
+
+    def __init__(self, arms: Arms, *, gain: float = GAIN) -> None:
+        super().__init__(arms)
+        within("gain", gain, 0, 1)
+        self._gain = gain
+
+    def torque(self, seen: Seen) -> Array:
+        """Returns transparency and a share of the wearer's torque [N·m], shape (n, 2)."""
+        return super().torque(seen) + self._gain * seen["emg"][:, self.assisted]

@@ -1,0 +1,54 @@
+"""The disturbance observer: what is not explained comes back through its filter."""
+
+import math
+
+import numpy as np
+import pytest
+from activesuit.envs.policies import make_policy
+from activesuit.envs.policies.filters import SecondOrderLowPass
+from activesuit.errors import InputError
+from shown import asked, made
+
+
+def step_response(bandwidth, time):
+    pole = math.tau * bandwidth
+    return 1 - (1 + pole * time) * math.exp(-pole * time)
+
+
+@pytest.mark.parametrize("bandwidth", [2.0, 5.0])
+def test_a_disturbance_is_cancelled_through_the_filter(bandwidth):
+    # At rest, 2 and -1 N·m of the person without any motion: something withstands them.
+    name = f"disturbance-observer:bandwidth={bandwidth}"
+    policy, env = made(name, gravity="microgravity", suit="none")
+    for period in range(1, 60):
+        torque = asked(policy, env, interaction_torque=[0, 2, -1, 0])
+        whole = step_response(bandwidth, 0.01 * period) * np.array([2, -1])
+        np.testing.assert_allclose(torque, whole, rtol=1e-5)
+
+
+def test_what_the_believed_arm_explains_is_no_disturbance():
+    policy, env = made("disturbance-observer", gravity="earth")
+    compensation = make_policy("compensation", env)
+    peak = env.episodes.simulation.addresses.peak_torque
+    angle = [0, 0.6, 1.0, 0]
+    needed = asked(compensation, env, angle=angle)
+    bare = needed - asked(make_policy("complement", env), env, angle=angle)
+    for _ in range(50):  # motors carry all but the bare arm, which the person holds
+        torque = asked(policy, env, angle=angle, motor_torque=(needed - bare) / peak)
+    np.testing.assert_allclose(torque, needed, atol=1e-4)
+
+
+def test_rate_of_the_filter():
+    low, value = SecondOrderLowPass(3.0, 0.01), np.ones(1)
+    low.begin(np.zeros(1))
+    before = low.step(value)[0]
+    for _ in range(30):
+        after, rate = low.step(value)
+        assert (after - before) / 0.01 == pytest.approx(rate, rel=0.25, abs=0.05)
+        before = after
+
+
+def test_options_out_of_range():
+    _, env = made("disturbance-observer")
+    with pytest.raises(InputError, match=r"bandwidth is 9.0: use a number from 0.1 to 5 Hz"):
+        make_policy("disturbance-observer:bandwidth=9", env)

@@ -1,0 +1,67 @@
+"""The momentum observer: its residual follows an unknown torque with its bandwidth."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.policies import make_policy
+from activesuit.envs.policies.belief import BelievedArm
+from activesuit.envs.policies.momentum_observer import MomentumObserver
+from activesuit.errors import InputError
+from shown import made
+
+
+@pytest.mark.parametrize("bandwidth", [2.0, 10.0, 30.0])
+def test_the_residual_of_a_step_is_exponential(bandwidth):
+    observer, unknown = MomentumObserver(bandwidth, 0.01), np.array([[3.0, -1.0]])
+    observer.begin(np.zeros((1, 2)))
+    for period in range(1, 100):
+        momentum = (unknown + 0.5) * 0.01 * period
+        residual = observer.step(momentum, np.full((1, 2), 0.5))
+        grown = 1 - math.exp(-bandwidth * 0.01 * period)
+        np.testing.assert_allclose(residual, grown * unknown, rtol=1e-9)
+
+
+def test_it_finds_a_torque_on_a_moving_arm():
+    # The believed arm swings from rest under gravity, with an unknown constant torque.
+    arm, unknown = BelievedArm(ArmEnv(suit="none")), np.array([4.0, -1.5])
+    inertia, weight, model = arm.inertia(), arm.whole_weight(), arm.model()
+    model.dof_frictionloss[:] = 0
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qfrc_applied[1:3] = [0.1, 0.9, 1.2, 0.1], unknown
+    observer = MomentumObserver(10.0, 0.01)
+    observer.begin(inertia.momentum(data.qpos[None], data.qvel[None])[0])
+    for period in range(1, 61):
+        known = np.zeros((1, 2))
+        for _ in range(10):
+            mujoco.mj_forward(model, data)
+            other = (data.qfrc_passive + data.qfrc_constraint)[None, 1:3]
+            gyration = inertia.momentum(data.qpos[None], data.qvel[None])[1]
+            known += (gyration - weight(data.qpos[None]) + other) / 10
+            data.qvel[:] += 0.001 * data.qacc
+            data.qpos[:] += 0.001 * data.qvel
+        momentum = inertia.momentum(data.qpos[None], data.qvel[None])[0]
+        grown = 1 - math.exp(-0.1 * period)
+        found = observer.step(momentum, known)[0]
+        np.testing.assert_allclose(found, grown * unknown, atol=0.03 * np.abs(unknown).max())
+    assert np.abs(data.qvel).max() > 1  # it has moved fast meanwhile
+
+
+def test_it_needs_no_model_of_the_suit():
+    options = {"episodes": 1, "gravity": "microgravity", "settled": False, "references": False}
+    options |= {"suit": "emu-like"}
+    policies = ("none", "observer", "compensation:suit=mock-suit")
+    scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
+    off, observer, compensation = (scores[name].effort[0] for name in policies)
+    assert observer < 0.3 * off
+    assert observer < 0.5 * compensation
+
+
+def test_options_out_of_range():
+    _, env = made("observer")
+    with pytest.raises(InputError, match=r"bandwidth is 30.0: use a number from 0.1 to 20 rad/s"):
+        make_policy("observer:bandwidth=30", env)
