@@ -20,13 +20,16 @@ BOUNDS = ("clairvoyant-suit", "clairvoyant")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
 
 
-def clairvoyant(wearers: Wearers, seeds: Sequence[int], *, suit_only: bool = False) -> Planned:
+def clairvoyant(
+    wearers: Wearers, seeds: Sequence[int], *, suit_only: bool = False, passes: int = PASSES
+) -> Planned:
     """Returns the plan of one who knows the true model and each motion as a whole.
 
     Args:
         wearers: Wearers under whom the motions are planned.
         seeds: Seeds of the motions.
         suit_only: Whether to cancel the suit's torque alone.
+        passes: Number of passes.
     """
     simulation = wearers.arms.episodes.simulation
     assisted, peak = simulation.addresses.assisted, simulation.addresses.peak_torque
@@ -38,7 +41,7 @@ def clairvoyant(wearers: Wearers, seeds: Sequence[int], *, suit_only: bool = Fal
     plan = Planned(inverted(wanted, gain, peak) / peak)
     untaught = np.zeros((len(seeds), simulation.samples, len(JOINTS)))
     samples = simulation.samples
-    for _ in range(PASSES):
+    for _ in range(passes):
         traces = wearers.led(plan, seeds, untaught)
         if suit_only:
             resisted = smoothed([trace.suit_torque for trace in traces], samples)

@@ -10,25 +10,28 @@ from ...checks import within
 from ..belief import LEAD
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
-from .model_based import SHARE, ModelBased, friction_of
+from .carried import Carried, person
+from .filters import LowPass
+from .model_based import SHARE, ModelBased
 
-# The terms: unit hysteresis, a straight spring, bias and carried weight; then acceleration
-BELIEVED = np.array([1.0, 0.0, 0.0, 1.0, 0.0])
-# 1, N·m/rad, N·m, 1 and kg·m²: how wrong a belief may well be.
-SPREAD = np.array([0.7, 3.0, 2.0, 0.3, 0.5])
+# The terms: unit hysteresis, a straight spring, bias and carried weight.
+BELIEVED = np.array([1.0, 0.0, 0.0, 1.0])
+SPREAD = np.array([0.7, 1.0, 1.0, 0.3])  # 1, N·m/rad, N·m, 1: how wrong a belief may well be
+CUTOFF = 3.0  # Hz
 LASTING = 0.3  # s, for which an error that no term explains stays the same
 STILL = 0.02  # rad/s, below which nothing new is learned
 NOISE = 0.1  # of the torque, of pads between person and suit
 QUIET = 0.2  # N·m, the least error that counts
 SCALES = (0.02, 50.0)  # of the unit hysteresis, whose certificate holds for any above 0
-LARGEST = np.array([0.0, 40.0, 20.0, 3.0, 5.0])  # bounds of the other terms
+LARGEST = np.array([0.0, 40.0, 20.0, 3.0])  # bounds of the other terms
 
 
 class Adaptive(ModelBased):
     """Compensates with a suit and a weight that recursive least squares correct on the way.
 
-    Law: the torque between person and suit and that of the motors together are what suit and
-    carried weight need, y = θ·φ with φ = (believed resistance, angle, 1, believed carried weight);
+    Law: the torques of person and motors together, less what changes the momentum of all that the
+    arm carries, are what suit and weight need, y = θ·φ with φ = (believed resistance, angle, 1,
+    believed carried weight), both through the same low-pass, so that no acceleration is needed;
     K = Pφ/(λ + φᵀPφ), θ += K(y - φᵀθ), P = (P - Kφᵀ P)/λ, with a dead zone, P never larger than at
     the start, and θ projected at every update: a Jiles-Atherton model times any number above 0 has
     the same certificate. Tuning: λ = 1 - dt / `forgetting`. Signals: `interaction`, without which
@@ -61,17 +64,19 @@ class Adaptive(ModelBased):
         friction: float = SHARE,
     ) -> None:
         arm = BelievedArm(arms, belief)
-        super().__init__(arms, suit=arm.suit(), lead=lead)
+        super().__init__(arms, suit=arm.suit(), lead=lead, friction=friction)
         within("forgetting", forgetting, 1, 1000, " s")
         within("delay", delay, 0, 0.5, " s")
-        self._carried, self._whole = arm.carried_weight(), arm.whole_weight()
-        exo = arms.episodes.simulation.config.exo
-        self._rubbing, self._against = friction_of(exo, 1.0), friction_of(exo, friction)
+        self._weight, self._whole = arm.carried_weight(), arm.whole_weight()
+        self._carried = Carried(arms, belief)
         self._keep, self._late = 1 - self.dt / forgetting, round(delay / self.dt)
+        self._terms_slowly, self._torque_slowly, self._momentum_slowly = (
+            LowPass(CUTOFF, self.dt) for _ in range(3)
+        )
 
     @property
     def estimate(self) -> Array:
-        """Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 5)."""
+        """Factors of believed resistance, angle [N·m/rad], 1 [N·m] and weight, (n, 2, 4)."""
         return self._theta
 
     def begin(self, seen: Seen) -> None:
@@ -80,32 +85,42 @@ class Adaptive(ModelBased):
         shape = (len(seen["angle"]), len(self.peak), len(SPREAD))
         self._theta = np.zeros(shape) + BELIEVED
         self._covariance = np.zeros((*shape, len(SPREAD)))
-        self._turned = seen["rate"][:, self.assisted]
         self._covariance[:] = np.diag(SPREAD**2)
-        self._past: list[tuple[Array, Array, Array]] = []
+        terms = self._terms(seen, 0.0)
+        momentum, _ = self._carried(seen)
+        self._past: list[tuple[Array, Array, Array, Array]] = []
+        self._terms_slowly.begin(terms)
+        self._torque_slowly.begin((self._theta * terms).sum(axis=-1))
+        self._momentum_slowly.begin(momentum)
+        self._slow = momentum
 
     def torque(self, seen: Seen) -> Array:
         """Learns from the last measurement; returns the corrected compensation [N·m], (n, 2)."""
-        angle, rate = seen["angle"], seen["rate"]
-        turning = rate[:, self.assisted]
-        now = self._terms(self._resistance(seen, 0.0), angle, (turning - self._turned) / self.dt)
-        self._turned = turning
-        given = seen["motor_torque"] * self.peak - self._rubbing(turning)
-        self._past.append((now, given, turning))
+        rate = seen["rate"]
+        terms, (momentum, known) = self._terms(seen, 0.0), self._carried(seen)
+        known = known + self._weight(seen["angle"])  # whose factor is to be found
+        self._past.append((terms, momentum, known, rate[:, self.assisted]))
         if len(self._past) > self._late:
-            then, moved, speed = self._past.pop(0)
-            measured = seen["interaction_torque"][:, self.assisted] + moved
-            self.learn(then, measured, np.abs(speed) > STILL)
-        soon = angle + self.lead * rate
-        terms = self._terms(self._resistance(seen, self.lead), soon, np.zeros_like(turning))
-        own = self._whole(soon) - self._carried(soon)
-        return (self._theta * terms).sum(axis=-1) + own + self._against(turning)
+            self._observe(*self._past.pop(0), person(seen))
+        soon = seen["angle"] + self.lead * rate
+        own = self._whole(soon) - self._weight(soon)
+        corrected = (self._theta * self._terms(seen, self.lead)).sum(axis=-1)
+        return corrected + own + self._friction(rate[:, self.assisted])
+
+    def _observe(
+        self, terms: Array, momentum: Array, known: Array, rate: Array, given: Array
+    ) -> None:
+        """Learns from what was when the person gave a torque; all through the same low-pass."""
+        slow = self._momentum_slowly.step(momentum)
+        change, self._slow = (slow - self._slow) / self.dt, slow
+        needed = self._torque_slowly.step(known + given) - change
+        self.learn(self._terms_slowly.step(terms), needed, np.abs(rate) > STILL)
 
     def learn(self, terms: Array, measured: Array, moving: NDArray[np.bool_]) -> None:
         """Corrects the estimate by one measurement of every joint.
 
         Args:
-            terms: Regressors, shape (n, 2, 5).
+            terms: Regressors, shape (n, 2, 4).
             measured: Torque that they should explain [N·m], shape (n, 2).
             moving: Which joints move, so that there is something to learn, shape (n, 2).
         """
@@ -121,22 +136,21 @@ class Adaptive(ModelBased):
         fresh = np.where(wound.any(axis=-1)[..., None, None], fresh * self._keep, fresh)
         self._covariance = np.where(learns[..., None, None], fresh, self._covariance)
 
-    def _resistance(self, seen: Seen, lead: float) -> Array:
+    def _terms(self, seen: Seen, lead: float) -> Array:
+        """Returns the regressors after a time [s], shape (n, 2, 4)."""
         angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
         assert self._suit is not None
-        return self._suit.follow(self._memory, angle, rate, lead)
-
-    def _terms(self, resistance: Array, angle: Array, acceleration: Array) -> Array:
-        here = angle[:, self.assisted]
-        weight, one = self._carried(angle), np.ones_like(here)
-        return np.stack([resistance, here, one, weight, acceleration], axis=-1)
+        resistance = self._suit.follow(self._memory, angle, rate, lead)
+        weight = self._weight(seen["angle"] + lead * seen["rate"])
+        here = angle + lead * rate
+        return np.stack([resistance, here, np.ones_like(here), weight], axis=-1)
 
 
 def projected(theta: Array) -> Array:
     """Returns the nearest factors that keep the certificate and are physical.
 
     Args:
-        theta: Factors, shape (..., 5).
+        theta: Factors, shape (..., 4).
     """
     found = np.clip(theta, -LARGEST, LARGEST)
     found[..., 0] = np.clip(theta[..., 0], *SCALES)

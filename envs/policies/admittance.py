@@ -11,11 +11,11 @@ from ..model import ASSISTED
 from ..model.cuffs import CUFF_SITES
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
-from .model_based import ModelBased
+from .model_based import SHARE, ModelBased
 from .trigonometric import Trigonometric
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
-SHARE = 0.7  # of the suit's torque; with all of it the arm swings in a stiff suit (see the rule)
+RELIEVED = 0.7  # of the suit's torque; with all of it the arm swings in a stiff suit (see the rule)
 DAMPING = 1.0  # 1/s, so that a push of noise dies away within a second
 
 
@@ -50,13 +50,13 @@ class Admittance(ModelBased):
         arms: Arms,
         belief: Belief | None = None,
         *,
-        rho: float = SHARE,
+        rho: float = RELIEVED,
         mass: float = 1.0,
         damping: float = DAMPING,
         lead: float = LEAD,
     ) -> None:
         arm = BelievedArm(arms, belief)
-        super().__init__(arms, weight=arm.exo_weight(), suit=arm.suit(), friction=True, lead=lead)
+        super().__init__(arms, weight=arm.exo_weight(), suit=arm.suit(), friction=SHARE, lead=lead)
         within("rho", rho, 0, 1)
         within("mass", mass, 0.5, 5)
         within("damping", damping, 0, 10, " 1/s")

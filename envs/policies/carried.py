@@ -10,7 +10,9 @@ from .model_based import friction_of
 
 
 class Carried:
-    """Believed momentum of suit, exoskeleton and load, and all torques upon them but the suit's.
+    """Believed momentum of suit, exoskeleton and load, and the torques upon them that are known.
+
+    Unknown are the suit's torque and the person's, which `person` measures.
 
     The bare arm is no part of it: `interaction_torque` is what the person gives beyond what his
     bare arm needs, and moves these alone.
@@ -23,13 +25,20 @@ class Carried:
     def __init__(self, arms: Arms, belief: Belief | None) -> None:
         arm = BelievedArm(arms, belief)
         self._inertia, self._weight = arm.carried_inertia(), arm.carried_weight()
-        self._friction = friction_of(arm.config.exo)
+        self._friction = friction_of(arm.config.exo, 1.0, viscous=False)
         self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])
 
     def __call__(self, seen: Seen) -> tuple[Array, Array]:
-        """Returns the momentum [N·m·s] and the torque that is known [N·m], shape (n, 2) each."""
+        """Returns the momentum [N·m·s] and the torque that is known [N·m], shape (n, 2) each.
+
+        The torque is that of motors and weight, less friction.
+        """
         angle, rate = seen["angle"], seen["rate"]
         momentum, gyration = self._inertia.momentum(angle, rate)
         given = seen["motor_torque"] * self._peak - self._friction(rate[:, ASSISTED_PLACES])
-        person = seen["interaction_torque"][:, ASSISTED_PLACES]
-        return momentum, gyration - self._weight(angle) + given + person
+        return momentum, gyration - self._weight(angle) + given
+
+
+def person(seen: Seen) -> Array:
+    """Returns the torque that the person gives to what he carries [N·m], shape (n, 2)."""
+    return seen["interaction_torque"][:, ASSISTED_PLACES]

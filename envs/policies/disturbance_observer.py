@@ -4,7 +4,7 @@ from ...arrays import Array
 from ...checks import within
 from .base import Arms, Seen
 from .belief import Belief
-from .carried import Carried
+from .carried import Carried, person
 from .compensation import Compensation
 from .filters import SecondOrderLowPass
 
@@ -54,7 +54,7 @@ class DisturbanceObserver(Compensation):
         compensation = super().torque(seen)
         momentum, known = self._carried(seen)
         _, needed = self._moving.step(momentum)
-        explained, _ = self._known.step(known - self._resistance)
+        explained, _ = self._known.step(known + person(seen) - self._resistance)
         return compensation + explained - needed
 
     def suit_torque(self, seen: Seen) -> Array:

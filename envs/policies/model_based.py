@@ -88,12 +88,19 @@ class ModelBased(TorquePolicy):
         return self._suit.follow(self._memory, angle, rate, self.lead)
 
 
-def friction_of(exo: Exo, share: float) -> Callable[[Array], Array]:
-    """Returns a function from rates [rad/s], (n, 2), to a share of the motors' friction [N·m]."""
+def friction_of(exo: Exo, share: float, *, viscous: bool = True) -> Callable[[Array], Array]:
+    """Returns a function from rates [rad/s], (n, 2), to the motors' friction [N·m].
+
+    Args:
+        exo: Exoskeleton whose motors they are.
+        share: Share of the friction that is meant.
+        viscous: Whether the viscous part is meant too, which the measured torque of a motor is
+            without.
+    """
     coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
-    viscous = np.array([motor.viscous for motor in exo.motors.values()])
+    by_rate = np.array([motor.viscous if viscous else 0.0 for motor in exo.motors.values()])
 
     def against(rate: Array) -> Array:
-        return share * (coulomb * np.tanh(rate / _TURNING.value) + viscous * rate)
+        return share * (coulomb * np.tanh(rate / _TURNING.value) + by_rate * rate)
 
     return against

@@ -9,8 +9,8 @@ from ...checks import within
 from ..belief import LEAD
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
-from .carried import Carried
-from .model_based import ModelBased
+from .carried import Carried, person
+from .model_based import SHARE, ModelBased
 
 BANDWIDTH = 10.0  # rad/s, half of the inverse of 0.05 s, the age of the interaction torque
 
@@ -76,7 +76,7 @@ class ObserverAssist(ModelBased):
         lead: float = LEAD,
     ) -> None:
         weight = BelievedArm(arms, belief).whole_weight()
-        super().__init__(arms, weight=weight, friction=True, lead=lead)
+        super().__init__(arms, weight=weight, friction=SHARE, lead=lead)
         within("bandwidth", bandwidth, 0.1, 20, " rad/s")
         self._carried = Carried(arms, belief)
         self._observer = MomentumObserver(bandwidth, self.dt)
@@ -88,4 +88,5 @@ class ObserverAssist(ModelBased):
 
     def torque(self, seen: Seen) -> Array:
         """Returns weight, friction and the suit's estimated torque [N·m], shape (n, 2)."""
-        return super().torque(seen) - self._observer.step(*self._carried(seen))
+        momentum, known = self._carried(seen)
+        return super().torque(seen) - self._observer.step(momentum, known + person(seen))

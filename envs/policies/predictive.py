@@ -19,17 +19,20 @@ from .compensation import Compensation
 PERIOD = 0.05  # s, between two plans
 KNOTS = 3  # of a plan, over its horizon
 QUICKNESS = 3.0  # Hz, up to which accelerations are estimated
-SMOOTHNESS = 0.3  # cost of a correction as large as the motor's peak, beside that of strength
-MOST = 64  # samples
+SHRINKING = 0.8  # of the last plan, which no longer fits
+ELITE = 4  # of so many plans one counts: their mean is less random than the best
+SMOOTHNESS = 1.0  # cost of a correction as large as the motor's peak, beside that of strength
+FEWEST, MOST = 4, 64  # samples
 
 
 class PredictiveSampling(Compensation):
     """Compensates, and corrects it by the best of sampled plans on the believed arm.
 
-    Law: twenty times a second, plans of corrections (the last one, none, and random ones around the
-    last, with three knots over the horizon) are simulated on a batch of the believed arm, whose
-    wearer goes on at the present rate; the plan that leaves the wearer the least torque over
-    strength is followed (predictive sampling, Howell et al. 2022, arXiv 2212.00541). The state is
+    Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
+    it, with three knots over the horizon) are simulated on a batch of the believed arm, whose
+    wearer goes on as he moves now; the mean of the quarter that leaves the wearer the
+    least torque over strength is followed (predictive sampling, Howell et al. 2022, arXiv
+    2212.00541). The state is
     what encoders and motors tell; the suit's memory is that of an arm which is moved along.
     Tuning: spread of the samples and horizon, several times the motors' lag.
 
@@ -38,7 +41,7 @@ class PredictiveSampling(Compensation):
     Args:
         arms: Environment in which the policy acts, single or vector.
         belief: What the controller believes of person, suit and load.
-        samples: Number of plans, 2 to 64.
+        samples: Number of plans, 4 to 64.
         horizon: Time that a plan covers [s], 0.02 to 0.5.
         spread: Standard deviation of the knots over the motors' peaks, 0 to 0.5.
         seed: Seed of the samples.
@@ -54,14 +57,13 @@ class PredictiveSampling(Compensation):
         arms: Arms,
         belief: Belief | None = None,
         *,
-        samples: int = 16,
+        samples: int = 8,
         horizon: float = 0.1,
-        spread: float = 0.02,
+        spread: float = 0.01,
         seed: int = 0,
     ) -> None:
         super().__init__(arms, belief)
-        at_least("samples", samples, 2)
-        within("samples", samples, 2, MOST)
+        within("samples", samples, FEWEST, MOST)
         within("horizon", horizon, 0.02, 0.5, " s")
         within("spread", spread, 0, 0.5)
         at_least("seed", seed, 0)
@@ -131,7 +133,7 @@ class PredictiveSampling(Compensation):
             + np.array([rng.standard_normal((count, KNOTS, len(self.peak))) for rng in self._rngs])
             * self._spread
         )
-        knots[:, 0], knots[:, 1] = 0.0, self._knots
+        knots[:, 0] = SHRINKING * self._knots
         plans = np.einsum("hk,nckm->hncm", self._blend, knots).reshape(self._ahead, -1, 2)
         cost = SMOOTHNESS * np.mean((knots / self.peak) ** 2, axis=(2, 3)).ravel()
         angle, rate = seen["angle"][source], seen["rate"][source]
@@ -148,8 +150,9 @@ class PredictiveSampling(Compensation):
             batch.step(ids=trial, nstep=self._substeps)
             human = self._physics["actuator_force"][trial[:, None], self._at.human]
             cost += np.mean((human / self._strength) ** 2, axis=1) / self._ahead
-        best = np.argmin(np.where(np.isfinite(cost), cost, np.inf).reshape(rows, count), axis=1)
-        self._knots = knots[np.arange(rows), best]
+        cost = np.where(np.isfinite(cost), cost, np.inf).reshape(rows, count)
+        best = np.argsort(cost, axis=1, kind="stable")[:, : max(1, count // ELITE)]
+        self._knots = np.take_along_axis(knots, best[:, :, None, None], axis=1).mean(axis=1)
 
     def _needed(self, seen: Seen, nominal: Array) -> Array:
         """Returns compensation along the motion at the present rate [N·m], (horizon, n, 2)."""
