@@ -1,0 +1,157 @@
+"""Policies as data: names, options, beliefs, and classes from outside."""
+
+import json
+import sys
+import types
+
+import numpy as np
+import pytest
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.policies import POLICIES, Belief, make_policy, policy_spec
+from activesuit.errors import InputError
+
+OBSERVATION = np.zeros(12, np.float32)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "compensation:suit=emu-like,load=2,wearer.mass=65,lead=0.03",
+        {
+            "name": "compensation",
+            "suit": "emu-like",
+            "load": 2,
+            "wearer": {"mass": 65.0},
+            "lead": 0.03,
+        },
+    ],
+)
+def test_text_and_dict_are_the_same(given):
+    spec = policy_spec(given)
+    assert spec.name == "compensation"
+    options = {"suit": "emu-like", "load": 2.0, "wearer": {"mass": 65.0}, "lead": 0.03}
+    assert spec.options == options
+    assert policy_spec(spec) == spec
+    assert policy_spec(spec.to_dict()) == spec
+    assert policy_spec(str(spec)) == spec
+
+
+def test_a_file_is_one_too(tmp_path):
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps({"name": "feedforward", "lead": 0.01}))
+    assert policy_spec(str(path)).options == {"lead": 0.01}
+    path.write_text("[1]")
+    with pytest.raises(InputError, match="is no policy: it must be an object with a name"):
+        policy_spec(str(path))
+
+
+@pytest.mark.parametrize("name", POLICIES)
+def test_every_policy_has_a_line_for_the_list(name):
+    first = (POLICIES[name].__doc__ or "").splitlines()[0]
+    assert first.endswith(".")
+    assert "Args" in POLICIES[name].__doc__
+
+
+def test_a_belief_is_not_what_is_worn():
+    """The weight that a policy carries is that of what it believes."""
+    env = ArmEnv()
+    right = make_policy("gravity", env).act(OBSERVATION + 0.5)
+    loaded = make_policy("gravity:load=3", env).act(OBSERVATION + 0.5)
+    light = make_policy("gravity:wearer.mass=50", env).act(OBSERVATION + 0.5)
+    assert (loaded > right + 0.01).all()
+    assert (light < right - 0.01).all()
+    config = Belief(suit="emu-like", load=1.0).of(env.config)
+    assert (config.suit, config.pressure, config.payload.mass) == ("emu-like", None, 1.0)
+    assert env.config.suit == "mock-suit"
+
+
+@pytest.fixture
+def outside(monkeypatch):
+    module = types.ModuleType("outside")
+
+    class Mine:
+        """Pushes."""
+
+        sensors = ("encoders", "interaction")
+
+        def __init__(self, arms, *, gain: float = 0.1, bad: str = ""):
+            self.gain, self.bad, self.rows = gain, bad, arms.episodes.n
+
+        def reset(self):
+            pass
+
+        def act(self, observation):
+            assert observation.shape[-1] == 16
+            if self.bad == "nan":
+                return np.full((*observation.shape[:-1], 2), np.nan)
+            if self.bad == "shape":
+                return np.zeros(3)
+            return np.full((*observation.shape[:-1], 2), self.gain)
+
+    module.Mine = Mine
+    module.NUMBER = 3
+    module.wrong = lambda arms: object()
+    monkeypatch.setitem(sys.modules, "outside", module)
+    return module
+
+
+def test_a_class_from_outside_has_options_and_sensors(outside):
+    scores = evaluate(
+        "ActiveSuit/ElbowFlexion-v0",
+        {"mine": "outside:Mine:gain=0.05", "more": {"name": "outside:Mine", "gain": 0.2}},
+        episodes=1,
+        references=False,
+        settled=False,
+    ).scores
+    assert scores["mine"].assist_energy != scores["more"].assist_energy
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("copmensation", "unknown policy 'copmensation': .*did you mean 'compensation'"),
+        ("compensation:leed=1", "unknown option of policy 'compensation' 'leed'.*mean 'lead'"),
+        ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
+        ({"name": "compensation", "lead": True}, "option lead .* is True: give a number"),
+        ("compensation:lead", "has 'lead': give options as option=value"),
+        ("none:x=1", "unknown option of policy 'none' 'x': use one of guard"),
+        ("nowhere:Class", "the policy 'nowhere:Class' cannot be imported"),
+        ("outside:NUMBER", "the policy 'outside:NUMBER' is 3: name a class or a function"),
+        ("outside:Mine:gain=big", "option gain of policy 'outside:Mine' is 'big'"),
+        ("outside:Mine:goin=1", "unknown option of policy 'outside:Mine' 'goin'"),
+        ({"nam": "none"}, "the policy is .*: give a name"),
+        (3, "the policy is 3: give a name"),
+    ],
+)
+def test_mistakes_in_what_names_a_policy(outside, given, message):
+    with pytest.raises(InputError, match=message):
+        policy_spec(given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("compensation:load=90", "the believed load is 90.0: use a number from 0 to 60 kg"),
+        ("compensation:suit=nosuit", "unknown suit 'nosuit'"),
+        ("compensation:wearer.mas=3", "unknown field of wearer 'mas'"),
+        ("compensation:pressure=9999", "pressure is 9999.0"),
+        ("adaptive", r"policy 'adaptive' needs the sensors encoders, interaction"),
+        ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
+    ],
+)
+def test_mistakes_in_what_makes_one(outside, given, message):
+    with pytest.raises(InputError, match=message):
+        make_policy(given, ArmEnv())
+
+
+@pytest.mark.parametrize(("bad", "message"), [("nan", "finite numbers"), ("shape", "shape")])
+def test_what_it_returns_is_checked(outside, bad, message):
+    with pytest.raises(InputError, match=message):
+        evaluate(
+            "ActiveSuit/ElbowFlexion-v0",
+            [f"outside:Mine:bad={bad}"],
+            episodes=1,
+            references=False,
+            settled=False,
+        )
