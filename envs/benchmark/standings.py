@@ -50,6 +50,8 @@ class Standings:
         policies: Names of the policies, references and bound, in their order.
         levels: Names of the levels.
         settings: All settings.
+        protocol: How the first result came about.
+        count: Number of results.
     """
 
     def __init__(self, results: Sequence[Result]) -> None:
@@ -58,6 +60,7 @@ class Standings:
             setting = Setting(one.task, one.level, one.believed)
             self._found.setdefault(setting, {})[one.policy] = one
         self.settings = list(self._found)
+        self.protocol, self.count = results[0].protocol, len(results)
         self.policies = list(dict.fromkeys(one.policy for one in results))
         self.levels = list(dict.fromkeys(one.level for one in results))
 

@@ -18,7 +18,7 @@ from .suite import Suite, Trial
 
 LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
 PASSES = 3  # of the clairvoyant: three more lower his effort by less than his intervals
-DIGITS = 6
+DIGITS = 6  # of efforts and errors
 
 
 def run_trial(suite: Suite, trial: Trial) -> Result:

@@ -1,0 +1,166 @@
+"""The benchmark: suites, trials, results that merge, and standings."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.envs.benchmark import SUITES, Setting, run_trial, suite
+from activesuit.envs.benchmark.results import Result, lines, read_results
+from activesuit.envs.benchmark.standings import Standings
+from activesuit.envs.evaluation import FIRST_SEED, evaluate
+from activesuit.envs.policies import POLICIES, PolicySpec
+from activesuit.envs.tasks import TASKS
+from activesuit.errors import InputError
+
+MOTIONS = 8
+PROTOCOL = {"contract": "abc"}
+
+
+@pytest.fixture(scope="module")
+def small():
+    return suite(
+        "full",
+        policies=("none", "compensation", "compensation:suit=mock-suit"),
+        tasks=("ElbowFlexion",),
+        levels=("nominal",),
+        believed=("emu-like",),
+        episodes=MOTIONS,
+    )
+
+
+@pytest.fixture(scope="module")
+def results(small):
+    return [run_trial(small, trial) for trial in small.trials]
+
+
+def test_the_full_suite_has_everything():
+    full = SUITES["full"]
+    assert full.tasks == tuple(TASKS)
+    assert len(full.levels) == 3
+    assert full.episodes == 20
+    assert set(full.policies) == set(POLICIES) - {"oracle", "admittance"}
+    names = [trial.file_name for trial in full.trials]
+    assert len(set(names)) == len(names)
+    # At "shift" what believes nothing runs once, the others once for each belief.
+    shifted = [t for t in full.trials if t.setting.level == "shift" and t.setting.task == "Scoop"]
+    runs = [trial.label for trial in shifted]
+    assert (runs.count("none"), runs.count("compensation")) == (1, 2)
+    assert {t.policy.options["suit"] for t in shifted if t.label == "compensation"} == {
+        "mock-suit",
+        "emu-like",
+    }
+
+
+def test_beliefs_at_shift_are_of_another_suit():
+    options = Setting("Ratchet", "shift", "mock-suit").options
+    assert "suit" not in options  # the level says which one is worn
+    assert Setting("Ratchet", "shift", "mock-suit").worn == "emu-like"
+    assert Setting("Ratchet", "nominal", "mock-suit").worn == "mock-suit"
+
+
+def test_a_trial_is_what_evaluate_says(small, results):
+    """But for one rollout less from which wearers learn, which changes little."""
+    found = evaluate(
+        "ActiveSuit/ElbowFlexion-v0", ["compensation"], episodes=MOTIONS, suit="emu-like"
+    )
+    mine = {one.policy: one for one in results}
+    np.testing.assert_allclose(
+        mine["compensation"].effort, found.scores["compensation"].effort, rtol=0.02
+    )
+    np.testing.assert_allclose(mine["suited"].effort, found.scores["suited"].effort, rtol=0.02)
+    standings = Standings(results)
+    (setting,) = standings.settings
+    relief = standings.relief(setting, "compensation")
+    assert relief.mean() == pytest.approx(found.relief("compensation").value, abs=0.02)
+    assert mine["compensation"].protocol["first_seed"] == FIRST_SEED
+    assert mine["compensation"].protocol["contract"] == small.contract
+
+
+def test_standings(results):
+    standings = Standings(results)
+    found = {one.policy: one for one in standings.by_level("nominal")}
+    assert list(found)[:3] == ["unsuited", "suited", "clairvoyant"]
+    assert found["unsuited"].relief.value == pytest.approx(1, abs=0.2)
+    assert found["suited"].relief.value == pytest.approx(0, abs=1e-12)
+    right, wrong = found["compensation"], found["compensation:suit=mock-suit"]
+    assert right.relief.value > wrong.relief.value
+    assert wrong.improvement.high < 0.5
+    assert right.improvement is None  # it is what the others are compared with
+    (setting,) = standings.settings
+    difference = standings.difference(setting, "compensation", "compensation:suit=mock-suit")
+    assert difference.low > 0
+    profile = standings.profile("compensation", "nominal", np.array([-10.0, 0.0, 10.0]))
+    assert profile.tolist() == [1, 1, 0]
+
+
+def made(**changes) -> Result:
+    usual = Result(
+        **{"task": "Scoop", "level": "nominal", "believed": "mock-suit", "policy": "none"},
+        **{"options": {"name": "none"}, "effort": (0.1, 0.2), "tracking": (0.01, 0.02)},
+        **{"success": (True, False), "failed": None, "protocol": PROTOCOL},
+    )
+    return replace(usual, **changes)
+
+
+def test_results_go_through_a_file(tmp_path):
+    kept = [made(), made(policy="mine", effort=(np.inf,) * 2, failed="no torque")]
+    (tmp_path / "a.jsonl").write_text(lines(kept))
+    assert read_results([tmp_path / "a.jsonl"]) == kept
+    more = made(level="shift")
+    (tmp_path / "b.jsonl").write_text(lines([kept[0], more]))
+    assert read_results([tmp_path / "a.jsonl", tmp_path / "b.jsonl"]) == [*kept, more]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (
+            lines([made(protocol={"contract": "x"})]),
+            "of the contract 'x', and those before .*'abc'",
+        ),
+        (lines([made(effort=(0.3, 0.3))]), "different results of none in Scoop at nominal"),
+        ("{}\n", "line 1, is no result of the benchmark"),
+        ("{\n", "is not complete JSON"),
+        (lines([made(effort=(0.1,))]), "series of different lengths"),
+        ('{"task": 1}\n', "is no result of the benchmark"),
+    ],
+)
+def test_results_that_cannot_be_merged(tmp_path, content, message):
+    (tmp_path / "a.jsonl").write_text(lines([made()]))
+    (tmp_path / "b.jsonl").write_text(content)
+    with pytest.raises(InputError, match=message):
+        read_results([tmp_path / "a.jsonl", tmp_path / "b.jsonl"])
+
+
+def test_there_must_be_results(tmp_path):
+    with pytest.raises(InputError, match="there are no results: give a file"):
+        read_results([])
+    with pytest.raises(InputError, match="cannot read the results"):
+        read_results([tmp_path / "none.jsonl"])
+
+
+def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
+    (trial,) = [one for one in small.trials if one.label == "none"]
+    found = run_trial(small, trial._replace(policy=PolicySpec("admittance"), label="admittance"))
+    assert "cuffs" in found.failed
+    assert found.success == (False,) * MOTIONS
+    assert json.loads(found.to_json())["effort"] == [None] * MOTIONS
+    standings = Standings([*[run_trial(small, one) for one in small.trials[:2]], found])
+    assert standings.standing("admittance", standings.settings).failed == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"policies": ("copmensation",)}, "unknown policy"),
+        ({"tasks": ("Knee",)}, "unknown task 'Knee'"),
+        ({"levels": ("easy",)}, "unknown level 'easy'"),
+        ({"believed": ("nosuit",)}, "unknown suit 'nosuit'"),
+        ({"episodes": 7}, "episodes is 7: use at least 8"),
+        ({"tasks": ("Scoop", "Scoop")}, "name each one once"),
+    ],
+)
+def test_mistakes(options, message):
+    with pytest.raises(InputError, match=message):
+        suite("full", **options)

@@ -1,0 +1,101 @@
+"""`activesuit benchmark`."""
+
+import json
+
+import pytest
+from activesuit.envs.benchmark import run_trial
+from activesuit.scripts.commands import benchmark as command
+from activesuit.scripts.main import main
+
+SMALL = (
+    *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
+    *("emu-like", "--policies", "none", "compensation", "--episodes", "8"),
+    *("--workers", "1", "--backend", "threading"),
+)
+FILES = ("results.jsonl", "tables.md")
+
+
+def run(capsys, *arguments) -> str:
+    main([str(argument) for argument in arguments])
+    return capsys.readouterr().out
+
+
+def fails(capsys, *arguments) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    assert stop.value.code == 2
+    return capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    main([*SMALL, "--out", str(folder)])
+    return folder
+
+
+def test_an_interrupted_run_goes_on_to_the_same_bytes(capsys, tmp_path, whole, monkeypatch):
+    folder, count = tmp_path / "run", 0
+
+    def killed(*arguments):
+        nonlocal count
+        count += 1
+        if count == 3:
+            raise KeyboardInterrupt
+        return run_trial(*arguments)
+
+    monkeypatch.setattr(command, "run_trial", killed)
+    assert "the finished trials (2 of 5) are kept" in fails(capsys, *SMALL, "--out", folder)
+    monkeypatch.setattr(command, "run_trial", run_trial)
+    run(capsys, *SMALL, "--out", folder)
+    for name in FILES:
+        assert (folder / name).read_bytes() == (whole / name).read_bytes()
+
+
+def test_it_prints_standings(capsys, whole):
+    out = run(capsys, "benchmark", "table", whole)
+    assert "nominal: all tasks" in out
+    assert "compensation" in out
+    found = json.loads(run(capsys, "benchmark", "table", whole, "--json"))
+    assert [one["policy"] for one in found][:2] == ["unsuited", "suited"]
+
+
+def test_results_of_several_people_merge(capsys, tmp_path, whole):
+    other = tmp_path / "other"
+    changed = ["gravity" if one == "compensation" else one for one in SMALL if one != "none"]
+    run(capsys, *changed, "--out", other)
+    out = run(capsys, "benchmark", "table", whole, other, "--out", tmp_path / "both")
+    assert "gravity" in out
+    assert "compensation" in out
+    assert (tmp_path / "both" / "profiles.png").stat().st_size > 10_000
+    assert "| gravity |" in (tmp_path / "both" / "tables.md").read_text()
+
+
+def test_two_policies_are_compared_motion_by_motion(capsys, whole):
+    out = run(capsys, "benchmark", "compare", whole, "--policies", "none", "compensation")
+    assert "relief of compensation less that of none" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["run", "x.jsonl"], "run takes no results"),
+        (["table"], "there are no results"),
+        (["table", "nowhere"], "cannot read the results"),
+        (["run", "--suite", "huge"], "unknown suite 'huge'"),
+        (["run", "--policies", "compensation:leed=1"], "did you mean 'lead'"),
+    ],
+)
+def test_mistakes(capsys, tmp_path, arguments, message):
+    assert message in fails(capsys, "benchmark", *arguments)
+
+
+def test_another_benchmark_in_the_folder(capsys, whole):
+    changed = ["randomized" if one == "nominal" else one for one in SMALL]
+    assert "holds a benchmark whose" in fails(capsys, *changed, "--out", whole)
+
+
+def test_compare_needs_two(capsys, whole):
+    assert "compare needs two policies" in fails(capsys, "benchmark", "compare", whole)
+    message = fails(capsys, "benchmark", "compare", whole, "--policies", "none", "mine")
+    assert "unknown policy in these results 'mine'" in message
