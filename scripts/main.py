@@ -27,6 +27,7 @@ COMMANDS = {
     "simulate": "Simulate one assisted arm motion, headless.",
     "evaluate": "Compare assist policies by what the wearer has to do.",
     "validate": "Validate an identified suit model in closed loop.",
+    "policies": "List the policies, with the sensors that they need and their options.",
     "benchmark": "Compare controllers over tasks, levels and suits.",
     "knowledge": "Show what it buys to know the memory of a suit.",
     "tune": "Tune the options of a policy within a budget that is the same for all.",

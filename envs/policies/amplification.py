@@ -1,6 +1,7 @@
 """Force amplification: the motors add to what the person gives to the suit."""
 
 import math
+from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
@@ -31,6 +32,7 @@ class ForceAmplification(Transparent):
     """
 
     sensors = ("encoders", "interaction")
+    tunable: ClassVar = {"cutoff": (0.3, 3.0), "alpha": (1.1, 2.0)}
 
     def __init__(self, arms: Arms, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF) -> None:
         super().__init__(arms)

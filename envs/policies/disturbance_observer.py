@@ -1,5 +1,7 @@
 """Disturbance observer: cancels what the believed arm does not explain."""
 
+from typing import ClassVar
+
 from ...arrays import Array
 from ...checks import within
 from .base import Arms, Seen
@@ -31,6 +33,7 @@ class DisturbanceObserver(Compensation):
     """
 
     sensors = ("encoders", "interaction")
+    tunable: ClassVar = {"bandwidth": (0.3, 5.0)}
 
     def __init__(
         self, arms: Arms, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH

@@ -1,6 +1,7 @@
 """Impedance: springs and dampers pull the arm along the intention."""
 
 import math
+from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
@@ -30,6 +31,7 @@ class Impedance(Compensation):
     """
 
     sensors = ("encoders", "preview")
+    tunable: ClassVar = {"bandwidth": (0.1, 3.0), "damping_ratio": (0.3, 3.0)}
 
     def __init__(
         self,

@@ -1,6 +1,7 @@
 """Adaptive oscillators: learn the rhythm of a motion, and assist what comes next of it."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -102,6 +103,8 @@ class AdaptiveOscillators(Compensation):
         belief: What the controller believes of person, suit and load.
         rate: Rate of learning [1/s], 0.1 to 4.
     """
+
+    tunable: ClassVar = {"rate": (0.2, 4.0)}
 
     def __init__(self, arms: Arms, belief: Belief | None = None, *, rate: float = RATE) -> None:
         super().__init__(arms, belief)

@@ -1,5 +1,7 @@
 """Proportional assist: the motors give a share of the wearer's voluntary torque."""
 
+from typing import ClassVar
+
 from ...arrays import Array
 from ...checks import within
 from .base import Arms, Seen
@@ -24,6 +26,7 @@ class ProportionalAssist(Transparent):
     """
 
     sensors = ("encoders", "emg")
+    tunable: ClassVar = {"gain": (0.1, 1.0)}
 
     def __init__(self, arms: Arms, *, gain: float = GAIN) -> None:
         super().__init__(arms)

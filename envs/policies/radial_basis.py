@@ -1,6 +1,7 @@
 """Radial basis tracker: a network learns, while it tracks the intention, what torque that takes."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -35,6 +36,7 @@ class RadialBasisTracker(TorquePolicy):
     """
 
     sensors = ("encoders", "preview")
+    tunable: ClassVar = {"bandwidth": (0.2, 3.0)}
 
     def __init__(
         self, arms: Arms, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH

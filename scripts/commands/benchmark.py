@@ -93,7 +93,7 @@ def benchmark(
 def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
     standings = Standings(found)
     if folder:
-        folder.text("tables.md", page(standings))
+        folder.text("tables.md", page(standings, "# Controllers compared", "profiles.png"))
         folder.figure("profiles", profile_figure(standings))
     if json:
         print("[" + ",\n".join(one.to_json() for one in found) + "]")

@@ -52,19 +52,25 @@ def difference_rows(standings: Standings, one: str, other: str) -> Rows:
     return ["task", "level", "believed", "difference\n(95 % interval)"], rows
 
 
-def page(standings: Standings) -> str:
-    """Returns all tables as Markdown, with the protocol above them."""
+def page(standings: Standings, title: str, figure: str) -> str:
+    """Returns all tables as Markdown, with the protocol above them.
+
+    Args:
+        standings: Results.
+        title: Heading of the page.
+        figure: Name of the file of the performance profiles.
+    """
     protocol = standings.protocol
     versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
     parts = [
-        "# Controllers compared\n\n"
+        f"{title}\n\n"
         f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
         f"{protocol.get('suite_version')}, contract {protocol.get('contract')}, seeds from "
         f"{protocol.get('first_seed')} ({versions}). Success is the share of motions that went "
         "well; relief is the share of the suit's cost that is given back, the interquartile mean "
         f"over tasks, with its 95 % interval; then the probability of less effort than {BASELINE} "
         "on the same motion, and the share of settings in which that is at least 0.9.\n\n"
-        "![Performance profiles](profiles.png)\n"
+        f"![Performance profiles]({figure})\n"
     ]
     for level in standings.levels:
         parts.append(f"## {level}\n\n{markdown_table(*level_rows(standings, level))}\n")

@@ -1,0 +1,62 @@
+"""Curves without memory, and memories of many joints at once."""
+
+import numpy as np
+import pytest
+from activesuit.assets import load_suit
+from activesuit.hysteresis.branches import Branches, spring, spring_with_friction, two_branches
+
+ANGLE = 0.8 + 0.5 * np.sin(np.linspace(0, 4 * np.pi, 400))
+WAY = np.where(np.diff(ANGLE, prepend=0) > 0, 1.0, -1.0)
+
+
+def test_they_find_what_made_the_data():
+    line = 2.0 + 3.0 * ANGLE
+    np.testing.assert_allclose(spring(ANGLE, line).rising, (2, 3), atol=1e-9)
+    rubbing = spring_with_friction(ANGLE, line + 0.7 * WAY)
+    np.testing.assert_allclose(rubbing.rising, (2.7, 3), atol=0.02)
+    np.testing.assert_allclose(rubbing.falling, (1.3, 3), atol=0.02)
+    cubic = np.where(WAY > 0, 1 + ANGLE**3, ANGLE**2)
+    found = two_branches(ANGLE, cubic)
+    np.testing.assert_allclose(
+        np.polynomial.polynomial.polyval(0.9, found.rising), 1.729, atol=0.05
+    )
+    np.testing.assert_allclose(
+        np.polynomial.polynomial.polyval(0.9, found.falling), 0.81, atol=0.05
+    )
+
+
+def test_more_knowledge_fits_better():
+    entry = load_suit("mock-suit").joints["elbow_flexion"]
+    angle = np.concatenate([np.linspace(0.6, 1.4, 200), np.linspace(1.4, 0.6, 200)[1:]])
+    torque = entry.response(angle)
+    errors = []
+    for fit in (spring, spring_with_friction, two_branches):
+        belief = fit(angle, torque)
+        memory = belief.begin()[None]
+        told = [belief.advance(memory, here[None], here[None])[0] for here in angle]
+        errors.append(np.sqrt(np.mean((told - torque) ** 2)))
+    assert errors[0] > errors[1] > errors[2]
+
+
+def test_the_direction_lasts_through_a_rest():
+    belief = Branches((1.0,), (-1.0,))
+    memory = belief.begin()[None]
+    path = [0.1, 0.1, 0.05, 0.05, 0.2]
+    told = [belief.advance(memory, np.array([x]), np.array([x]))[0] for x in path]
+    assert told == [1, 1, -1, -1, 1]
+
+
+@pytest.mark.parametrize("suit", ["mock-suit", "emu-like"])
+def test_rows_are_followed_as_one_joint_is(suit):
+    """`advance` gives the torques of `step`, to the last bit."""
+    rng = np.random.default_rng(0)
+    for entry in load_suit(suit).joints.values():
+        model, state = entry.model, entry.begun()
+        memories = np.tile(state.memory, (3, 1))
+        low, high = entry.range
+        for here, soon in rng.uniform(low, high, (50, 2)):
+            state, _ = model.step(state, here)
+            _, torque = model.step(state, soon)
+            found = model.advance(memories, np.full(3, here), np.full(3, soon))
+            assert found.tolist() == [torque] * 3
+            np.testing.assert_array_equal(memories[1], state.memory)
