@@ -21,6 +21,7 @@ from ..reports.benchmark import difference_rows, level_rows, page, profile_figur
 
 What = Literal["run", "table", "compare"]
 TRIALS = "trials"
+WIDEST = 8  # columns of a table that is printed; wider ones are in tables.md
 
 
 def benchmark(
@@ -101,7 +102,9 @@ def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
     for level in standings.levels:
         table(f"{level}: all tasks", *level_rows(standings, level), left=1)
     for level in standings.levels:
-        table(f"{level}: relief by task", *task_rows(standings, level), left=1)
+        rows = task_rows(standings, level)
+        if len(rows[0]) <= WIDEST:
+            table(f"{level}: success and relief by task", *rows, left=1)
     for one in found:
         if one.failed:
             say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")
