@@ -186,14 +186,16 @@ PolicyName = Annotated[
     str,
     choice(
         policies,
-        "Name of a policy, or folder of a training run, whose task and options then hold.",
+        "Name of a policy, also with options (adaptive:suit=elbow.json,forgetting=10), or "
+        "MODULE:CLASS of your own; or folder of a training run, whose task and options then hold.",
     ),
 ]
 EvaluatedName = Annotated[
     str,
     choice(
         evaluated,
-        "Name of a policy or bound, or folder of a training run, whose task and options then hold.",
+        "Name of a policy or bound, also with options (adaptive:suit=elbow.json,forgetting=10), or "
+        "MODULE:CLASS of your own; or folder of a training run, whose task and options then hold.",
     ),
 ]
 _SEED = "Seed of all random numbers; the same one repeats the result."

@@ -101,7 +101,12 @@ class _Lines:
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
             percent, taken = 100 * done / self._total, now - self._begin
-            print(f"{self._description}: {percent:.0f} % after {taken:.0f} s", file=sys.stderr)
+            left = taken * (self._total - done) / done
+            print(
+                f"{self._description}: {percent:.0f} % after {taken:.0f} s, "
+                f"about {left:.0f} s left",
+                file=sys.stderr,
+            )
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:

@@ -8,9 +8,10 @@ import mujoco
 
 from ...assets import AnySuit, SuitJoint
 from ...checks import within
+from ...errors import InputError
 from ..belief import BelievedSuit, BelievedWeight, count_of
-from ..model import ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
-from ..model.config import HEAVIEST_PAYLOAD, nested
+from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
+from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
 from ..model.workplace import Edits
 from ..person import Person
 from .base import Arms
@@ -87,8 +88,18 @@ class BelievedArm:
         return resisting_joints(self.config)
 
     def suit(self) -> BelievedSuit:
-        """Returns a follower of the suit's torque, with the resolution of the encoders."""
-        return BelievedSuit(self.joints, count_of(self.config.exo.encoder_bits))
+        """Returns a follower of the suit's torque, with the resolution of the encoders.
+
+        Raises:
+            InputError: The believed suit has neither of the assisted joints.
+        """
+        joints = self.joints
+        if self.config.suit != NO_SUIT and not any(joint in joints for joint in ASSISTED):
+            raise InputError(
+                f"the believed suit has the joints {', '.join(joints) or '(none)'}, and neither "
+                f"{' nor '.join(ASSISTED)}, which have motors: believe in a suit that has one"
+            )
+        return BelievedSuit(joints, count_of(self.config.exo.encoder_bits))
 
     def model(self) -> mujoco.MjModel:
         """Returns the model of the believed arm with all that it wears and carries."""

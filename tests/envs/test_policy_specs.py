@@ -6,6 +6,7 @@ import types
 
 import numpy as np
 import pytest
+from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.policies import POLICIES, Belief, make_policy, policy_spec
@@ -64,6 +65,15 @@ def test_a_belief_is_not_what_is_worn():
     config = Belief(suit="emu-like", load=1.0).of(env.config)
     assert (config.suit, config.pressure, config.payload.mass) == ("emu-like", None, 1.0)
     assert env.config.suit == "mock-suit"
+
+
+def test_a_belief_without_any_assisted_joint(tmp_path):
+    suit = load_suit("emu-like")
+    wrist = {name: entry for name, entry in suit.joints.items() if name == "wrist_flexion"}
+    other = {"wrist_flexion": next(iter(suit.joints.values()))}
+    save_suit(suit.model_copy(update={"joints": wrist or other}), tmp_path / "wrist.json")
+    with pytest.raises(InputError, match="neither shoulder_flexion nor elbow_flexion, which have"):
+        make_policy({"name": "feedforward", "suit": str(tmp_path / "wrist.json")}, ArmEnv())
 
 
 @pytest.fixture
