@@ -21,7 +21,7 @@ from ..levels import LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
-from ..policies.build import SAVED, believes
+from ..policies.build import believes, is_saved
 from ..simulation.sensing import Sensing
 from ..tasks import TASKS, Task
 
@@ -226,7 +226,7 @@ def suite(
 
 
 def _label(given: str) -> str:
-    return PurePath(given).stem if given.endswith(SAVED) else str(policy_spec(given))
+    return PurePath(given).stem if is_saved(given) else str(policy_spec(given))
 
 
 SUITES = {

@@ -266,11 +266,16 @@ def own_policy(name: str, make: Callable[..., Policy], *given: Any, **options: A
     return policy
 
 
+def is_saved(text: str) -> bool:
+    """Returns whether a text names a JSON file of a policy, and not a policy with options."""
+    return text.endswith(SAVED) and "=" not in text
+
+
 def _parsed(text: str) -> PolicySpec:
     """Returns a policy from "name:option=value,...", where the name may be "module:Class"."""
     if os.path.isdir(text):
         return PolicySpec(text)
-    if text.endswith(SAVED):
+    if is_saved(text):
         found = read_json(text, "policy")
         if not isinstance(found, dict) or not isinstance(found.get("name"), str):
             raise InputError(f"{text!r} is no policy: it must be an object with a name")

@@ -89,7 +89,7 @@ class PredictiveSampling(Compensation):
         self._physics = {name: batch.bind(name) for name in names}
         bias = batch.expand("actuator_biasprm")
         bias[:, self._at.human, 1], bias[:, self._at.human, 2] = -STIFF[0], -STIFF[1]
-        self._rngs = [np.random.default_rng([self._seed, row]) for row in range(rows)]
+        self._rng = np.random.default_rng(self._seed)  # a row is what it would be alone
         self._knots = np.zeros((rows, KNOTS, len(self.peak)))
         self._planned = 0
         self._turned, self._speeding = seen["rate"], np.zeros_like(seen["rate"])
@@ -128,11 +128,8 @@ class PredictiveSampling(Compensation):
         trial = np.arange(rows, rows * (1 + count))
         source = np.repeat(np.arange(rows), count)
         batch.state[trial] = batch.state[source]
-        knots = (
-            self._knots[:, None]
-            + np.array([rng.standard_normal((count, KNOTS, len(self.peak))) for rng in self._rngs])
-            * self._spread
-        )
+        away = self._rng.standard_normal((count, KNOTS, len(self.peak)))
+        knots = self._knots[:, None] + away * self._spread
         knots[:, 0] = SHRINKING * self._knots
         plans = np.einsum("hk,nckm->hncm", self._blend, knots).reshape(self._ahead, -1, 2)
         cost = SMOOTHNESS * np.mean((knots / self.peak) ** 2, axis=(2, 3)).ravel()

@@ -324,7 +324,7 @@ def test_unknown_option_and_missing_argument(capsys):
 def test_unknown_and_missing_command(capsys):
     assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
     unknown = fails(capsys, "--fly", "suits")
-    assert "unknown command '--fly': use one of animate, bench, demo" in unknown
+    assert "unknown command '--fly': use one of animate, bench, benchmark" in unknown
     assert "give a command: demo, identify" in fails(capsys)
 
 
