@@ -10,7 +10,7 @@ from ...checks import at_least, flag
 from ...errors import InputError, shown, unknown_name
 from ..model.config import NO_SUIT
 from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
-from ..policies.build import own_policy
+from ..policies.outside import own_policy
 from ..randomization import Randomization
 from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
@@ -261,7 +261,7 @@ def _made(
         return clairvoyant(wearers, seeds, suit_only=given != "clairvoyant")
     if isinstance(given, PolicySpec):
         return make_policy(given, wearers.arms)
-    return own_policy(name, given, wearers.arms)
+    return own_policy(name, given, wearers.arms.episodes.motors, wearers.arms)
 
 
 def _score(

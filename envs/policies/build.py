@@ -30,6 +30,7 @@ from .momentum_observer import ObserverAssist
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .oscillators import AdaptiveOscillators
+from .outside import own_policy
 from .predictive import PredictiveSampling
 from .proportional import ProportionalAssist
 from .radial_basis import RadialBasisTracker
@@ -232,38 +233,9 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
     if believes(name):
         options["belief"] = belief
-    made = maker if name in POLICIES else partial(own_policy, name, maker)
+    made = maker if name in POLICIES else partial(own_policy, name, maker, episodes.motors)
     policy = made(arm, **options)
     return Guard(arm, policy, belief) if guarded else policy
-
-
-def own_policy(name: str, make: Callable[..., Policy], *given: Any, **options: Any) -> Policy:
-    """Returns what a user's code makes, if it can act.
-
-    Args:
-        name: Name of the policy.
-        make: The user's class or function.
-        *given: Its arguments.
-        **options: Its options.
-
-    Raises:
-        InputError: The code fails, or what it makes has no `reset` or `act`.
-    """
-    try:
-        policy = make(*given, **options)
-    except InputError:
-        raise
-    except Exception as error:  # the user's code fails in any way that code can
-        raise InputError(
-            f"policy {name!r} cannot be made ({type(error).__name__}: {error}): repair it"
-        ) from error
-    for method in ("reset", "act"):
-        if not callable(getattr(policy, method, None)):
-            raise InputError(
-                f"policy {name!r} makes {shown(policy)}, which has no {method}(): give a function "
-                "that returns an object with reset() and act(observation)"
-            )
-    return policy
 
 
 def is_saved(text: str) -> bool:

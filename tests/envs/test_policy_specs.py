@@ -95,6 +95,8 @@ def outside(monkeypatch):
             assert observation.shape[-1] == 16
             if self.bad == "nan":
                 return np.full((*observation.shape[:-1], 2), np.nan)
+            if self.bad == "raise":
+                return 1 / 0
             if self.bad == "shape":
                 return np.zeros(3)
             return np.full((*observation.shape[:-1], 2), self.gain)
@@ -155,7 +157,14 @@ def test_mistakes_in_what_makes_one(outside, given, message):
         make_policy(given, ArmEnv())
 
 
-@pytest.mark.parametrize(("bad", "message"), [("nan", "finite numbers"), ("shape", "shape")])
+@pytest.mark.parametrize(
+    ("bad", "message"),
+    [
+        ("nan", "policy 'outside:Mine' returns nan: return finite numbers from -1 to 1"),
+        ("shape", r"returns an action of shape \(3,\): return finite numbers .* shape \(1, 2\)"),
+        ("raise", r"fails in act\(\) \(ZeroDivisionError: division by zero\): repair it"),
+    ],
+)
 def test_what_it_returns_is_checked(outside, bad, message):
     with pytest.raises(InputError, match=message):
         evaluate(
