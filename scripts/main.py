@@ -126,11 +126,20 @@ def _run_command(name: str, arguments: Sequence[str]) -> None:
     from .parsing import parsed
 
     load_extensions()
+    if any(":" in given for given in arguments):  # a policy or an environment as module:name
+        _import_from_here()
     function = name.replace("-", "_")
     command = getattr(import_module(f".commands.{function}", __package__), function)
     call = parsed(command, name, arguments)
     with engine_warnings():
         call()
+
+
+def _import_from_here() -> None:
+    """Lets a module of the working folder be imported, after all that are installed."""
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
 
 
 def _stop(message: str) -> None:

@@ -2,7 +2,6 @@
 
 import operator
 import os
-import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -92,8 +91,6 @@ def scene(
             _check_same(found, options, f"the run in {of!r}", folder)
         found, of = options, folder
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
-    if ":" in chosen:
-        _import_from_here()
     usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **(usual or {})}
     of_level = {} if level is None else _of_level(level, given)  # a run is tried at any level
     flat = {**usual, **found, **of_level, **given}
@@ -146,13 +143,6 @@ def run_options(folder: str) -> dict[str, Any]:
 
 def _runs_among(policies: Iterable[str]) -> list[str]:
     return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
-
-
-def _import_from_here() -> None:
-    """Lets a module of the working folder be imported, after all that are installed."""
-    here = os.getcwd()
-    if here not in sys.path:
-        sys.path.append(here)
 
 
 def _check_module(trained_on: str, given: str | None, folder: str) -> None:

@@ -7,12 +7,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from ...errors import InputError, shortened
+from ...errors import InputError, shortened, shown
 from ...json_files import parse_json
+from ..levels import LEVELS
+from ..tasks import TASKS
 
 RESULTS = "results.jsonl"
+Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # of an effort or an error
 LARGEST = 2**28  # bytes
 
 
@@ -70,6 +73,9 @@ class Result:
         values = dict(found)
         for series in ("effort", "tracking"):
             values[series] = tuple(math.inf if v is None else v for v in values[series])
+        for what, known in (("task", TASKS), ("level", LEVELS)):
+            if values[what] not in known:
+                raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
         if not len(values["effort"]) == len(values["tracking"]) == len(values["success"]):
             raise InputError(f"{name} has series of different lengths: delete it")
         return cls(**values)
@@ -85,8 +91,8 @@ class _Saved(BaseModel):
     believed: str
     policy: str
     options: dict[str, Any]
-    effort: Annotated[tuple[FiniteFloat | None, ...], Field(min_length=1)]
-    tracking: tuple[FiniteFloat | None, ...]
+    effort: Annotated[tuple[Size | None, ...], Field(min_length=1)]
+    tracking: tuple[Size | None, ...]
     success: tuple[bool, ...]
     failed: str | None
     protocol: dict[str, Any]
@@ -111,7 +117,7 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
     contract = ""
     for given in paths:
         path = given / RESULTS if given.is_dir() else given
-        for number, text in enumerate(_text(path).splitlines(), start=1):
+        for number, text in enumerate(read_text(path).splitlines(), start=1):
             result = Result.from_json(text, f"{str(path)!r}, line {number},")
             mine = str(result.protocol.get("contract"))
             contract = contract or mine
@@ -134,12 +140,17 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
     return [result for result, _ in found.values()]
 
 
-def _text(path: Path) -> str:
+def read_text(path: Path, what: str = "results") -> str:
+    """Returns the text of a file of results.
+
+    Raises:
+        InputError: It cannot be read, is too long or no UTF-8.
+    """
     try:
         if path.stat().st_size > LARGEST:
             raise InputError(f"{str(path)!r} is longer than {LARGEST >> 20} MiB: no results are")
         return path.read_text(encoding="utf-8")
     except OSError as error:
-        raise InputError(f"cannot read the results {str(path)!r}: {error.strerror}") from error
+        raise InputError(f"cannot read the {what} {str(path)!r}: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        raise InputError(f"cannot read the results {str(path)!r}: not a UTF-8 text") from error
+        raise InputError(f"cannot read the {what} {str(path)!r}: not a UTF-8 text") from error

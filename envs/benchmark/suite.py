@@ -161,7 +161,10 @@ class Suite:
             "version": VERSION,
             "tasks": {name: [type(task).__name__, asdict(task)] for name, task in _TASKS.items()},
             "levels": LEVELS,
-            "suits": {name: load_suit(name).model_dump(mode="json") for name in BELIEVED},
+            "suits": {
+                name: load_suit(name).model_dump(mode="json")
+                for name in dict.fromkeys((*BELIEVED, *self.believed))
+            },
             "arm": ArmConfig().to_dict(),
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
@@ -220,6 +223,8 @@ def suite(
         raise unknown_name("suite", name, SUITES)
     found = SUITES[name]
     labels = {_label(given): policy_spec(given) for given in policies}
+    if len(labels) < len(policies):
+        raise InputError(f"the policies are {', '.join(policies)}: name each one once")
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
     given = {field: value for field, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))

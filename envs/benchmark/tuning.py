@@ -33,6 +33,9 @@ def tuning_cost(spec: PolicySpec) -> float:
 
     Args:
         spec: Policy with its options.
+
+    Raises:
+        InputError: See `make_policy`.
     """
     if believes(spec.name):
         spec = PolicySpec(spec.name, {"suit": BELIEVED, **spec.options})
@@ -42,8 +45,8 @@ def tuning_cost(spec: PolicySpec) -> float:
         options = {**setting.options, **needed_options(spec)}
         wearers = Wearers(f"ActiveSuit/{task}-v0", MOTIONS, **options, threads=1)
         seeds = range(FIRST_SEED, FIRST_SEED + MOTIONS)
+        policy = make_policy(spec, wearers.arms)
         try:
-            policy = make_policy(spec, wearers.arms)
             taught = wearers.lesson(policy, seeds, rollouts=1)
             traces = rollout(wearers.arms, policy, seeds, taught=taught)
             lost = any(trace.terminated for trace in traces)

@@ -186,6 +186,10 @@ def _period(arms: ArmVectorEnv, at: float, horizon: float) -> int:
     if not horizon >= arms.control_dt:
         raise InputError(f"horizon is {horizon:g} s: give at least {arms.control_dt:g} s")
     last = arms.duration - horizon
+    if last < arms.control_dt:
+        raise InputError(
+            f"horizon is {horizon:g} s, and the motion takes {arms.duration:g} s: give less"
+        )
     if not arms.control_dt <= at <= last + 1e-9:
         raise InputError(
             f"a branch of {horizon:g} s begins at {at:g} s: begin at {arms.control_dt:g} to "

@@ -225,7 +225,10 @@ def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
             found = _checked(None, given)
             name = getattr(found, "__name__", repr(found)) if callable(found) else str(found)
             if name in named:
-                raise InputError(f"two policies are named {name!r}: give a dict of your own names")
+                raise InputError(
+                    f"two policies are named {name!r}: name each one once, or give a dict of your "
+                    "own names"
+                )
             named[name] = found
     if not named:
         raise InputError("no policy given: name at least one")

@@ -57,6 +57,12 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "radial-basis": RadialBasisTracker,
     "oracle": Oracle,
 }
+_FIXES: dict[Any, str] = {
+    int: "give a whole number",
+    float: "give a number",
+    float | None: "give a number",
+    bool: "use true or false",
+}
 GUARD = "guard"  # option of every policy
 SAVED = ".json"  # end of the name of a file with a policy
 _BELIEF: dict[str, Any] = {
@@ -162,8 +168,14 @@ def options_of(maker: Callable[..., Policy]) -> dict[str, Any]:
     Args:
         maker: Class of the policy, or a function that makes it.
     """
-    _, *rest = inspect.signature(maker).parameters.values()  # the first is the environment
-    hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
+    try:
+        _, *rest = inspect.signature(maker).parameters.values()  # the first is the environment
+        hints = get_type_hints(maker.__init__ if isinstance(maker, type) else maker)
+    except Exception as error:  # no argument, or annotations that cannot be read
+        raise InputError(
+            f"{shown(maker)} makes no policy ({type(error).__name__}: {error}): give a class or a "
+            "function whose first argument is the environment"
+        ) from error
     known: dict[str, Any] = {}
     for one in rest:
         if one.name == "belief":
@@ -205,9 +217,9 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
         InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
             policy needs, or an option is out of its range.
     """
-    arm, spec = env.unwrapped, policy_spec(given)
+    arm, spec = getattr(env, "unwrapped", env), policy_spec(given)
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
-        raise InputError(f"{arm} is no ActiveSuit environment: make one of ActiveSuit/...")
+        raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
     episodes, needed = arm.episodes, needed_options(spec)
     name, sensors = spec.name, needed.get("sensors", ())
     if name != "none" and not episodes.motors:
@@ -267,6 +279,8 @@ def _parsed(text: str) -> PolicySpec:
         place = options
         for part in outer:
             place = place.setdefault(part, {})
+        if last in place:
+            raise InputError(f"policy {text!r} has the option {name!r} twice: give it once")
         place[last] = _number(value.strip()) if outer else value.strip()
     return PolicySpec(head, options)
 
@@ -297,4 +311,5 @@ def _typed(what: str, value: Any, kind: Any) -> Any:
         return adapter.validate_python(value)
     except ValidationError as error:
         problem = error.errors()[0]["msg"].removeprefix("Value error, ")
-        raise InputError(f"{what} is {shown(value)}: {problem}") from None
+        fix = _FIXES.get(kind, problem)
+        raise InputError(f"{what} is {shown(value)}: {fix}") from None

@@ -1,14 +1,17 @@
 """`activesuit benchmark`: compares controllers over tasks, levels and suits."""
 
+from dataclasses import replace
 from json import loads
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import tyro
 
-from ...envs.benchmark import BASELINE, SUITES, Result, Suite, Trial, run_trial, suite
-from ...envs.benchmark.results import RESULTS, lines, read_results
-from ...envs.benchmark.standings import Standings
+from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial, suite
+from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
+from ...envs.benchmark.standings import FIXED, Standings
+from ...envs.making import make_arms
+from ...envs.policies import make_policy, needed_options
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
@@ -75,6 +78,8 @@ def benchmark(
             episodes=episodes,
         )
         check_backend(backend, workers)
+        if policies or believed:
+            _check(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
@@ -89,6 +94,16 @@ def benchmark(
         _report(found, folder, json)
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
+
+
+def _check(chosen: Suite) -> None:
+    """Reports mistakes in policies and suits before anything has run."""
+    for trial in replace(chosen, tasks=chosen.tasks[:1]).trials:
+        if trial.label not in FIXED:
+            options = {**trial.setting.options, **needed_options(trial.policy)}
+            arms = make_arms(f"ActiveSuit/{trial.setting.task}-v0", 1, **options)
+            make_policy(trial.policy, arms)
+            arms.close()
 
 
 def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
@@ -170,7 +185,7 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
 def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> list[Result]:
     """Returns all results: reads those on disk, and runs and writes the others one by one."""
     trials = chosen.trials
-    found = {trial.file_name: _load(folder, trial) for trial in trials}
+    found = {trial.file_name: _load(folder, chosen, trial) for trial in trials}
     missing = [trial for trial in trials if found[trial.file_name] is None]
     with progress("benchmark", len(trials)) as bar:
         bar.move_to(len(trials) - len(missing))
@@ -185,12 +200,20 @@ def _named(chosen: Suite, trial: Trial) -> tuple[str, Result]:
     return trial.file_name, run_trial(chosen, trial)
 
 
-def _load(folder: RunFolder, trial: Trial) -> Result | None:
+def _load(folder: RunFolder, chosen: Suite, trial: Trial) -> Result | None:
     path = folder / TRIALS / trial.file_name
     if not path.exists():
         return None
-    (found,) = read_results([path])
+    content = read_text(path, "trial")
+    found = Result.from_json(content, repr(str(path)))
+    here = (*trial.setting, trial.label, chosen.contract)
+    if (*_setting(found), found.policy, found.protocol.get("contract")) != here:
+        raise InputError(f"{str(path)!r} is the result of another trial: delete it")
     return found
+
+
+def _setting(result: Result) -> Setting:
+    return Setting(result.task, result.level, result.believed)
 
 
 def _kept(folder: RunFolder, chosen: Suite) -> str:

@@ -2,10 +2,11 @@
 
 from typing import Any
 
+from ...envs.evaluation import BOUNDS
 from ...envs.policies import POLICIES
 from ...envs.policies.build import options_of
 from ..options import Json
-from ..output import table, to_json
+from ..output import say, table, to_json
 
 
 def policies(json: Json = False) -> None:
@@ -19,6 +20,11 @@ def policies(json: Json = False) -> None:
         for name, one in found.items()
     ]
     table("policies", ["name", "does", "sensors", "options"], rows, left=4)
+    say(
+        "Options follow a colon, as in adaptive:suit=emu-like,forgetting=10; every policy takes "
+        "guard=true."
+    )
+    say(f"evaluate also takes the bounds {' and '.join(BOUNDS)}, which know the whole motion.")
 
 
 def _about(maker: Any) -> dict[str, Any]:

@@ -38,6 +38,11 @@ def test_text_and_dict_are_the_same(given):
     assert policy_spec(str(spec)) == spec
 
 
+def test_a_policy_with_a_suit_file_is_no_file_of_a_policy(tmp_path):
+    spec = policy_spec(f"compensation:suit={tmp_path}/mine.json")
+    assert spec.options == {"suit": f"{tmp_path}/mine.json"}
+
+
 def test_a_file_is_one_too(tmp_path):
     path = tmp_path / "mine.json"
     path.write_text(json.dumps({"name": "feedforward", "lead": 0.01}))
@@ -126,6 +131,9 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
         ("compensation:leed=1", "unknown option of policy 'compensation' 'leed'.*mean 'lead'"),
         ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
         ({"name": "compensation", "lead": True}, "option lead .* is True: give a number"),
+        ("compensation:lead=1,lead=2", "has the option 'lead' twice: give it once"),
+        ("compensation:guard=maybe", "option guard .* is 'maybe': use true or false"),
+        ("os:getcwd", "makes no policy .* whose first argument is the environment"),
         ("compensation:lead", "has 'lead': give options as option=value"),
         ("none:x=1", "unknown option of policy 'none' 'x': use one of guard"),
         ("nowhere:Class", "the policy 'nowhere:Class' cannot be imported"),

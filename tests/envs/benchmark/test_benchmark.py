@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.assets import load_suit, save_suit
 from activesuit.envs.benchmark import SUITES, Setting, run_trial, suite
 from activesuit.envs.benchmark.results import Result, lines, read_results
 from activesuit.envs.benchmark.standings import Standings
@@ -103,6 +104,15 @@ def made(**changes) -> Result:
     return replace(usual, **changes)
 
 
+def test_a_suit_file_of_other_content_is_another_contract(tmp_path):
+    path, contracts = tmp_path / "suit.json", set()
+    for name in ("mock-suit", "emu-like"):
+        save_suit(load_suit(name), path)
+        contracts.add(suite("quick", believed=(str(path),)).contract)
+        path.unlink()
+    assert len(contracts | {SUITES["full"].contract}) == 3
+
+
 def test_results_go_through_a_file(tmp_path):
     kept = [made(), made(policy="mine", effort=(np.inf,) * 2, failed="no torque")]
     (tmp_path / "a.jsonl").write_text(lines(kept))
@@ -124,6 +134,8 @@ def test_results_go_through_a_file(tmp_path):
         ("{\n", "is not complete JSON"),
         (lines([made(effort=(0.1,))]), "series of different lengths"),
         ('{"task": 1}\n', "is no result of the benchmark"),
+        (lines([made(effort=(-0.1, 0.2))]), "is no result of the benchmark"),
+        (lines([made(task="Knee")]), "line 1, has the task 'Knee': delete it"),
     ],
 )
 def test_results_that_cannot_be_merged(tmp_path, content, message):
@@ -159,6 +171,7 @@ def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
         ({"believed": ("nosuit",)}, "unknown suit 'nosuit'"),
         ({"episodes": 7}, "episodes is 7: use at least 8"),
         ({"tasks": ("Scoop", "Scoop")}, "name each one once"),
+        ({"policies": ("none", "none")}, "the policies are none, none: name each one once"),
     ],
 )
 def test_mistakes(options, message):

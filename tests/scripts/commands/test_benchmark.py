@@ -1,6 +1,8 @@
 """`activesuit benchmark`."""
 
 import json
+import shutil
+import sys
 
 import pytest
 from activesuit.envs.benchmark import run_trial
@@ -50,6 +52,52 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(capsys, tmp_path, whole, m
     run(capsys, *SMALL, "--out", folder)
     for name in FILES:
         assert (folder / name).read_bytes() == (whole / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "is not complete JSON"),
+        ("{}", "is no result of the benchmark"),
+        (None, "another trial"),
+    ],
+)
+def test_a_damaged_trial_is_named(capsys, tmp_path, whole, content, message):
+    folder = tmp_path / "run"
+    shutil.copytree(whole, folder)
+    first, second = sorted((folder / "trials").glob("*.json"))[:2]
+    first.write_text(second.read_text() if content is None else content)
+    told = fails(capsys, *SMALL, "--out", folder)
+    assert message in told
+    assert "delete it" in told
+
+
+def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):
+    (tmp_path / "my_policies.py").write_text(
+        "class Fails:\n"
+        "    def __init__(self, arms, *, gain: float = 1.0):\n"
+        "        pass\n"
+        "    def reset(self):\n"
+        "        pass\n"
+        "    def act(self, observation):\n"
+        "        return 1 / 0\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    mine = ["my_policies:Fails:gain=2" if one == "compensation" else one for one in SMALL]
+    out = run(capsys, *mine, "--out", tmp_path / "run")
+    assert "my_policies:Fails:gain=2.0 failed in ElbowFlexion at nominal" in out
+    assert "ZeroDivisionError" in out
+
+
+@pytest.mark.parametrize(
+    ("policy", "message"),
+    [("compensation:load=99", "the believed load is 99"), ("admittance", "cuffs")],
+)
+def test_what_cannot_act_is_refused_before_anything_runs(capsys, tmp_path, policy, message):
+    wrong = [policy if one == "compensation" else one for one in SMALL]
+    assert message in fails(capsys, *wrong, "--out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
 
 
 def test_it_prints_standings(capsys, whole):

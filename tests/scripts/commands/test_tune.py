@@ -61,6 +61,7 @@ def test_the_cost_is_effort_of_motions_that_no_evaluation_shows(monkeypatch):
         ("none", "policy 'none' has no option to tune"),
         ("compensation:lead=0.02,friction=0.8", "all options of policy 'compensation' are given"),
         ("copmensation", "unknown policy"),
+        ("compensation:lead=nan", "lead is nan: use a number from 0 to 0.2 s"),
     ],
 )
 def test_mistakes(capsys, policy, message):
