@@ -17,7 +17,7 @@ from .results import Result
 from .suite import Suite, Trial
 
 LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
-PASSES = 3  # of the clairvoyant: three more lower his effort by less than his intervals
+PASSES = 3  # of the clairvoyant, half of those of `evaluate`, which take too long here
 DIGITS = 6  # of efforts and errors
 
 

@@ -80,6 +80,7 @@ class BelievedArm:
     def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
         simulation = arms.episodes.simulation
         self.config = (belief or Belief()).of(simulation.config)
+        self._given = belief is not None and belief.suit not in (None, NO_SUIT)
         self._edits: Edits | None = arms.episodes.task.edits
 
     @property
@@ -91,10 +92,10 @@ class BelievedArm:
         """Returns a follower of the suit's torque, with the resolution of the encoders.
 
         Raises:
-            InputError: The believed suit has neither of the assisted joints.
+            InputError: A suit is believed in that has neither of the assisted joints.
         """
         joints = self.joints
-        if self.config.suit != NO_SUIT and not any(joint in joints for joint in ASSISTED):
+        if self._given and not any(joint in joints for joint in ASSISTED):
             raise InputError(
                 f"the believed suit has the joints {', '.join(joints) or '(none)'}, and neither "
                 f"{' nor '.join(ASSISTED)}, which have motors: believe in a suit that has one"

@@ -270,7 +270,7 @@ def test_named_policies_see_units_whatever_others_see(short):
             {"coupling": "none"},
             "policy 'clairvoyant' needs motors, and coupling is 'none'",
         ),
-        ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': give a dict"),
+        ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
         (["none"], {"taught": True}, "taught is what evaluate sets itself: leave it out"),
         (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
         (["none"], {"settled": "no"}, "settled is 'no': use True or False"),

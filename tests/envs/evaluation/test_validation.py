@@ -192,7 +192,7 @@ def test_held_out_curves_are_predicted():
 def test_beliefs_that_cannot_be_validated():
     elbow = {"elbow_flexion": load_suit("mock-suit").joints["elbow_flexion"]}
     wrist = {"wrist_flexion": load_suit("emu-like").joints["wrist_flexion"]}
-    with pytest.raises(InputError, match="'mine' does not resist shoulder_flexion or elbow_flex"):
+    with pytest.raises(InputError, match="and neither shoulder_flexion nor elbow_flexion"):
         validate(ENV, {"mine": wrist}, suit="mock-suit", **WEIGHTLESS)
     with pytest.raises(InputError, match="episodes is 7: use at least 8"):
         validate(ENV, {"mine": elbow}, episodes=7, suit="mock-suit", **WEIGHTLESS)

@@ -172,7 +172,7 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     command = message.split("go on with: activesuit ")[1]
     assert command == f"validate {tmp_path}/suit.json --episodes 8 --seed 10003"
     main(command.split())  # what it says can be done
-    assert "of the true model's reduction" in capsys.readouterr().out
+    assert "Torque, believed less true" in capsys.readouterr().out
 
 
 @pytest.mark.usefixtures("sketched")
