@@ -71,27 +71,32 @@ class Standings:
                 return self._found[place][policy]
         return None
 
-    def relief(self, setting: Setting, policy: str) -> Array | None:
+    def relief(self, setting: Setting, policy: str, motions: int | None = None) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
-        It is (E suited - E) over the mean cost of the suit in all motions of the setting, so that
-        motions in which the suit costs nothing do not decide.
+        It is (E suited - E) over the mean cost of the suit in these motions, so that one in which
+        the suit costs nothing does not decide.
+
+        Args:
+            setting: Where.
+            policy: Name of the policy.
+            motions: Number of the first motions that count; by default all that the policy ran.
         """
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
         if any(one is None for one in found):
             return None
         unsuited, suited, mine = (np.array(one.effort) for one in found if one is not None)
-        cost = float(np.mean(suited - unsuited))
-        if cost < LEAST_COST:
+        cost, run = suited - unsuited, slice(motions or mine.size)
+        if cost.mean() < LEAST_COST:
             return None
-        return (suited[: mine.size] - mine) / cost
+        return (suited[run] - mine[run]) / cost[run].mean()
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
         """Returns how a policy stands over some settings."""
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
         reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
-        pairs = [self._paired(s, policy) for s in reliefs]
+        pairs = [self._paired(s, policy, BASELINE) for s in reliefs]
         ours, theirs = ([pair[i] for pair in pairs if pair is not None] for i in (0, 1))
         each = [paired_improvement([x], [y]).value for x, y in zip(ours, theirs, strict=True)]
         return Standing(
@@ -121,13 +126,10 @@ class Standings:
         for name in (one, other):
             if name not in self.policies:
                 raise unknown_name("policy in these results", name, self.policies)
-        mine, theirs = (self.relief(setting, name) for name in (one, other))
-        if mine is None or theirs is None:
+        pair = self._paired(setting, one, other)
+        if pair is None or not np.isfinite(pair).all():
             return None
-        size = min(mine.size, theirs.size)
-        if not np.isfinite([*mine[:size], *theirs[:size]]).all():
-            return None
-        return difference_interval(mine[:size], theirs[:size])
+        return difference_interval(*pair)
 
     def profile(self, policy: str, level: str, thresholds: Array) -> Array:
         """Returns the share of motions with at least each relief, the mean over tasks.
@@ -144,9 +146,9 @@ class Standings:
         shares = [np.mean(r[:, None] >= thresholds, axis=0) for r in reliefs if r is not None]
         return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
 
-    def _paired(self, setting: Setting, policy: str) -> tuple[Array, Array] | None:
-        mine, theirs = (self.relief(setting, name) for name in (policy, BASELINE))
-        if mine is None or theirs is None:
-            return None
-        size = min(mine.size, theirs.size)
-        return mine[:size], theirs[:size]
+    def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
+        """Returns relief of two policies in the motions that both ran."""
+        results = [self.of(setting, name) for name in (one, other)]
+        motions = min((len(each.effort) for each in results if each is not None), default=0)
+        mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
+        return None if mine is None or theirs is None else (mine, theirs)

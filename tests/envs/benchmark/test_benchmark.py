@@ -104,6 +104,31 @@ def made(**changes) -> Result:
     return replace(usual, **changes)
 
 
+def test_a_policy_with_fewer_motions_is_compared_on_those():
+    """The first motions are harder here, and the quick policy is the better one in each."""
+    size = {"tracking": (0.0,) * 10, "success": (True,) * 10}
+    cost = np.array([0.3] * 5 + [0.1] * 5)
+    efforts = {
+        "unsuited": np.full(10, 0.1),
+        "suited": 0.1 + cost,
+        "compensation": 0.1 + 0.5 * cost,
+        "short": 0.1 + 0.4 * cost[:5],
+    }
+    results = [
+        made(
+            policy=name,
+            effort=tuple(effort.tolist()),
+            **{what: values[: effort.size] for what, values in size.items()},
+        )
+        for name, effort in efforts.items()
+    ]
+    standings = Standings(results)
+    (setting,) = standings.settings
+    np.testing.assert_allclose(standings.relief(setting, "short"), 0.6)
+    assert standings.relief(setting, "compensation").mean() == pytest.approx(0.5)
+    assert standings.standing("short", [setting]).improvement.value == 1
+
+
 def test_a_suit_file_of_other_content_is_another_contract(tmp_path):
     path, contracts = tmp_path / "suit.json", set()
     for name in ("mock-suit", "emu-like"):
