@@ -11,6 +11,7 @@ from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.compare import LEAST_COST
 from ..evaluation.statistics import Interval, difference_interval
 from ..evaluation.stratified import paired_improvement, stratified_interval
+from ..levels import LEVELS
 from .results import Result
 from .suite import BASELINE, Setting, where
 
@@ -62,7 +63,7 @@ class Standings:
         self.settings = list(self._found)
         self.protocol, self.count = results[0].protocol, len(results)
         self.policies = list(dict.fromkeys(one.policy for one in results))
-        self.levels = list(dict.fromkeys(one.level for one in results))
+        self.levels = [level for level in LEVELS if any(one.level == level for one in results)]
 
     def of(self, setting: Setting, policy: str) -> Result | None:
         """Returns the result of a policy, also of one that believes nothing; None if none."""
