@@ -1,21 +1,18 @@
 """What a controller believes of an arm: the torque of its suit, and of all that it carries."""
 
-# pyright: reportCallIssue=false
-
 import copy
-import math
 from collections.abc import Mapping
 from typing import Protocol
 
 import mujoco
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
 from .model import ASSISTED
 from .provenance import Quantity
+from .trigonometric import Trigonometric
 
 _LEAD = Quantity(
     "belief.lead",
@@ -26,7 +23,6 @@ _LEAD = Quantity(
 )
 PROVENANCE: tuple[Quantity, ...] = (_LEAD,)
 LEAD = _LEAD.value
-PRODUCTS = 3 ** len(JOINTS)
 DEAD_BAND = 1.5  # counts of an encoder, up to which a change is no motion
 
 
@@ -132,7 +128,7 @@ class BelievedWeight:
     """The torque that holds an arm still, with all that it wears and carries.
 
     Between joints that turn about fixed axes, this torque is linear in the sine and in the cosine
-    of each joint's angle. The coefficients of their 81 products follow from poses of the model.
+    of each joint's angle (see `Trigonometric`).
 
     Args:
         model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
@@ -140,12 +136,24 @@ class BelievedWeight:
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        self._coefficients = _coefficients(model)
+        places = chains(model)
+        data, torque = mujoco.MjData(model), np.zeros(model.nv)
+        assisted = [JOINTS.index(joint) for joint in ASSISTED]
+
+        def held(pose: Array) -> Array:
+            for chain in places:
+                data.qpos[chain] = pose
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_rne(model, data, 0, torque)
+            return np.sum([torque[chain] for chain in places], axis=0)[assisted]
+
+        self._torque = Trigonometric(held, len(JOINTS), 1)
 
     def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
         """Returns the weight of what one model has and the other has not."""
         rest = copy.copy(self)
-        rest._coefficients = self._coefficients - other._coefficients
+        rest._torque = self._torque - other._torque
         return rest
 
     def __call__(self, angle: Array) -> Array:
@@ -154,9 +162,7 @@ class BelievedWeight:
         Args:
             angle: Angles of the four joints [rad], shape (n, 4).
         """
-        torque = np.zeros((len(angle), len(ASSISTED)))
-        _weigh(angle, self._coefficients, torque)
-        return torque
+        return self._torque(angle)
 
 
 def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
@@ -167,45 +173,3 @@ def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:
     return [
         np.array([model.joint(joint).qposadr[0] for joint in chain], np.int64) for chain in names
     ]
-
-
-def _coefficients(model: mujoco.MjModel) -> Array:
-    """Returns the coefficients of the products for the assisted joints, shape (81, 2)."""
-    places = chains(model)
-    data, torque = mujoco.MjData(model), np.zeros(model.nv)
-    poses = np.array(np.meshgrid(*[[-1.0, 0.4, 1.8]] * len(JOINTS))).reshape(len(JOINTS), -1).T
-    held = np.zeros_like(poses)
-    for pose, found in zip(poses, held, strict=True):
-        for chain in places:
-            data.qpos[chain] = pose
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_rne(model, data, 0, torque)
-        found[:] = sum(torque[chain] for chain in places)
-    products = np.empty((len(poses), PRODUCTS))
-    for pose, row in zip(poses, products, strict=True):
-        _multiply(pose, row)
-    assisted = [JOINTS.index(joint) for joint in ASSISTED]
-    return np.linalg.solve(products, held[:, assisted]).astype(np.float64)
-
-
-@njit(cache=True)
-def _weigh(angle, coefficients, torque) -> None:
-    products = np.empty(PRODUCTS)
-    for row in range(angle.shape[0]):
-        _multiply(angle[row], products)
-        for j in range(torque.shape[1]):
-            for i in range(products.size):
-                torque[row, j] += products[i] * coefficients[i, j]
-
-
-@njit(cache=True)
-def _multiply(angle, products) -> None:
-    """Fills in the products of 1, sine or cosine of each joint's angle."""
-    products[0], count = 1.0, 1
-    for j in range(angle.size):
-        s, c = math.sin(angle[j]), math.cos(angle[j])
-        for i in range(count):
-            products[count + i] = s * products[i]
-            products[2 * count + i] = c * products[i]
-        count *= 3

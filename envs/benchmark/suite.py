@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
@@ -129,7 +130,7 @@ class Suite:
             for suit in self.believed
         ]
 
-    @property
+    @cached_property
     def trials(self) -> list[Trial]:
         """All trials, references and bound first, without repetition.
 
@@ -154,7 +155,7 @@ class Suite:
         """Returns the number of motions of a policy."""
         return min(self.episodes, SLOW.get(policy.name, self.episodes))
 
-    @property
+    @cached_property
     def contract(self) -> str:
         """A hash of all that makes results comparable: tasks, levels, suits, wearer and sensors."""
         content = {

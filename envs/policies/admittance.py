@@ -9,10 +9,10 @@ from ...checks import within
 from ..belief import LEAD
 from ..model import ASSISTED
 from ..model.cuffs import CUFF_SITES
+from ..trigonometric import Trigonometric
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
 from .model_based import SHARE, ModelBased
-from .trigonometric import Trigonometric
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
 RELIEVED = 0.7  # of the suit's torque; with all of it the arm swings in a stiff suit (see the rule)

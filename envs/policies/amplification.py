@@ -57,11 +57,11 @@ def greatest_amplification(cutoff: float) -> float:
     Args:
         cutoff: Cutoff of the low-pass [Hz].
     """
-    low, high = 0.0, math.pi / LATE
-    for _ in range(50):  # bisection for the frequency at which the phase is -pi
-        middle = (low + high) / 2
-        if math.atan(middle / (math.tau * cutoff)) + middle * LATE < math.pi:
-            low = middle
-        else:
-            high = middle
-    return 1 + max(1.0, math.hypot(1, low / (math.tau * cutoff)) / 2)
+    from scipy.optimize import root_scalar  # slow to import
+
+    def beyond(speed: float) -> float:
+        """Returns the phase lag of low-pass and delay beyond half a turn [rad]."""
+        return math.atan(speed / (math.tau * cutoff)) + speed * LATE - math.pi
+
+    speed = float(root_scalar(beyond, bracket=(0.0, math.pi / LATE)).root)
+    return 1 + max(1.0, math.hypot(1, speed / (math.tau * cutoff)) / 2)

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from ..belief import LEAD
+from ..belief import LEAD, BelievedWeight
 from .base import Arms
 from .belief import Belief, BelievedArm
 from .model_based import SHARE, ModelBased
@@ -31,11 +31,16 @@ class Compensation(ModelBased):
         friction: float = SHARE,
     ) -> None:
         arm = BelievedArm(arms, belief)
-        weight, suit = arm.whole_weight(), arm.suit()
+        weight, suit = self.weight_of(arm), arm.suit()
         super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)
 
+    @staticmethod
+    def weight_of(arm: BelievedArm) -> BelievedWeight:
+        """Returns the weight that is carried."""
+        return arm.whole_weight()
 
-class Complement(ModelBased):
+
+class Complement(Compensation):
     """Does what compensation does, but leaves the wearer the weight of the bare arm.
 
     Law: compensation less the believed weight of the arm, which its wearer carries as without a
@@ -48,16 +53,7 @@ class Complement(ModelBased):
         friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
 
-    tunable: ClassVar = {"lead": (0.005, 0.06), "friction": (0.3, 1.0)}
-
-    def __init__(
-        self,
-        arms: Arms,
-        belief: Belief | None = None,
-        *,
-        lead: float = LEAD,
-        friction: float = SHARE,
-    ) -> None:
-        arm = BelievedArm(arms, belief)
-        weight, suit = arm.carried_weight(), arm.suit()
-        super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)
+    @staticmethod
+    def weight_of(arm: BelievedArm) -> BelievedWeight:
+        """Returns the weight of all but the bare arm."""
+        return arm.carried_weight()

@@ -15,6 +15,7 @@ from ..simulation.addresses import Addresses
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
 from .compensation import Compensation
+from .filters import LowPass
 
 PERIOD = 0.05  # s, between two plans
 KNOTS = 3  # of a plan, over its horizon
@@ -30,9 +31,8 @@ class PredictiveSampling(Compensation):
 
     Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
     it, with three knots over the horizon) are simulated on a batch of the believed arm, whose
-    wearer goes on as he moves now; the mean of the quarter that leaves the wearer the
-    least torque over strength is followed (predictive sampling, Howell et al. 2022, arXiv
-    2212.00541). The state is
+    wearer goes on as he moves now; the mean of the quarter that leaves him the least torque over
+    strength is followed (predictive sampling, Howell et al. 2022, arXiv 2212.00541). The state is
     what encoders and motors tell; the suit's memory is that of an arm which is moved along.
     Tuning: spread of the samples and horizon, several times the motors' lag.
 
@@ -73,7 +73,7 @@ class PredictiveSampling(Compensation):
         self._ahead, self._every = round(horizon / self.dt), max(1, round(PERIOD / self.dt))
         self._substeps = round(self.dt / self._model.opt.timestep)
         self._strength = isometric_strength(arm.config.wearer).mean(axis=0)
-        self._spread = spread * self.peak
+        self._spread, self._slow = spread * self.peak, LowPass(QUICKNESS, self.dt)
         # Knots of a correction: how much of each acts in every period of the horizon.
         place = np.linspace(0, KNOTS - 1, self._ahead)
         near = 1 - np.abs(place[:, None] - np.arange(KNOTS))
@@ -92,14 +92,14 @@ class PredictiveSampling(Compensation):
         self._rng = np.random.default_rng(self._seed)  # a row is what it would be alone
         self._knots = np.zeros((rows, KNOTS, len(self.peak)))
         self._planned = 0
-        self._turned, self._speeding = seen["rate"], np.zeros_like(seen["rate"])
+        self._turned = seen["rate"]
+        self._slow.begin(np.zeros_like(seen["rate"]))
         self._given = np.zeros((rows, len(self.peak)))
 
     def torque(self, seen: Seen) -> Array:
         """Returns compensation and the plan's correction of it [N·m], shape (n, 2)."""
         nominal = super().torque(seen)
-        share = 1 - np.exp(-2 * np.pi * QUICKNESS * self.dt)
-        self._speeding += share * ((seen["rate"] - self._turned) / self.dt - self._speeding)
+        self._speeding = self._slow.step((seen["rate"] - self._turned) / self.dt)
         self._turned = seen["rate"]
         self._follow(seen)
         if self._planned % self._every == 0:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.policies.belief import BelievedArm
-from activesuit.envs.policies.trigonometric import Trigonometric
+from activesuit.envs.trigonometric import Trigonometric
 
 POSES = np.random.default_rng(0).uniform(-1, 2, (6, 4))
 RATES = np.random.default_rng(1).normal(size=(6, 4))
