@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import PurePath
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import gymnasium
 import mujoco
@@ -97,6 +97,7 @@ class Suite:
         levels: Names of levels.
         believed: Names or files of suits that controllers believe in.
         episodes: Number of motions of each policy, at least 8.
+        coupling: How the exoskeleton is held to the arm.
 
     Raises:
         InputError: A name is unknown, or there are too few motions.
@@ -108,6 +109,7 @@ class Suite:
     levels: tuple[str, ...] = tuple(LEVELS)
     believed: tuple[str, ...] = BELIEVED
     episodes: int = 20
+    coupling: Literal["rigid", "cuffs"] = "rigid"
 
     def __post_init__(self) -> None:
         for what, names, known in (("task", self.tasks, TASKS), ("level", self.levels, LEVELS)):
@@ -166,7 +168,7 @@ class Suite:
                 name: load_suit(name).model_dump(mode="json")
                 for name in dict.fromkeys((*BELIEVED, *self.believed))
             },
-            "arm": ArmConfig().to_dict(),
+            "arm": ArmConfig(coupling=self.coupling).to_dict(),
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
             "seed": FIRST_SEED,
@@ -202,7 +204,8 @@ _TASKS = {
     name: replace(task, duration=LONGEST[name]) if name in LONGEST else task
     for name, task in TASKS.items()
 }
-_ALL = tuple(name for name in POLICIES if name not in ("oracle", "admittance"))
+_ON_CUFFS = ("none", "transparent", "compensation", "corrected", "admittance")
+_ALL = tuple(name for name in POLICIES if name not in ("oracle", *_ON_CUFFS[-2:]))
 _QUICK = ("none", "compensation")
 
 
@@ -237,6 +240,12 @@ def _label(given: str) -> str:
 
 SUITES = {
     "full": Suite(name="full", policies={name: policy_spec(name) for name in _ALL}),
+    "cuffs": Suite(
+        name="cuffs",
+        policies={name: policy_spec(name) for name in _ON_CUFFS},
+        tasks=("ElbowFlexion", "ArmTracking", "MinorLoops", "ReachPanel"),
+        coupling="cuffs",
+    ),
     "quick": Suite(
         name="quick",
         policies={name: policy_spec(name) for name in _QUICK},

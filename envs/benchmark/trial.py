@@ -17,7 +17,6 @@ from .results import Result
 from .suite import Suite, Trial
 
 LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
-PASSES = 3  # of the clairvoyant, half of those of `evaluate`, which take too long here
 DIGITS = 6  # of efforts and errors
 
 
@@ -34,7 +33,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     episodes = suite.episodes_of(trial.policy)
     failed = None
     try:
-        found = _run(trial, episodes)
+        found = _run(suite, trial, episodes)
     except InputError as error:
         found, failed = (
             _Found((math.inf,) * episodes, (math.inf,) * episodes, (False,) * episodes),
@@ -60,8 +59,8 @@ class _Found(NamedTuple):
     success: tuple[bool, ...]
 
 
-def _run(trial: Trial, episodes: int) -> _Found:
-    options, name = trial.setting.options, trial.policy.name
+def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
+    options, name = trial.setting.options | {"coupling": suite.coupling}, trial.policy.name
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
     if name in REFERENCES:
         options = reference_options(name, options)
@@ -72,7 +71,7 @@ def _run(trial: Trial, episodes: int) -> _Found:
         if name in REFERENCES:
             policy = NoAssist(wearers.arms)
         elif name in BOUNDS:
-            policy = clairvoyant(wearers, seeds, passes=PASSES)
+            policy = clairvoyant(wearers, seeds)
         else:
             policy = make_policy(trial.policy, wearers.arms)
         taught = wearers.lesson(policy, seeds, rollouts=LED)

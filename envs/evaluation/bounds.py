@@ -1,21 +1,26 @@
 """The clairvoyant: what motors can do for one who knows the suit and the whole motion.
 
-The torque that a led wearer still gives becomes the motors' plan; its lag is inverted inside their
-limits; after six passes little is left to take over. It is a bound in practice, no theorem.
+What a led wearer and the motors give together is what the motion takes, and becomes the motors'
+plan: within their peaks, rationed where their heat would bind, their lag inverted. After three
+passes little is left to take over. It is a bound for motions that follow the intention, in
+practice; no theorem.
 """
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.optimize import Bounds, minimize
+from scipy.signal import lfilter
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ..model import ASSISTED
+from ..model import ASSISTED, Motor
 from ..policies.planned import Planned
 from .settled import Wearers, smoothed
 
-PASSES = 6
+PASSES = 3
+COOLNESS = 0.999  # of the heat that a plan may reach, so that the protection does not act
 BOUNDS = ("clairvoyant-suit", "clairvoyant")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
 
@@ -33,24 +38,68 @@ def clairvoyant(
     """
     simulation = wearers.arms.episodes.simulation
     assisted, peak = simulation.addresses.assisted, simulation.addresses.peak_torque
-    bandwidth = np.array(
-        [simulation.config.exo.motors[joint].bandwidth for joint in ASSISTED]
-    )  # Hz
-    gain = 1 - np.exp(-math.tau * bandwidth * simulation.control_dt)
-    wanted = np.zeros((len(seeds), simulation.samples, len(ASSISTED)))
-    plan = Planned(inverted(wanted, gain, peak) / peak)
-    untaught = np.zeros((len(seeds), simulation.samples, len(JOINTS)))
-    samples = simulation.samples
+    motors = [simulation.config.exo.motors[joint] for joint in ASSISTED]
+    dt, samples = simulation.control_dt, simulation.samples
+    gain = 1 - np.exp(-math.tau * np.array([motor.bandwidth for motor in motors]) * dt)
+    plan = Planned(np.zeros((len(seeds), samples - 1, len(ASSISTED))))
+    untaught = np.zeros((len(seeds), samples, len(JOINTS)))
     for _ in range(passes):
         traces = wearers.led(plan, seeds, untaught)
         if suit_only:
-            resisted = smoothed([trace.suit_torque for trace in traces], samples)
-            wanted = -resisted[..., assisted]
+            wanted = -smoothed([trace.suit_torque for trace in traces], samples)[..., assisted]
         else:
             given = smoothed([trace.human_torque for trace in traces], samples)
-            wanted = wanted + given[..., assisted]
+            helped = smoothed([trace.assist_torque for trace in traces], samples)
+            wanted = given[..., assisted] + helped
+        for row in wanted:
+            for column, motor in enumerate(motors):
+                row[:, column] = rationed(row[:, column], motor, dt)
         plan = Planned(inverted(wanted, gain, peak) / peak)
     return plan
+
+
+def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
+    """Returns the torque nearest to what is wanted among those that a motor can give.
+
+    None is above its peak, and its heat, the running mean square, never above the continuous torque
+    squared. Least squares are missing where the torque is wanted / (1 + scarcity), and scarcity is
+    a sum of the prices of heat at later times, each remembered as heat is. Prices that maximize the
+    dual function (Boyd and Vandenberghe 2004, section 5.2) are 0 where the heat is below its limit.
+
+    Args:
+        wanted: Torque at every sample [N·m], shape (samples,).
+        motor: The motor.
+        dt: Control period [s].
+    """
+    remains = math.exp(-dt / motor.thermal_time_constant)
+    limit = COOLNESS * motor.continuous_torque**2
+
+    def remembered(values: Array) -> Array:
+        return np.asarray(lfilter([1 - remains], [1, -remains], values))
+
+    def scarcity(prices: Array) -> Array:
+        return remembered(prices[::-1])[::-1]
+
+    def given(scarce: Array) -> Array:
+        return np.clip(wanted / (1 + scarce), -motor.peak_torque, motor.peak_torque)
+
+    def dual(prices: Array) -> tuple[float, Array]:
+        scarce = scarcity(prices)
+        torque = given(scarce)
+        value = ((wanted - torque) ** 2).sum() + scarce @ torque**2 - limit * prices.sum()
+        return -value, limit - remembered(torque**2)
+
+    if remembered(given(np.zeros_like(wanted)) ** 2).max() <= limit:
+        return given(np.zeros_like(wanted))
+    found = minimize(
+        dual,
+        np.zeros_like(wanted),
+        jac=True,
+        bounds=Bounds(0, np.inf),
+        method="L-BFGS-B",
+        options={"ftol": 1e-12, "maxcor": 30},
+    )
+    return given(scarcity(found.x))
 
 
 def inverted(wanted: Array, gain: Array, peak: Array) -> Array:

@@ -9,7 +9,15 @@ import numpy as np
 from ...checks import at_least, flag
 from ...errors import InputError, shown, unknown_name
 from ..model.config import NO_SUIT
-from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
+from ..policies import (
+    POLICIES,
+    AnyPolicy,
+    Policy,
+    PolicySpec,
+    make_policy,
+    needed_options,
+    policy_spec,
+)
 from ..policies.outside import own_policy
 from ..randomization import Randomization
 from ..vector_env import ArmVectorEnv
@@ -232,6 +240,12 @@ def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
             named[name] = found
     if not named:
         raise InputError("no policy given: name at least one")
+    for name, given in named.items():
+        if name in (*POLICIES, *BOUNDS) and name not in (given, getattr(given, "name", None)):
+            raise InputError(
+                f"a policy of your own has the label {name!r}, the name of another one: choose "
+                "another label"
+            )
     for name in named:
         if name in REFERENCES:
             raise InputError(

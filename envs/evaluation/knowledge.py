@@ -16,7 +16,7 @@ from .compare import evaluate
 from .rollout import Trace
 from .statistics import Interval, difference_interval, mean_interval
 
-TRUE, NONE = "true model", "none"
+TRUE, NONE = "true model", "no suit"
 Beliefs = Mapping[str, Mapping[str, JointBelief]]
 
 

@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 from ...arrays import Array
 from ...errors import InputError
 from ..policies.base import Policy
+from ..policies.guard import Guard
 from ..reward import cost_terms, is_success
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
@@ -40,6 +41,8 @@ class Trace:
         assist_energy: Energy of the motors, the integral of |torque x rate| [J].
         rewards: Reward of each control period, shape (n,).
         costs: Cost terms of the episode, as `info["cost_terms"]` at its end.
+        guarded: Number of control periods in which the policy's guard lessened a torque; None where
+            it has none.
         success: Whether the episode went well, as `info["is_success"]` at its end.
         terminated: Whether the episode ended by failure.
         periods: Number of control periods of the whole motion, however early the episode ended.
@@ -58,6 +61,7 @@ class Trace:
     assist_energy: float
     rewards: Array
     costs: dict[str, float]
+    guarded: int | None
     success: bool
     terminated: bool
     periods: int
@@ -96,6 +100,7 @@ def rollout(
     observation, _ = arms.reset(seed=list(seeds), options=options)
     policy.reset()
     measured, rewards = [], []
+    guarded = np.zeros(len(seeds), np.int64)
     ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
     failed = np.zeros(len(seeds), np.bool_)
     costs = np.zeros_like(arms.episodes.costs)
@@ -107,6 +112,8 @@ def rollout(
         ended = (ends == 0) & (terminated | truncated)
         ends[ended], failed[ended] = len(rewards), terminated[ended]
         costs[ended] = arms.episodes.costs[ended]
+        if isinstance(policy, Guard):
+            guarded[ended] = policy.acted[ended]
     series, returns = np.array(measured), np.array(rewards)
     limits = arms.episodes.simulation.memory.limit
     wearers = arms.episodes.simulation.memory.wearer
@@ -115,6 +122,7 @@ def rollout(
             series[:end, row],
             returns[:end, row],
             costs[row],
+            guarded=int(guarded[row]) if isinstance(policy, Guard) else None,
             terminated=bool(failed[row]),
             periods=int(limits[row]),
             task=arms.episodes.task,
@@ -130,6 +138,7 @@ def _trace(
     rewards: Array,
     costs: Array,
     *,
+    guarded: int | None,
     terminated: bool,
     periods: int,
     task: Task,
@@ -145,6 +154,7 @@ def _trace(
         assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
         rewards=rewards,
         costs=cost_terms(costs, len(rewards)),
+        guarded=guarded,
         success=is_success(costs, len(rewards), task, ended=terminated),
         terminated=terminated,
         periods=periods,

@@ -44,6 +44,8 @@ class Score:
         cuff_peak: Greatest force over all motions [N] by limb segment; None without cuffs.
         assist_energy: Energy of the motors [J].
         failures: Number of episodes that ended early.
+        guarded: Share of time in which a passivity guard lessened the motors' torque; empty without
+            one.
         naive_effort: Effort of a wearer who has learned nothing; empty where it was not run.
         naive_tracking: Tracking error of that wearer [rad]; empty where it was not run.
     """
@@ -66,6 +68,7 @@ class Score:
     cuff_peak: dict[str, float] | None
     assist_energy: Values
     failures: int
+    guarded: Values = ()
     naive_effort: Values = ()
     naive_tracking: Values = ()
 
@@ -116,6 +119,9 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         cuff_peak=_cuff_peak(traces),
         assist_energy=tuple(trace.assist_energy for trace in traces),
         failures=sum(trace.terminated for trace in traces),
+        guarded=tuple(
+            trace.guarded / len(trace.time) for trace in traces if trace.guarded is not None
+        ),
         naive_effort=_effort(naive),
         naive_tracking=_tracking(naive),
     )

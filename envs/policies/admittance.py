@@ -1,17 +1,13 @@
 """Admittance: the exoskeleton moves as a light mass would that the wearer pushes by the cuffs."""
 
-import mujoco
 import numpy as np
 
 from ...arrays import Array
-from ...assets import JOINTS
 from ...checks import within
 from ..belief import LEAD
-from ..model import ASSISTED
-from ..model.cuffs import CUFF_SITES
-from ..trigonometric import Trigonometric
 from .base import Arms, Seen
 from .belief import Belief, BelievedArm
+from .levers import CuffLevers
 from .model_based import SHARE, ModelBased
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
@@ -63,7 +59,7 @@ class Admittance(ModelBased):
         self._rho, self._damping = rho, damping
         inertia = arm.exo_inertia().nominal()
         self.virtual_mass, self._gain = mass * inertia, VELOCITY_BANDWIDTH * inertia
-        self._levers = Trigonometric(_levers(arm.model()), 2, 1)
+        self._levers = CuffLevers(arm.model())
 
     def begin(self, seen: Seen) -> None:
         """Begins with the virtual mass at rest."""
@@ -85,29 +81,5 @@ class Admittance(ModelBased):
 
     def cuff_torque(self, seen: Seen) -> Array:
         """Returns the torque of the cuffs' forces on the exoskeleton's motors [N·m], (n, 2)."""
-        levers = self._levers(seen["angle"][:, -2:])
-        return (levers * seen["cuff_force"][:, None]).sum(-1)
-
-
-def _levers(model: mujoco.MjModel):
-    """Returns a function from elbow and wrist angle to levers [m], shape (2, 9).
-
-    The sensors tell forces on the limb in the axes of the exoskeleton's sites; on the exoskeleton
-    they act the other way. Levers about a joint do not depend on joints above it.
-    """
-    data, jacobian = mujoco.MjData(model), np.empty((3, model.nv))
-    sites = [model.site(name).id for name in CUFF_SITES.values()]
-    moved = [model.joint(f"exo_{joint}").qposadr[0] for joint in JOINTS[-2:]]
-    driven = [model.joint(f"exo_{joint}").dofadr[0] for joint in ASSISTED]
-
-    def at(pose: Array) -> Array:
-        data.qpos[moved] = pose
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        found = []
-        for site in sites:
-            mujoco.mj_jacSite(model, data, jacobian, None, site)
-            found.append(-data.site_xmat[site].reshape(3, 3).T @ jacobian[:, driven])
-        return np.concatenate(found).T
-
-    return at
+        levers = self._levers(seen["angle"])[..., self.assisted]
+        return -np.einsum("nf,nfm->nm", seen["cuff_force"], levers)

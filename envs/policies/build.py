@@ -20,6 +20,7 @@ from .amplification import ForceAmplification
 from .base import Policy
 from .belief import Belief
 from .compensation import Compensation, Complement
+from .corrected import CorrectedCompensation
 from .disturbance_observer import DisturbanceObserver
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
@@ -49,6 +50,7 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "predictive": PredictiveSampling,
     "impedance": Impedance,
     "admittance": Admittance,
+    "corrected": CorrectedCompensation,
     "amplification": ForceAmplification,
     "observer": ObserverAssist,
     "disturbance-observer": DisturbanceObserver,

@@ -12,11 +12,11 @@ class LowPass:
     """A first-order low-pass.
 
     Args:
-        cutoff: Frequency at which the output is 3 dB lower [Hz].
+        cutoff: Frequency at which the output is 3 dB lower [Hz], for all or for each component.
         dt: Period [s].
     """
 
-    def __init__(self, cutoff: float, dt: float) -> None:
+    def __init__(self, cutoff: float | Array, dt: float) -> None:
         self._share = smoothing(cutoff, dt)
 
     def begin(self, value: Array) -> None:

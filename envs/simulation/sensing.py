@@ -4,10 +4,12 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
 from numba import njit
 
-from ...arrays import AnyArray
+from ...arrays import AnyArray, Array
 from ...checks import within
 from ..provenance import Quantity
 from .inverse_dynamics import arm_torque
@@ -81,9 +83,9 @@ class Sensing:
             within(f"sensing.{name}", getattr(self, name), low, high, unit)
 
 
-def smoothing(cutoff: float, dt: float) -> float:
+def smoothing(cutoff: float | Array, dt: float) -> Any:
     """Returns how much of a change a first-order low-pass [Hz] follows in one period."""
-    return 1 - math.exp(-math.tau * cutoff * dt)
+    return 1 - np.exp(-math.tau * cutoff * dt)
 
 
 @njit(cache=True)

@@ -22,6 +22,7 @@ from ..reports.motions import (
     agreement,
     cuff_remarks,
     effort_table,
+    guard_remarks,
     score_table,
     settings_page,
     story,
@@ -114,7 +115,7 @@ def evaluate(
         else:
             tables["Cost per motion"] = effort_table(scores)
             tables["Units of effort, medians"] = units_table(scores)
-            remarks += [*story(found), *cuff_remarks(scores)]
+            remarks += [*story(found), *cuff_remarks(scores), *guard_remarks(scores)]
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)

@@ -181,6 +181,16 @@ def cuff_remarks(scores: Sequence[Score]) -> list[str]:
     ]
 
 
+def guard_remarks(scores: Sequence[Score]) -> list[str]:
+    """Returns one sentence per policy with a passivity guard: how much of the time it acted."""
+    return [
+        f"{score.policy}: the guard acted in {100 * np.mean(score.guarded):.2g} % of the time, in "
+        f"at most {100 * max(score.guarded):.2g} % of a motion"
+        for score in scores
+        if score.guarded
+    ]
+
+
 def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
     """Writes a trace as CSV: time [s], angles [rad] and torques [N·m] by joint."""
     header = ["time_s"]

@@ -40,7 +40,7 @@ def test_the_full_suite_has_everything():
     assert full.tasks == tuple(TASKS)
     assert len(full.levels) == 3
     assert full.episodes == 20
-    assert set(full.policies) == set(POLICIES) - {"oracle", "admittance"}
+    assert set(full.policies) == set(POLICIES) - {"oracle", "admittance", "corrected"}
     names = [trial.file_name for trial in full.trials]
     assert len(set(names)) == len(names)
     # At "shift" what believes nothing runs once, the others once for each belief.
@@ -51,6 +51,11 @@ def test_the_full_suite_has_everything():
         "mock-suit",
         "emu-like",
     }
+
+
+def test_results_on_cuffs_are_not_merged_with_others():
+    assert set(SUITES["cuffs"].policies) > {"admittance", "corrected"}
+    assert SUITES["cuffs"].contract != SUITES["full"].contract == SUITES["quick"].contract
 
 
 def test_beliefs_at_shift_are_of_another_suit():

@@ -1,23 +1,27 @@
 """Policies, references and bounds on the same motions, and what their scores say."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from activesuit.assets import CURVES, Suit, curves_path
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.evaluation.bounds import inverted
+from activesuit.envs.evaluation.bounds import inverted, rationed
 from activesuit.envs.evaluation.compare import reference_options
-from activesuit.envs.model import ASSISTED
+from activesuit.envs.model import ASSISTED, Exo
 from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
 from helpers import shorten_tasks
+from scipy.optimize import minimize
+from scipy.signal import lfilter
 
 ENV = "ActiveSuit/ArmTracking-v0"
 MOTIONS = 8
+DT = 0.01
 
 
 class Push:
@@ -220,6 +224,35 @@ def test_references_have_the_same_wearer_but_no_exoskeleton():
     assert reference_options("suited", options) == suited
     unsuited = {**kept, "suit": "none", "randomize": {"payload": [0, 3]}}
     assert reference_options("unsuited", options) == unsuited
+
+
+def test_a_plan_rations_the_heat_of_motors():
+    rng = np.random.default_rng(1)
+    motor = replace(Exo().elbow, peak_torque=9.0, continuous_torque=5.0, thermal_time_constant=0.4)
+    remains = np.exp(-DT / 0.4)
+
+    def heat(torque):
+        return lfilter([1 - remains], [1, -remains], torque**2)
+
+    cool = rng.uniform(-4, 4, 60)
+    np.testing.assert_array_equal(rationed(cool, motor, DT), cool)
+    wanted = 16 * np.sin(np.linspace(0, 9, 60)) * np.linspace(1, 0.4, 60)
+    given = rationed(wanted, motor, DT)
+    assert heat(wanted).max() > 1.5 * 25
+    assert heat(given).max() <= 25
+    assert np.abs(given).max() <= 9
+    assert (np.abs(given) <= np.abs(wanted)).all()
+    best = minimize(
+        lambda torque: ((torque - wanted) ** 2).sum(),
+        given,
+        jac=lambda torque: 2 * (torque - wanted),
+        constraints={"type": "ineq", "fun": lambda torque: 25 - heat(torque)},
+        bounds=[(-9, 9)] * 60,
+        method="SLSQP",
+        options={"maxiter": 300},
+    )
+    assert best.success
+    assert ((given - wanted) ** 2).sum() <= 1.01 * best.fun
 
 
 def test_a_plan_inverts_the_lag_of_motors():
