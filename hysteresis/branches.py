@@ -30,6 +30,11 @@ class Branches:
 
     memory_size = MEMORY
 
+    def response(self, angle: Array) -> Array:
+        """Returns the torque along angles [rad], shape (n,); the first motion counts as rising."""
+        up, down = poly.polyval(angle, self.rising), poly.polyval(angle, self.falling)
+        return np.where(_direction(angle) > 0, up, down)
+
     def begin(self) -> Array:
         """Returns the memory at the start: the last angle and the direction, shape (2,)."""
         return np.array([self.start_angle, 1.0])

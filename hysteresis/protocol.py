@@ -2,10 +2,10 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -95,6 +95,10 @@ class HysteresisModel(ABC):
     name: ClassVar[str]
     kernels: ClassVar[ModuleType]
     config_keys: ClassVar[tuple[ConfigKey, ...]] = ()
+    not_fitted: ClassVar[tuple[str, ...]] = ()
+    """Names of the numbers in `to_dict` that no fit chooses: grids, ranges and conventions."""
+    least: ClassVar[Mapping[str, float]] = MappingProxyType({})
+    """What numbers in `to_dict` are above, or at least equal to, by name, in certified models."""
 
     @cached_property
     @abstractmethod

@@ -8,12 +8,12 @@ from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.held import Held
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
-from .curves import Curve, Curves, noise_floor
+from .curves import Curve, Curves
 from .fits.certified import EXCESS, SHAPE
 from .fits.search import MARGIN
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
-POOR, TIMES_NOISE, DISORDER = 0.03, 3.0, 0.2
+DISORDER = 0.2  # of the peak
 LITTLE_MOTION = 0.05  # rad
 USUAL_PEAK = (0.01, 1000.0)  # N·m, of a joint in a suit, with a factor of ten or more on each side
 RETURNED = 0.05  # of the span
@@ -35,15 +35,7 @@ def diagnostics(
     """
     found = []
     peak = Curves(curves).peak
-    noise = noise_floor(curves) / peak
-    if nrmse > POOR and nrmse > TIMES_NOISE * noise:
-        found.append(
-            f"NRMSE {nrmse:.1%} is far above the noise of about {noise:.1%}: check the columns, "
-            "the sign of the torque, the order of the samples, whether the torque begins at zero; "
-            "or try another model (method 'auto'), or against outliers a swarm with the objective "
-            "'robust'"
-        )
-    elif nrmse > DISORDER:
+    if nrmse > DISORDER:
         found.append(
             f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
         )

@@ -20,9 +20,12 @@ from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
 from .options import DEFAULT_MODEL, check_method, check_options
+from .residual.loop_work import refuse_driven
+from .residual.verdict import NOT, Judgement, judge
 from .selection import Candidate, Choice, choose
 from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
+from .uncertainty.uncertainty import Uncertainty, uncertainty
 
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
@@ -47,6 +50,9 @@ class Fit:
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
+        fitted_start: Whether the initial torque was fitted too.
+        judgement: What the residual says about the model, with the verdict; None where the model
+            meets its pole on the curves.
     """
 
     model: HysteresisModel
@@ -62,6 +68,8 @@ class Fit:
     why: str = ""
     candidates: tuple[Candidate, ...] = ()
     interrupted: bool = False
+    fitted_start: bool = False
+    judgement: Judgement | None = None
 
     @property
     def evaluations(self) -> int | None:
@@ -72,6 +80,30 @@ class Fit:
     def predict(self, curve: Curve) -> Array:
         """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
         return predicted(self.model, self.initial_torque, curve)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model describes the curves, as a phrase; see `residual.verdict`."""
+        return NOT if self.judgement is None else self.judgement.verdict
+
+    def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
+        """Returns how sure the parameters and the torque of the model are.
+
+        Args:
+            samples: Number of models to draw that noisy repetitions of the curves would have given.
+            seed: Seed of their noise.
+
+        Raises:
+            InputError: See `identification.uncertainty`.
+        """
+        return uncertainty(
+            self.model,
+            self.curves,
+            initial_torque=self.initial_torque,
+            fitted_start=self.fitted_start,
+            samples=samples,
+            seed=seed,
+        )
 
 
 def identify(
@@ -133,6 +165,7 @@ def identify(
     check_workers(workers)
     family = Curves(curves)
     measured = thinned(_measured(family))
+    refuse_driven(measured)
     name = model or DEFAULT_MODEL
     start: dict[str, Any] = {}
     if initial_torque is not None and name == DEFAULT_MODEL:
@@ -144,7 +177,11 @@ def identify(
         trial = _chosen_trial(choice.chosen)
         if on_trial is not None:
             on_trial(trial)
-        return _fit(family, choice.chosen.name, method, [trial], choice, choice.interrupted)
+        chosen = choice.chosen.name
+        fitted = chosen != DEFAULT_MODEL or initial_torque == "identified"
+        return _fit(
+            family, chosen, method, [trial], choice, choice.interrupted, fitted_start=fitted
+        )
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start)
     else:
@@ -154,7 +191,8 @@ def identify(
     seeds = np.random.SeedSequence(seed).spawn(trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
-    return _fit(family, name, method, finished, interrupted=interrupted)
+    fitted = name != DEFAULT_MODEL or initial_torque == "identified"
+    return _fit(family, name, method, finished, interrupted=interrupted, fitted_start=fitted)
 
 
 def _measured(curves: Curves) -> Curves:
@@ -196,6 +234,7 @@ def _fit(
     trials: list[Trial],
     choice: Choice | None = None,
     interrupted: bool = False,
+    fitted_start: bool = False,
 ) -> Fit:
     measured = curves.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
@@ -208,6 +247,10 @@ def _fit(
     if note:
         score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)
     said = diagnostics(best.model, score, measured, bounds)
+    judged = judge(
+        best.model, best.initial_torque, measured, fitted_start=fitted_start, nested=False
+    )
+    said = (*said, *(judged.remarks if judged else ()))
     return Fit(
         model=best.model,
         model_name=name,
@@ -222,4 +265,6 @@ def _fit(
         why=choice.why if choice else "",
         candidates=choice.candidates if choice else (),
         interrupted=interrupted,
+        fitted_start=fitted_start,
+        judgement=judged,
     )

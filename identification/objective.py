@@ -79,9 +79,7 @@ class CurveObjective:
             )
         sizes = [curve.torque.size for curve in self.curves]
         self.torque = np.concatenate([curve.torque for curve in self.curves])
-        weight = np.repeat([curve.weight for curve in self.curves], sizes)
-        weight /= weight.max()  # no sum of weights overflows
-        self.weight = weight / weight.mean()
+        self.weight = sample_weights(self.curves)
         self.peak = float(np.abs(self.torque).max())
         if self.peak == 0:
             raise InputError("every torque is zero: there is nothing to identify")
@@ -184,3 +182,11 @@ class CurveObjective:
             allowed = ("a number", "measured", "identified")
             raise unknown_name("initial_torque", self.initial_torque, allowed)
         return np.full(len(self.curves), number("initial_torque", self.initial_torque, "N·m"))
+
+
+def sample_weights(curves: Sequence[Curve]) -> NDArray[np.float64]:
+    """Returns the weight of each sample of curves, end to end, of mean 1, shape (samples,)."""
+    sizes = [curve.torque.size for curve in curves]
+    weight = np.repeat([curve.weight for curve in curves], sizes)
+    weight = weight / weight.max()  # no sum of weights overflows
+    return weight / weight.mean()

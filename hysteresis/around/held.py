@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,6 +42,8 @@ class Held(Wrapper):
     """
 
     name = "held"
+
+    not_fitted: ClassVar[tuple[str, ...]] = ("angle_range",)
 
     angle_range: tuple[float, float]
 

@@ -1,6 +1,7 @@
 """The Bouc-Wen model of a joint's resistant torque."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from types import ModuleType
@@ -54,6 +55,8 @@ class BoucWen(HysteresisModel):
         *map(ConfigKey, ("elastic", "hysteretic", "A", "beta", "gamma", "n")),
         ConfigKey("rest_angle", optional=True),
     )
+    not_fitted: ClassVar[tuple[str, ...]] = ("A",)
+    least: ClassVar[Mapping[str, float]] = {"hysteretic": 0.0, "beta": 0.0, "n": 1.0}
 
     elastic: float
     hysteretic: float

@@ -1,6 +1,7 @@
 """The Jiles-Atherton model of a joint's resistant torque."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, get_args
@@ -67,6 +68,7 @@ class JilesAtherton(HysteresisModel):
         ConfigKey("form", "word", FORMS, optional=True),
         ConfigKey("clamp", "word", CLAMPS, optional=True),
     )
+    least: ClassVar[Mapping[str, float]] = {"Ms": 0.0, "a": 0.0, "c": 1.0, "k": 0.0}
 
     Ms: float
     a: float

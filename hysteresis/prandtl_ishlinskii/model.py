@@ -1,6 +1,7 @@
 """The Prandtl-Ishlinskii model: springs with sliders in parallel, and the inverse of their sum."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -56,6 +57,8 @@ class PrandtlIshlinskii(HysteresisModel):
         ConfigKey("thresholds", "list"),
         ConfigKey("weights", "list"),
     )
+    not_fitted: ClassVar[tuple[str, ...]] = ("thresholds",)
+    least: ClassVar[Mapping[str, float]] = {"weights": 0.0}
 
     stiffness: float
     thresholds: Numbers

@@ -1,7 +1,7 @@
 """The Preisach model: a continuum of relays that switch at two angles each."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import ModuleType
@@ -74,6 +74,8 @@ class Preisach(HysteresisModel):
         ConfigKey("density", "list"),
         ConfigKey("elastic", "list", optional=True),
     )
+    not_fitted: ClassVar[tuple[str, ...]] = ("levels",)
+    least: ClassVar[Mapping[str, float]] = {"density": 0.0}
 
     levels: Numbers
     density: Sequence[Numbers]

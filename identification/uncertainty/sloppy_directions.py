@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from scipy.stats import f
 
 from ...arrays import Array
 from ...hysteresis.jiles_atherton.model import PARAMETERS
@@ -14,7 +13,6 @@ LOOSE = np.log(1.1)  # change of a coordinate that is worth a sentence
 FARTHEST = np.log(2)  # that a sentence tells at most
 SMALL = 0.05  # that it leaves out
 ALIKE, ASIDE = 0.75, 0.5  # least ratio of two coordinates that move together; most of the others
-SIGNIFICANT = 0.95
 FACTORS = {0: "Ms", 1: "a", 3: "(c-1)", 4: "k"}  # coordinates that are logarithms
 
 
@@ -71,13 +69,3 @@ def _known_of_two(change: Array) -> str:
     one, other = FACTORS[min(first, second)], FACTORS[max(first, second)]
     between = "/" if change[first] * change[second] > 0 else " "
     return f": of {one} and {other} hardly more than {one}{between}{other} is known"
-
-
-def beside_best(likelihood: Likelihood) -> Iterator[str]:
-    """Yields a sentence if the curves prefer other parameters (F test of all together)."""
-    size, freedom = likelihood.best.size, likelihood.freedom
-    cost = float(np.square(likelihood.residual(likelihood.center)).sum())
-    limit = 1 + size / freedom * float(f.ppf(SIGNIFICANT, size, freedom))
-    if cost > limit * likelihood.variance * freedom:
-        less = 1 - np.sqrt(likelihood.cost / cost)
-        yield f"the error could be {less:.1%} less, certified or not: intervals are about that fit"

@@ -1,9 +1,11 @@
-"""How sure the parameters of an identified Jiles-Atherton model are."""
+"""How sure the parameters and the torque of an identified model are."""
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from scipy.linalg import matmul_toeplitz
 from scipy.stats import t
 
 from ...arrays import Array
@@ -15,57 +17,75 @@ from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, Jile
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
-from ..objective import CurveObjective, InitialTorque
+from ..fits.registry import FITS, fit_model
+from ..fits.residuals import torque_errors
+from ..fits.search import MARGIN
+from ..objective import CurveObjective, InitialTorque, sample_weights
+from ..residual.noise import GRID, Noise, estimate_noise
+from ..residual.tangent import STEP, Coordinates, coordinates_of, tangent
 from ..thinning import thinned
 from .likelihood import Likelihood
-from .sloppy_directions import beside_best, sloppy_directions
+from .sloppy_directions import sloppy_directions
 
-LOWEST = (0.0, 0.0, -np.inf, 1.0, 0.0, -np.inf)
 CONFIDENCE = 0.95
-FARTHEST = np.log(1e4)  # beyond it an interval has no end
+FARTHEST = math.log(1e4)  # beyond it an interval has no end
+DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not tell
+UNLIKELY = 1e-3  # weight of a noise that is left out
+NEAR = 1e-3  # of the certificate's margin, within which it binds
 
 
 @dataclass(frozen=True, kw_only=True)
 class Uncertainty:
     """What curves say about the parameters of a model, in the model's own units.
 
-    The errors of the torque are taken as independent and normal, with one deviation that the
-    residuals tell. `covariance` and `condition` are those of the model linearized at its
-    parameters; `intervals` and `samples` are not linearized. Only the samples are restricted to
-    certified models.
+    All is about the model that is given, linearized at it in the coordinates of the fit: the
+    logarithm of what must be above some value, and the number itself otherwise. The noise of the
+    torque is white beside slow, as the residual tells (see `identification.residual.noise`).
 
     Attributes:
-        names: The names Ms, a, alpha, c, k, and initial_torque if it was identified.
-        values: The parameters, shape (n,).
-        covariance: The covariance of the parameters, shape (n, n).
-        condition: The condition number of the Jacobian by log Ms, log a, alpha Ms/a, log (c-1),
-            log k (and the initial torque over the peak); it tells how many times better the best
-            known combination of parameters is known than the worst.
+        names: Names of the numbers that the fit chose, those in lists as weights[3].
+        values: The numbers, shape (n,).
+        standard_errors: Standard deviation of each number, shape (n,).
+        correlation: Correlation of their coordinates, shape (n, n).
+        condition: Condition number of the derivatives by relative changes of the numbers; it tells
+            how many times better the best known combination is known than the worst.
         sloppy: What the curves leave open, as sentences; empty if they tell every parameter.
-        intervals: The 95 % intervals by profile likelihood, lower and upper end, shape (n, 2).
-            Where the curves set no limit the end is that of all models: 0, 1 for c, or infinite.
+        intervals: The 95 % interval of each number, lower and upper end, shape (n, 2). Each holds
+            for its own number, not for all at once. Where the certificate binds it is one-sided as
+            far as the certificate is. Where the curves set no limit an end is that of all models.
         samples: Models that noisy repetitions of the curves would have led to, each certified.
-        noise: Standard deviation of the torque [N·m], for a curve of mean weight.
+        noise: Noise of the torque, for a curve of mean weight.
     """
 
     names: tuple[str, ...]
     values: Array
-    covariance: Array
+    standard_errors: Array
+    correlation: Array
     condition: float
     sloppy: tuple[str, ...]
     intervals: Array
     samples: tuple[HysteresisModel, ...]
-    noise: float
+    noise: Noise
+    _coordinates: Coordinates = field(repr=False)
+    _covariance: Array = field(repr=False)
+    _limit: Array | None = field(repr=False)
 
-    @property
-    def standard_errors(self) -> Array:
-        """Standard deviation of each parameter, shape (n,)."""
-        return np.sqrt(np.diag(self.covariance))
+    def band(self, curve: Curve) -> tuple[Array, Array]:
+        """Returns the ends of the 95 % interval of the torque along a curve [N·m], (samples,) each.
 
-    @property
-    def correlation(self) -> Array:
-        """Correlation matrix of the parameters, shape (n, n)."""
-        return self.covariance / np.outer(self.standard_errors, self.standard_errors)
+        They say how far the curves tell the parameters, and hold if the model is right in kind.
+
+        Args:
+            curve: Motion; its torque only counts where the fit began with the measured one.
+
+        Raises:
+            InputError: The model cannot begin there.
+        """
+        model, start = self._coordinates.at(self._coordinates.point)
+        torque = torque_errors(model, start, [curve]) + curve.torque
+        down, up = _spread(self._covariance, self._limit, tangent(self._coordinates, [curve]))
+        width = _width(self.noise)
+        return torque - width * down, torque + width * up
 
 
 def uncertainty(
@@ -73,123 +93,228 @@ def uncertainty(
     curves: Sequence[Curve],
     *,
     initial_torque: InitialTorque = 0.0,
+    fitted_start: bool = False,
     samples: int = 0,
     seed: int = 0,
 ) -> Uncertainty:
-    """Estimates how certain the parameters of a fitted Jiles-Atherton model are.
+    """Estimates how certain the parameters of a fitted model are; `Fit.uncertainty` calls it.
 
     Args:
-        model: Identified Jiles-Atherton model with c > 1, bare or held.
+        model: Identified model of any kind, whose fit minimized squares.
         curves: Curves that it was fitted to; those with role "fit" are used. Of more than 50,000
             samples only those count that `thinned` leaves, which widens the intervals.
-        initial_torque: Torque with which every curve begins, as `certified_fit` takes it.
-        samples: Number of models to draw (parametric bootstrap): the model's own curves with
-            random noise are fitted as by `certified_fit`, starting from the model.
+        initial_torque: Torque with which every curve begins [N·m]; or "measured".
+        fitted_start: Whether the fit chose that torque.
+        samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
+            as that of the residual are fitted anew.
         seed: Seed of the noise.
 
     Raises:
-        InputError: The model is of another kind, or the curves are unusable.
+        InputError: The curves are unusable or too few.
     """
     at_least("samples", samples, 0)
     at_least("seed", seed, 0)
-    bare = _jiles_atherton(model)
     measured = thinned(Curves(curves).fitted())
-    if isinstance(model, Held):
-        measured = Curves(
-            replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in measured
-        )
-    objective = CurveObjective(measured, initial_torque=initial_torque)
-    degrees = bare.in_unit("deg")
-    row = np.array([getattr(degrees, name) for name in PARAMETERS])
-    names = PARAMETERS
-    if initial_torque == "identified":
-        names = (*PARAMETERS, "initial_torque")
-        row = np.append(row, np.mean([curve.torque[0] for curve in measured]))
-    if objective.torque.size <= row.size:
+    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    sizes = [curve.torque.size for curve in measured]
+    if sum(sizes) <= coordinates.values.size:
         raise InputError(
-            f"the fitted curves have {objective.torque.size} samples in all: give more than the "
-            f"{row.size} parameters"
+            f"the fitted curves have {sum(sizes)} samples in all: give more than the "
+            f"{coordinates.values.size} parameters"
         )
-    if not np.isfinite(objective.responses(row)).all():
+    residual = -torque_errors(model, initial_torque, measured)
+    if not np.isfinite(residual).all():
         raise InputError(
             "the model meets its pole on the curves it is asked about: give those it was fitted to"
         )
-    likelihood = Likelihood(objective, row)
-    if initial_torque == "identified":
-        likelihood.center[5] = likelihood.best[5]  # the model does not tell it
-    row = likelihood.row(likelihood.center)
-    unit = UNIT_PER_RADIAN[bare.angle_unit] / UNIT_PER_RADIAN["deg"]
-    units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
-    unit_names = ("", "", f"{bare.angle_unit}/(N·m)", "", "", "N·m")
-    slopes = units * likelihood.by_point(likelihood.center)
-    intervals = _intervals(likelihood) * units[:, None]
+    scale = np.sqrt(sample_weights(measured))
+    slopes = tangent(coordinates, measured) * scale[:, None]
+    noise = estimate_noise(slopes, residual * scale, sizes)
+    covariance = estimator_covariance(slopes, noise, sizes)
+    limit = _binding(coordinates)
+    intervals = _intervals(coordinates, covariance, limit, noise)
+    deviation = np.sqrt(np.diag(covariance))
+    relative = np.where(
+        np.isfinite(coordinates.least), 1.0, np.maximum(np.abs(coordinates.values), STEP)
+    )
     return Uncertainty(
-        names=names,
-        values=row * units,
-        covariance=likelihood.covariance(likelihood.center) * np.outer(slopes, slopes),
-        condition=float(np.linalg.cond(likelihood.jacobian(likelihood.center))),
+        names=coordinates.names,
+        values=coordinates.values,
+        standard_errors=deviation * coordinates.slopes(),
+        correlation=covariance / np.outer(deviation, deviation),
+        condition=float(np.linalg.cond(slopes * relative)),
         sloppy=(
-            *beside_best(likelihood),
-            *sloppy_directions(likelihood, units, unit_names),
-            *_open_ends(names, intervals),
+            *_directions(model, measured, initial_torque, fitted_start),
+            *_open_ends(coordinates, intervals),
         ),
         intervals=intervals,
         samples=tuple(
-            refined(repetition, row, initial_torque=initial_torque).model
-            for repetition in _repetitions(likelihood, row, samples, seed)
+            _refitted(model, repetition, initial_torque, fitted_start, seed)
+            for repetition in _repetitions(model, initial_torque, measured, noise, samples, seed)
         ),
-        noise=float(np.sqrt(likelihood.variance)),
+        noise=noise,
+        _coordinates=coordinates,
+        _covariance=covariance,
+        _limit=limit,
     )
 
 
-def _intervals(likelihood: Likelihood) -> Array:
-    """Returns both ends of each parameter by profile likelihood, shape (n, 2).
+def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int]) -> Array:
+    """Returns the covariance of least squares, which take noise as white, under any noise.
 
-    An interval ends where the least cost at a fixed value of the parameter exceeds the least of all
-    by t^2 variances (Bates and Watts, Nonlinear Regression Analysis, 1988, section 6.1).
+    With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
+    1980, Econometrica 48, 817, for errors that are not alike), here averaged over the noises.
+
+    Args:
+        slopes: Derivatives of the torque by the coordinates, shape (samples, p).
+        noise: Noise of the torque.
+        sizes: Number of samples of each curve.
     """
-    t_limit = float(t.ppf((1 + CONFIDENCE) / 2, likelihood.freedom))
-    growth = t_limit**2 * likelihood.variance
-    size = likelihood.best.size
-    intervals = np.column_stack([LOWEST[:size], np.full(size, np.inf)])
-    for i, axis in enumerate(np.eye(size)):
-        for side, sign in enumerate((-1, 1)):
-            farthest = FARTHEST + sign * (likelihood.center - likelihood.best)[i]
-            if farthest > 0:
-                end, limited = likelihood.walk(sign * axis, growth, farthest)
-                intervals[i, side] = likelihood.row(end)[i] if limited else intervals[i, side]
-    return intervals
+    inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T
+    parts = np.split(inverse, np.cumsum(sizes)[:-1])
+    found, total = np.zeros((slopes.shape[1],) * 2), 0.0
+    for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
+        if weight < UNLIKELY:
+            continue
+        total += weight
+        for part in parts:
+            spread = white * part if memory else part
+            if memory:
+                slow = memory ** np.arange(len(part))
+                spread = spread + (1 - white) * matmul_toeplitz(slow, part)
+            found += weight * variance * part.T @ spread
+    return found / total
 
 
-def _open_ends(names: Sequence[str], intervals: Array) -> Iterator[str]:
-    for name, low, high, lowest in zip(names, *intervals.T, LOWEST, strict=False):
-        if low == lowest:
+def _width(noise: Noise) -> float:
+    return float(t.ppf((1 + CONFIDENCE) / 2, noise.freedom))
+
+
+def _spread(covariance: Array, limit: Array | None, slopes: Array) -> tuple[Array, Array]:
+    """Returns deviations downwards and upwards of what has these slopes, shape (m,) each.
+
+    A fit at the limit of its certificate cannot move beyond it: along the change that goes with the
+    margin only the inner half of the spread is left.
+    """
+    variance = np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0)
+    if limit is None:
+        return np.sqrt(variance), np.sqrt(variance)
+    inward = slopes @ covariance @ limit / math.sqrt(limit @ covariance @ limit)
+    rest = np.maximum(variance - inward**2, 0)
+    down, up = np.minimum(inward, 0), np.maximum(inward, 0)
+    return np.sqrt(rest + down**2), np.sqrt(rest + up**2)
+
+
+def _intervals(
+    coordinates: Coordinates, covariance: Array, limit: Array | None, noise: Noise
+) -> Array:
+    down, up = _spread(covariance, limit, np.eye(len(covariance)))
+    down, up = _width(noise) * down, _width(noise) * up
+    point, limited = coordinates.point, np.isfinite(coordinates.least)
+    low, high = coordinates.numbers(point - down), coordinates.numbers(point + up)
+    low = np.where(limited & (down > FARTHEST), coordinates.least, low)
+    high = np.where(limited & (up > FARTHEST), np.inf, high)
+    return np.column_stack([low, high])
+
+
+def _open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
+    for name, least, (low, high) in zip(
+        coordinates.names, coordinates.least, intervals, strict=True
+    ):
+        if low == least:
             yield f"the curves set no lower limit to {name}"
         if high == np.inf:
             yield f"the curves set no upper limit to {name}"
 
 
-def _jiles_atherton(model: HysteresisModel) -> JilesAtherton:
+def _binding(coordinates: Coordinates) -> Array | None:
+    """Returns the derivative of the certificate's margin where the fit ended at its limit."""
+    margin = _margin(coordinates, coordinates.point)
+    if not margin <= MARGIN + NEAR:
+        return None
+    moves = STEP * np.eye(coordinates.point.size)
+    moved = [_margin(coordinates, coordinates.point + move) for move in moves]
+    limit = (np.array(moved) - margin) / STEP
+    return limit if np.isfinite(limit).all() and limit.any() else None
+
+
+def _margin(coordinates: Coordinates, point: Array) -> float:
+    return coordinates.at(point)[0].certificate().margin
+
+
+def _bare(model: HysteresisModel) -> JilesAtherton | None:
+    """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
     inner = model.model if isinstance(model, Held) else model
-    if not isinstance(inner, JilesAtherton) or not is_exact(inner.parameter_vector) or inner.c <= 1:
-        raise InputError(
-            f"model is {model!r}: the uncertainty is known for Jiles-Atherton models only, bare or "
-            "held, of form 'bulk' without a clamp and with c above 1"
-        )
-    return inner
+    walks = isinstance(inner, JilesAtherton) and inner.c > 1
+    if walks and is_exact(inner.parameter_vector):
+        return inner
+    return None
+
+
+def _row(model: JilesAtherton) -> Array:
+    degrees = model.in_unit("deg")
+    return np.array([getattr(degrees, name) for name in PARAMETERS])
+
+
+def _directions(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    fitted_start: bool,
+) -> Iterator[str]:
+    """Yields what the curves leave open about a Jiles-Atherton model, and nothing of others."""
+    inner = _bare(model)
+    if inner is None:
+        return
+    if isinstance(model, Held):
+        curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
+    row = _row(inner)
+    if fitted_start:
+        row = np.append(row, float(initial_torque))
+        initial_torque = "identified"
+    likelihood = Likelihood(CurveObjective(curves, initial_torque=initial_torque), row)
+    unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
+    units = np.array([1.0, unit, 1 / unit, 1.0, unit, 1.0])[: row.size]
+    unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
+    yield from sloppy_directions(likelihood, units, unit_names)
 
 
 def _repetitions(
-    likelihood: Likelihood, row: Array, samples: int, seed: int
+    model: HysteresisModel,
+    initial_torque: InitialTorque,
+    curves: Sequence[Curve],
+    noise: Noise,
+    samples: int,
+    seed: int,
 ) -> Iterator[list[Curve]]:
     """Yields the curves of the model with noise of their own."""
-    objective = likelihood.objective
-    torque = objective.responses(row)[0]
-    deviation = np.sqrt(likelihood.variance / objective.weight)
-    ends = np.cumsum([curve.torque.size for curve in objective.curves])[:-1]
+    sizes = [curve.torque.size for curve in curves]
+    ends = np.cumsum(sizes)[:-1]
+    torque = torque_errors(model, initial_torque, curves)
+    torque = torque + np.concatenate([curve.torque for curve in curves])
+    scale = np.sqrt(sample_weights(curves))
     for child in np.random.SeedSequence(seed).spawn(samples):
-        noise = deviation * np.random.default_rng(child).standard_normal(torque.size)
-        parts = np.split(torque + noise, ends)
-        yield [
-            replace(curve, torque=part) for curve, part in zip(objective.curves, parts, strict=True)
-        ]
+        drawn = noise.draw(sizes, np.random.default_rng(child)) / scale
+        parts = np.split(torque + drawn, ends)
+        yield [replace(curve, torque=part) for curve, part in zip(curves, parts, strict=True)]
+
+
+def _refitted(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    fitted_start: bool,
+    seed: int,
+) -> HysteresisModel:
+    """Returns the model that a fit of the same kind finds on other curves."""
+    inner = _bare(model)
+    if inner is not None:
+        row = _row(inner)
+        if fitted_start:
+            row = np.append(row, float(initial_torque))
+            initial_torque = "identified"
+        return refined(curves, row, initial_torque=initial_torque).model
+    name = model.model.name if isinstance(model, Held) else model.name
+    if name not in FITS:
+        raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
+    return fit_model(name, curves, np.random.default_rng(seed)).model

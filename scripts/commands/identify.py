@@ -15,7 +15,8 @@ from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
-from ...identification.uncertainty.uncertainty import Uncertainty, uncertainty
+from ...identification.residual.verdict import NOT
+from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
 from ..options import Force, Json, Seed, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
@@ -28,6 +29,8 @@ from ..reports.fits import (
     write_trials,
 )
 from ..reports.parameters import parameter_table
+
+NOT_DESCRIBED = 3  # exit code
 
 
 def identify(
@@ -50,7 +53,8 @@ def identify(
 ) -> None:
     """Identify a hysteresis model from measured angle-torque curves.
 
-    Curves with role "predict" are kept out of the fit and used to test it.
+    Curves with role "predict" are kept out of the fit and used to test it. The verdict says whether
+    the model describes the curves; if it does not, all is written and the exit code is 3.
 
     Args:
         curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
@@ -72,8 +76,7 @@ def identify(
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
         samples: Number of further models in suit.json that the curves allow too, to randomize the
-            simulation with; the uncertainty of the parameters is shown as well (jiles-atherton
-            only).
+            simulation with; the uncertainty of the parameters is shown as well.
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
@@ -83,7 +86,7 @@ def identify(
     family = load_curves(curves)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
-    _check_samples(samples, method, model)
+    at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
@@ -107,7 +110,7 @@ def identify(
             on_trial=report,
         )
     summary = fit_summary(fit, seed)
-    found = _uncertainty(fit, family, initial_torque or 0.0, samples, seed) if samples else None
+    found = fit.uncertainty(samples=samples, seed=seed) if samples else None
     if found:
         summary["uncertainty"] = uncertainty_summary(found)
     if json:
@@ -131,15 +134,8 @@ def identify(
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
-
-
-def _check_samples(samples: int, method: str, model: str | None) -> None:
-    at_least("samples", samples, 0)
-    if samples and (method not in ("certified", "auto") or model not in (None, "jiles-atherton")):
-        raise InputError(
-            f"--samples is {samples}: samples are drawn of certified fits of jiles-atherton only; "
-            "leave it out"
-        )
+    if fit.verdict == NOT:
+        raise SystemExit(NOT_DESCRIBED)
 
 
 def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
@@ -153,6 +149,7 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
+    say(f"verdict: the model {fit.verdict}")
     for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
         say(f"note: {remark}")
 
@@ -173,14 +170,3 @@ def _finished(fit: Fit) -> str:
 def _write(folder: RunFolder, joint: str, family: Sequence[Curve], fit: Fit) -> None:
     write_trials(folder, "trials.csv", {joint: {fit.method: fit}})
     folder.figure("loops", loops_figure({joint: family}, {joint: {fit.model_name: fit}}))
-
-
-def _uncertainty(
-    fit: Fit, curves: Sequence[Curve], initial_torque: InitialTorque, samples: int, seed: int
-) -> Uncertainty:
-    if fit.model_name != "jiles-atherton":
-        raise InputError(
-            f"--samples is {samples}, but the chosen model is {fit.model_name!r}: samples are "
-            "drawn of jiles-atherton only; leave it out"
-        )
-    return uncertainty(fit.model, curves, initial_torque=initial_torque, samples=samples, seed=seed)

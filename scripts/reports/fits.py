@@ -4,10 +4,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
-from ...identification import Candidate, Fit, bare
+from ...hysteresis.around import Wrapper
+from ...hysteresis.protocol import HysteresisModel
+from ...identification import Candidate, Fit
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
 from .parameters import labeled
+
+MOST_ROWS = 20  # of a table on the screen
 
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
@@ -48,19 +52,27 @@ def candidate_table(fit: Fit) -> Rows:
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
     """Returns one row per parameter: value, standard error and 95 % interval."""
     header = ["parameter", "value", "standard\nerror", "95 % interval"]
-    units = bare(fit.model).units | {"initial_torque": "N·m"}
+    units = _units(fit.model) | {"initial_torque": "N·m"}
     rows = []
-    for i, name in enumerate(found.names):
+    for i, name in enumerate(found.names[:MOST_ROWS]):
         low, high = found.intervals[i]
+        base, bracket, number = name.partition("[")
         rows.append(
             [
-                labeled(name, units),
+                labeled(base, units).replace(base, base + bracket + number, 1),
                 f"{found.values[i]:.5g}",
                 f"{found.standard_errors[i]:.2g}",
                 f"{low:.5g} .. {high:.5g}",
             ]
         )
+    if len(found.names) > MOST_ROWS:
+        rows.append([f"{len(found.names) - MOST_ROWS} more in result.json", "", "", ""])
     return header, rows
+
+
+def _units(model: HysteresisModel) -> dict[str, str]:
+    inner = _units(model.model) if isinstance(model, Wrapper) else {}
+    return {**inner, **model.units}
 
 
 def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
@@ -79,6 +91,8 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "trials": len(fit.trials),
         "interrupted": fit.interrupted,
         "diagnostics": fit.diagnostics,
+        "verdict": fit.verdict,
+        "judgement": fit.judgement and fit.judgement.to_dict(),
         "certificate": {**asdict(certificate), "certified": certificate.certified},
         "why": fit.why,
         "candidates": [_candidate_summary(one) for one in fit.candidates],
@@ -104,6 +118,8 @@ def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
         "intervals": found.intervals,
         "condition": found.condition,
         "sloppy": found.sloppy,
+        "noise": found.noise.deviation,
+        "noise_correlation": found.noise.memory,
         "samples": [sample.to_dict() for sample in found.samples],
     }
 

@@ -1,6 +1,7 @@
 """Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from statistics import fmean
 from typing import Any
 
 import numpy as np
@@ -184,7 +185,7 @@ def cuff_remarks(scores: Sequence[Score]) -> list[str]:
 def guard_remarks(scores: Sequence[Score]) -> list[str]:
     """Returns one sentence per policy with a passivity guard: how much of the time it acted."""
     return [
-        f"{score.policy}: the guard acted in {100 * np.mean(score.guarded):.2g} % of the time, in "
+        f"{score.policy}: the guard acted in {100 * fmean(score.guarded):.2g} % of the time, in "
         f"at most {100 * max(score.guarded):.2g} % of a motion"
         for score in scores
         if score.guarded

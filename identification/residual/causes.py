@@ -1,0 +1,135 @@
+"""Known faults of a measurement, each as what it would add to the torque.
+
+Each is one column beside the derivatives of a fit (see `identification.residual.misfit`). The one
+that explains most names the cause, and its coefficient tells the size.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...hysteresis.protocol import HysteresisModel
+from ..curves import Curve
+from ..fits.residuals import predicted
+from ..objective import InitialTorque
+from .misfit import Explained, explained
+from .noise import GRID, Noise, whiten
+
+RARE = 1e-4  # probability below which a fault is told: one in thousands of fits without one
+GAP = np.radians(0.2)  # rad, for the derivative by a play
+NEGLIGIBLE = 1e-6  # of a column, that the derivatives of the fit do not explain already
+
+
+class Cause(NamedTuple):
+    """A fault that explains a part of a residual.
+
+    Attributes:
+        name: tare, rate, play or drift.
+        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play, [1] a cycle of
+            drift.
+        explained: How surely.
+        column: What a fault of size 1 adds to the torque, shape (samples,).
+    """
+
+    name: str
+    size: float
+    explained: Explained
+    column: Array
+
+    @property
+    def sentence(self) -> str:
+        """What was seen, and what to do about it."""
+        return _SENTENCES[self.name](self.size)
+
+
+_SENTENCES: dict[str, Callable[[float], str]] = {
+    "tare": lambda size: (
+        f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
+        "cannot have: fit it as the sensor's offset with --tare fitted, or zero the sensor"
+    ),
+    "rate": lambda size: (
+        f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
+        "lags; measure slower, or fit a damper with --rate"
+    ),
+    "play": lambda size: (
+        f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
+        "follows: there is play between encoder and joint; remove it, or measure the joint itself"
+    ),
+    "drift": lambda size: (
+        f"the torque changes by {100 * size:+.2g} % from curve to curve: the joint wears in, or "
+        "the sensor drifts; cycle the joint before, and fit only the last cycles"
+    ),
+}
+
+
+def causes(
+    model: HysteresisModel,
+    initial_torque: InitialTorque,
+    curves: Sequence[Curve],
+    residual: Array,
+    slopes: Array,
+    known: Noise | None = None,
+) -> list[Cause]:
+    """Returns the faults that surely are in a residual, the surest first.
+
+    Args:
+        model: Fitted model.
+        initial_torque: Torque with which the curves begin [N·m], or "measured".
+        curves: Fitted curves, in the order of measurement.
+        residual: What the fit leaves [N·m], shape (samples,).
+        slopes: Derivatives of the torque by what was fitted, shape (samples, p).
+        known: Noise that repeated curves tell; None estimates it.
+    """
+    sizes = [curve.torque.size for curve in curves]
+    found = []
+    for name, column in _columns(model, initial_torque, curves):
+        rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
+        if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
+            continue
+        test = explained(residual, slopes, column[:, None], sizes, known)
+        size = _coefficient(residual, slopes, column, sizes, test.noise)
+        if test.probability < RARE and not (name == "play" and size < 0):
+            found.append(Cause(name, size, test, column))
+    return sorted(found, key=lambda cause: -cause.explained.statistic)
+
+
+def _columns(
+    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
+) -> Iterator[tuple[str, Array]]:
+    torque = [predicted(model, initial_torque, curve) for curve in curves]
+    yield "tare", np.ones(sum(one.size for one in torque))
+    if all(getattr(curve, "time", None) is not None for curve in curves):
+        yield "rate", np.concatenate([np.gradient(one.angle, one.time) for one in curves])
+    late = []
+    for curve, here in zip(curves, torque, strict=True):
+        behind = Curve(played(curve.angle, GAP), curve.torque, curve.name)
+        late.append((predicted(model, initial_torque, behind) - here) / GAP)
+    yield "play", np.concatenate(late)
+    cycle = _cycles(curves)
+    if len(cycle) > 1 and cycle[-1][-1] > 0:
+        yield "drift", np.concatenate([n * here for n, here in zip(cycle, torque, strict=True)])
+
+
+def played(angle: Array, gap: float) -> Array:
+    """Returns the angle behind a play of a gap [rad], which follows once the gap is taken up."""
+    found, here = np.empty_like(angle), angle[0]
+    for i, ahead in enumerate(angle):
+        here = min(max(here, ahead - gap), ahead)
+        found[i] = here
+    return found
+
+
+def _cycles(curves: Sequence[Curve]) -> list[Array]:
+    """Returns how many cycles came before each sample."""
+    return [np.full(curve.angle.size, float(i)) for i, curve in enumerate(curves)]
+
+
+def _coefficient(
+    residual: Array, slopes: Array, column: Array, sizes: Sequence[int], noise: Noise
+) -> float:
+    """Returns the coefficient of a column beside the slopes, by the likeliest noise."""
+    memory, white = GRID[int(np.argmax(noise.weight))]
+    both, _ = whiten(np.column_stack([slopes, column, residual]), sizes, memory, white)
+    return float(np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=None)[0][-1])

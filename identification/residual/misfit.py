@@ -1,0 +1,143 @@
+"""Does a model describe the curves? F tests of what is left against what it might be.
+
+A residual that is noise has no smooth part: none over the angle, the direction of motion and the
+depth of a branch that is the same in all curves. And it has no part along the torque that a known
+fault of a rig would add. Both are columns beside the derivatives of the fit, and an F test says how
+likely noise alone explains as much (Seber and Wild 1989, Nonlinear Regression, section 5.3). The
+noise is estimated with the columns in place, so that a misfit is not taken for noise; or from
+repeated curves, where there are any.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.stats import f
+
+from ...arrays import Array
+from ...hysteresis.loops import branches
+from ..curves import Curve, Curves
+from .noise import GRID, Noise, estimate_noise, independent, whiten
+
+BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
+SAME_PATH = 0.02  # of the range, within which two curves follow one path
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explained:
+    """How much of a residual some columns explain.
+
+    Attributes:
+        statistic: F, averaged over the noises.
+        probability: Probability that noise alone explains as much.
+        columns: Number of the columns beside those of the fit.
+        noise: Noise with the columns in place, or that of repeated curves.
+        times_noise: Root mean square of the residual over the deviation of the noise.
+    """
+
+    statistic: float
+    probability: float
+    columns: int
+    noise: Noise
+    times_noise: float
+
+
+def explained(
+    residual: Array,
+    slopes: Array,
+    columns: Array,
+    sizes: Sequence[int],
+    known: Noise | None = None,
+) -> Explained:
+    """Tests columns beside the derivatives of a fit.
+
+    Args:
+        residual: What the fit leaves [N·m], shape (samples,).
+        slopes: Derivatives of the torque by what was fitted, shape (samples, p).
+        columns: What may be in the residual, shape (samples, q).
+        sizes: Number of samples of each curve.
+        known: Noise that repeated curves tell; None estimates it.
+    """
+    inner = independent(slopes)
+    beside = independent(columns - inner @ (inner.T @ columns))
+    both = np.column_stack([inner, beside])
+    noise = known or estimate_noise(both, residual, sizes)
+    freedom = noise.freedom
+    statistic = probability = 0.0
+    for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
+        if weight < 1e-6 or not beside.size:
+            continue
+        whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
+        triangle: Array = np.linalg.qr(whitened, mode="r")
+        # The last column holds, in turn, what each group of columns explains.
+        gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
+        value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)
+        statistic += weight * value
+        probability += weight * float(f.sf(value, beside.shape[1], freedom))
+    left = math.sqrt(float(residual @ residual) / max(residual.size - inner.shape[1], 1))
+    return Explained(
+        statistic=statistic,
+        probability=probability if beside.size else 1.0,
+        columns=beside.shape[1],
+        noise=noise,
+        times_noise=left / max(noise.deviation, np.finfo(float).tiny),
+    )
+
+
+def smooth_columns(curves: Sequence[Curve]) -> Array:
+    """Returns smooth functions of angle, direction and depth, shape (samples, q).
+
+    The depth of a sample is its distance from the last reversal, over the range of all angles.
+    """
+    low, high = Curves(curves).angle_range
+    parts = []
+    for curve in curves:
+        direction, turn = np.ones(curve.angle.size), np.full(curve.angle.size, curve.angle[0])
+        for piece in branches(curve.angle, curve.torque) if curve.angle.size > 2 else ():
+            direction[piece.start + 1 : piece.stop] = piece.direction
+            turn[piece.start + 1 : piece.stop] = piece.angle[0]
+        place = 2 * (curve.angle - low) / (high - low) - 1
+        depth = 2 * np.abs(curve.angle - turn) / (high - low) - 1
+        by_angle = chebyshev.chebvander(place, BY_ANGLE)
+        by_depth = chebyshev.chebvander(depth, BY_DEPTH)[:, 1:]
+        across = (place * depth)[:, None]
+        even = np.column_stack([by_angle, by_depth, across])
+        parts.append(np.column_stack([even, even * direction[:, None]]))
+    return np.concatenate(parts)
+
+
+def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
+    """Returns the noise that curves along one path tell by their differences; None without any.
+
+    Half the difference of two curves is free of what both have in common, a misfit too. A constant
+    and a slope of each difference count as drift, and not as noise.
+    """
+    low, high = Curves(curves).angle_range
+    differences, sizes, columns = [], [], []
+    left = list(curves)
+    while left:
+        first = left.pop(0)
+        for other in left:
+            torque = _along(other, first, SAME_PATH * (high - low))
+            if torque is not None:
+                differences.append((first.torque - torque) / math.sqrt(2))
+                sizes.append(first.torque.size)
+                left.remove(other)
+                break
+    if not differences:
+        return None
+    for i, size in enumerate(sizes):
+        block = np.zeros((sum(sizes), 2))
+        begin = sum(sizes[:i])
+        block[begin : begin + size] = np.vander(np.linspace(-1, 1, size), 2)
+        columns.append(block)
+    return estimate_noise(np.column_stack(columns), np.concatenate(differences), sizes)
+
+
+def _along(curve: Curve, path: Curve, within: float) -> Array | None:
+    """Returns the torque of a curve at the samples of another along the same path, or None."""
+    if curve.torque.size != path.torque.size:
+        return None
+    return curve.torque if np.abs(curve.angle - path.angle).max() <= within else None

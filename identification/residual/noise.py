@@ -1,0 +1,162 @@
+"""The noise of a measured torque: white noise beside slow noise, estimated from a residual.
+
+A sensor's noise has two parts: one that forgets itself from sample to sample, and one that wanders
+(an AR(1) process). Which share each has is not known but from the residual of a fit, which the fit
+has made smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545)
+takes account of that. Since no single pair of numbers is certain, what follows from the noise is
+averaged over a grid of them, weighed by their likelihood.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from ...arrays import Array
+
+MEMORIES = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.92, 0.95, 0.97, 0.98, 0.99)
+SHARES = (0.0, 0.1, 0.25, 0.5, 0.75, 0.9)
+GRID = np.array([(0.0, 0.0), *((memory, white) for memory in MEMORIES for white in SHARES)])
+"""Correlation of slow noise from sample to sample, and share of white noise in the variance."""
+SIMPLER = 10.0  # times as likely beforehand: white noise alone
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Noise of a torque, as far as a residual tells it.
+
+    Attributes:
+        weight: Probability of each noise of the grid, shape (g,).
+        variance: Variance of the torque by each of them [(N·m)^2], shape (g,).
+        freedom: How many samples there are beyond the columns of the fit.
+    """
+
+    weight: Array
+    variance: Array
+    freedom: int
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the torque [N·m]."""
+        return math.sqrt(float(self.weight @ self.variance))
+
+    @property
+    def white(self) -> float:
+        """Probability that the noise is white."""
+        return float(self.weight[0])
+
+    @property
+    def memory(self) -> float:
+        """Correlation from one sample to the next."""
+        slow = GRID[:, 0] * (1 - GRID[:, 1])
+        return float(self.weight @ slow)
+
+    def draw(self, sizes: Sequence[int], rng: np.random.Generator) -> Array:
+        """Returns noise along curves [N·m], end to end, of one pair of numbers drawn at random.
+
+        Args:
+            sizes: Number of samples of each curve.
+            rng: Generator of the random numbers.
+        """
+        chosen = rng.choice(len(GRID), p=self.weight)
+        memory, white = GRID[chosen]
+        deviation = math.sqrt(self.variance[chosen])
+        found = [_draw(size, memory, white, rng) for size in sizes]
+        return deviation * np.concatenate(found)
+
+
+def estimate_noise(columns: Array, residual: Array, sizes: Sequence[int]) -> Noise:
+    """Estimates the noise of curves from the residual of a fit.
+
+    Args:
+        columns: Derivatives of the torque by what was fitted, shape (samples, p); they need not be
+            independent.
+        residual: Torque that is left [N·m], shape (samples,).
+        sizes: Number of samples of each curve, end to end; noise is independent between curves.
+    """
+    basis = independent(columns)
+    freedom = residual.size - basis.shape[1]
+    likelihood, variance = np.empty(len(GRID)), np.empty(len(GRID))
+    for i, (memory, white) in enumerate(GRID):
+        whitened, log_det = whiten(np.column_stack([basis, residual]), sizes, memory, white)
+        triangle: Array = np.linalg.qr(whitened, mode="r")
+        left = max(float(np.square(triangle)[-1, -1]), np.finfo(float).tiny)
+        fitted = np.log(np.abs(np.diag(triangle)[:-1])).sum()
+        likelihood[i] = -log_det - fitted - freedom / 2 * math.log(left)
+        variance[i] = left / freedom
+    weight = np.exp(likelihood - likelihood.max())
+    weight[0] *= SIMPLER
+    return Noise(weight / weight.sum(), variance, freedom)
+
+
+def independent(columns: Array) -> Array:
+    """Returns an orthonormal basis of what columns span, shape (samples, rank)."""
+    size = np.linalg.norm(columns, axis=0)
+    scaled = columns[:, size > 0] / size[size > 0]
+    if not scaled.size:
+        return np.empty((len(columns), 0))
+    basis, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    return basis[:, singular > RANK * singular[0]]
+
+
+RANK = 1e-9  # relative singular value below which columns depend on each other
+
+
+def whiten(values: Array, sizes: Sequence[int], memory: float, white: float) -> tuple[Array, float]:
+    """Returns values that are white where the noise is as told, and half its log determinant.
+
+    The slow part is the state of a Kalman filter, whose innovations over their deviations are
+    white.
+
+    Args:
+        values: Series along the curves, end to end, shape (samples, m).
+        sizes: Number of samples of each curve.
+        memory: Correlation of the slow noise from sample to sample.
+        white: Share of white noise in the variance, which is 1.
+    """
+    found = np.array(values, dtype=np.float64)
+    ends = np.cumsum([0, *sizes])
+    return found, _innovations(found, ends, memory, white)
+
+
+@njit(cache=True)
+def _innovations(values, ends, memory, white) -> float:
+    log_det, columns = 0.0, values.shape[1]
+    state = np.empty(columns)
+    for curve in range(ends.size - 1):
+        state[:] = 0.0
+        uncertain = 1.0 - white
+        for i in range(ends[curve], ends[curve + 1]):
+            total = uncertain + white
+            gain, deviation = uncertain / total, math.sqrt(total)
+            log_det += math.log(deviation)
+            for j in range(columns):
+                new = values[i, j] - state[j]
+                state[j] = memory * (state[j] + gain * new)
+                values[i, j] = new / deviation
+            uncertain = memory * memory * (1.0 - gain) * uncertain
+            uncertain += (1.0 - memory * memory) * (1.0 - white)
+    return log_det
+
+
+def _draw(size: int, memory: float, white: float, rng: np.random.Generator) -> Array:
+    slow = math.sqrt(1 - white) * slow_noise(size, memory, rng)
+    return slow + math.sqrt(white) * rng.standard_normal(size)
+
+
+def slow_noise(size: int, memory: float, rng: np.random.Generator) -> Array:
+    """Returns an AR(1) process of variance 1, shape (size,).
+
+    Args:
+        size: Number of samples.
+        memory: Correlation from sample to sample.
+        rng: Generator of the random numbers.
+    """
+    from scipy.signal import lfilter  # slow to import
+
+    pushes = math.sqrt(1 - memory**2) * rng.standard_normal(size)
+    first = rng.standard_normal()
+    series, _ = lfilter([1.0], [1.0, -memory], pushes, zi=[memory * first])
+    return np.asarray(series)

@@ -1,0 +1,177 @@
+"""Whether a fitted model describes the curves, in words that follow from printed numbers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arrays import Array
+from ...hysteresis.branches import spring, spring_with_friction, two_branches
+from ...hysteresis.protocol import HysteresisModel
+from ..curves import Curve, Curves
+from ..fits.residuals import nrmse, torque_errors
+from ..objective import InitialTorque
+from ..thinning import thinned
+from .causes import Cause, causes
+from .misfit import Explained, explained, repeated_noise, smooth_columns
+from .noise import Noise, independent
+from .tangent import coordinates_of, tangent
+
+DESCRIBES = "describes the curves"
+NOT_BEYOND = "describes the curves, not beyond"
+NOT = "does not describe the curves"
+JUDGED = 5_000  # samples of all curves together, about: more take long and tell little more
+MATTERS = 1e-3  # of the peak: what a good load cell resolves; less is no misfit worth a word
+UNLIKELY = 0.005  # probability of a misfit by noise alone below which it is told
+UNFINISHED = 1.05  # times the least error, beyond which a search has ended too early
+TIMES_NOISE = 1.3  # beyond it a misfit is one that matters
+WANDERS = 0.3  # correlation from sample to sample that may be noise or misfit
+BASELINES = {
+    "a spring": spring,
+    "a spring with friction": spring_with_friction,
+    "two branches without memory": two_branches,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """What the residual of a fit says about its model.
+
+    Attributes:
+        verdict: "describes the curves", "describes the curves, not beyond" (they hold no loops
+            inside loops, so that nothing is known of those), or "does not describe the curves".
+        times_noise: Root mean square of the residual over the noise; at least that where a misfit
+            hides in the noise.
+        misfit: The F test of the residual's smooth part.
+        noise: Noise of the torque.
+        causes: Faults of the measurement that the residual shows, the surest first.
+        baselines: NRMSE of models without memory on the same curves, by name.
+        remarks: All of it in sentences, for whoever should doubt.
+    """
+
+    verdict: str
+    times_noise: float
+    misfit: Explained
+    noise: Noise
+    causes: tuple[Cause, ...]
+    baselines: dict[str, float]
+    remarks: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, object]:
+        """Returns everything as plain values."""
+        return {
+            "verdict": self.verdict,
+            "times_noise": self.times_noise,
+            "noise": self.noise.deviation,
+            "noise_correlation": self.noise.memory,
+            "misfit": {
+                "F": self.misfit.statistic,
+                "columns": self.misfit.columns,
+                "probability": self.misfit.probability,
+                "threshold": UNLIKELY,
+            },
+            "causes": {
+                one.name: {"size": one.size, "probability": one.explained.probability}
+                for one in self.causes
+            },
+            "baselines": self.baselines,
+        }
+
+
+def judge(
+    model: HysteresisModel,
+    initial_torque: InitialTorque,
+    curves: Sequence[Curve],
+    *,
+    fitted_start: bool,
+    nested: bool,
+) -> Judgement | None:
+    """Judges a fit by its residual; None where the model meets its pole on the curves.
+
+    Args:
+        model: Fitted model.
+        initial_torque: Torque with which the curves begin [N·m], or "measured".
+        curves: Fitted curves.
+        fitted_start: Whether the fit chose that torque.
+        nested: Whether the curves hold loops inside loops, or the use has none.
+    """
+    family = thinned(curves, JUDGED)
+    residual = -torque_errors(model, initial_torque, family)
+    if not np.isfinite(residual).all():
+        return None
+    slopes = tangent(coordinates_of(model, initial_torque, fitted_start=fitted_start), family)
+    sizes = [curve.torque.size for curve in family]
+    known, smooth = repeated_noise(family), smooth_columns(family)
+    misfit = explained(residual, slopes, smooth, sizes, known)
+    own = nrmse(residual, family)
+    surely = misfit.probability < UNLIKELY and own > MATTERS
+    found = causes(model, initial_torque, family, residual, slopes, known) if own > MATTERS else []
+    times, unfinished = misfit.times_noise, _unfinished(residual, slopes)
+    matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
+    verdict = NOT if matters else DESCRIBES if nested else NOT_BEYOND
+    baselines = _baselines(family)
+    remarks = list(_misfit_remarks(misfit, known, family) if surely else ())
+    for i, cause in enumerate(found):
+        both = np.column_stack([slopes, cause.column])
+        rest = explained(residual, both, smooth, sizes, known).probability
+        if not surely or rest >= UNLIKELY or i == 0:
+            remarks.append(cause.sentence if rest >= UNLIKELY else f"perhaps {cause.sentence}")
+            if rest >= UNLIKELY:
+                break
+    if unfinished >= UNFINISHED and own > MATTERS:
+        remarks.append(
+            f"the search ended before the least error, which is about {1 - 1 / unfinished:.0%} "
+            "less: give it more trials or a larger budget, or use the method 'certified'"
+        )
+    if not surely and known is None and misfit.noise.memory > WANDERS:
+        remarks.append(
+            f"the residual wanders (correlation {misfit.noise.memory:.2f} from sample to sample), "
+            "which may be noise or misfit: measure every curve twice to tell which"
+        )
+    best = min(baselines, key=lambda name: baselines[name])
+    if baselines[best] <= own:
+        remarks.append(
+            f"{best} describes the curves as well (NRMSE {baselines[best]:.2%} against {own:.2%}): "
+            "they show no memory that this model would be needed for"
+        )
+    return Judgement(
+        verdict=verdict,
+        times_noise=times,
+        misfit=misfit,
+        noise=misfit.noise,
+        causes=tuple(found),
+        baselines=baselines,
+        remarks=tuple(remarks),
+    )
+
+
+def _unfinished(residual: Array, slopes: Array) -> float:
+    """Returns the error over the least one that the derivatives of the model promise nearby."""
+    basis = independent(slopes)
+    least = residual - basis @ (basis.T @ residual)
+    return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
+
+
+def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[str]:
+    told = "of repeated curves" if known else "that is estimated beside it"
+    share, seldom = misfit.noise.deviation / curves.peak, max(misfit.probability, 1e-9)
+    return [
+        f"the fit is at least {misfit.times_noise:.2f} times the noise {told} ({share:.2%} of the "
+        f"peak), and noise alone leaves so smooth a residual in at most {seldom:.0e} of all fits "
+        f"(told below {UNLIKELY:g}): check columns, order and begin of the curves, or choose "
+        "another model (method 'auto')"
+    ]
+
+
+def _baselines(curves: Curves) -> dict[str, float]:
+    """Returns the NRMSE of models without memory, fitted to the same curves."""
+    angle = np.concatenate([curve.angle for curve in curves])
+    torque = np.concatenate([curve.torque for curve in curves])
+    found = {}
+    for name, fit in BASELINES.items():
+        if fit is two_branches and not 1 <= np.sum(np.diff(angle) < 0) < angle.size - 1:
+            continue  # motions of one direction have no second branch
+        model = fit(angle, torque)
+        errors: list[Array] = [model.response(curve.angle) - curve.torque for curve in curves]
+        found[name] = nrmse(np.concatenate(errors), curves)
+    return found
