@@ -34,7 +34,7 @@ class HingedStopsReference(Reference):
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
         """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
-        piece = np.searchsorted(self.model.knots, self.ahead(angle))
+        piece = int(np.searchsorted(self.model.knots, self.ahead(angle)))
         return self.stops.slope(angle, torque, delta) * self.model.slopes[piece]
 
     def knots(self, end: float) -> list[float]:
