@@ -8,6 +8,7 @@ from .around import Asymmetric, Held
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
 from .config import ConfigKey
+from .hinged_stops import HingedStops
 from .jiles_atherton import TABLE_2, JilesAtherton, nearest_certified
 from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
@@ -24,6 +25,7 @@ __all__ = [
     "ConfigKey",
     "Energy",
     "Held",
+    "HingedStops",
     "HysteresisModel",
     "JilesAtherton",
     "PoleError",

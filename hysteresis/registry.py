@@ -6,6 +6,7 @@ from typing import Any
 from ..errors import InputError, unknown_name
 from .around import Asymmetric, Held, Wrapper
 from .bouc_wen import BoucWen
+from .hinged_stops import HingedStops
 from .jiles_atherton import JilesAtherton
 from .prandtl_ishlinskii import PrandtlIshlinskii
 from .preisach import Preisach
@@ -13,7 +14,15 @@ from .protocol import HysteresisModel
 
 MODELS: dict[str, type[HysteresisModel]] = {
     model.name: model
-    for model in (JilesAtherton, BoucWen, Preisach, PrandtlIshlinskii, Asymmetric, Held)
+    for model in (
+        JilesAtherton,
+        BoucWen,
+        Preisach,
+        PrandtlIshlinskii,
+        HingedStops,
+        Asymmetric,
+        Held,
+    )
 }
 
 

@@ -5,6 +5,7 @@ from .curves import Curve, Curves
 from .fits.asymmetric import fit_asymmetric
 from .fits.bouc_wen import fit_bouc_wen
 from .fits.certified import certified_fit
+from .fits.hinged_stops import fit_hinged_stops
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
 from .fits.residuals import bare
@@ -44,6 +45,7 @@ __all__ = [
     "first_order_motions",
     "fit_asymmetric",
     "fit_bouc_wen",
+    "fit_hinged_stops",
     "fit_prandtl_ishlinskii",
     "fit_preisach",
     "identify",

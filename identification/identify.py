@@ -131,7 +131,7 @@ def identify(
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
         model: "jiles-atherton" (by default), "asymmetric" (the same beside a polynomial),
-            "bouc-wen", "prandtl-ishlinskii" or "preisach".
+            "bouc-wen", "prandtl-ishlinskii", "preisach" or "hinged-stops".
         method: "certified" (ours: least squares, can only return certified models); "auto" (the
             simplest model that predicts well curves left out of its certified fit); or, for
             "jiles-atherton" only, a swarm as published: "pso", "sa-pso", "mpso",

@@ -19,6 +19,7 @@ Python, with `attach`, or from MJCF:
     activesuit.jiles_atherton       Ms a alpha c k angle_unit form* clamp*
     activesuit.bouc_wen             elastic hysteretic A beta gamma n rest_angle*
     activesuit.prandtl_ishlinskii   stiffness rest_angle* thresholds weights
+    activesuit.hinged_stops         stiffness rest_angle* thresholds weights knots slopes offset*
     activesuit.preisach             levels density elastic*
 
 Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `start_path`* (angles that

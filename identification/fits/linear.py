@@ -65,8 +65,8 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
     density_rule = noise / DENSITY_STEP * cells * _differences(width / width.mean())
     _, slopes, weights = _least_squares(
         curves,
-        _responses(curves, springs),
-        _responses(curves, relays),
+        responses(curves, springs),
+        responses(curves, relays),
         np.asarray(block_diag(slope_rule, density_rule)),
     )
     return Preisach(levels=grid, density=_rows(weights), elastic=slopes.tolist())
@@ -107,7 +107,7 @@ def fit_prandtl_ishlinskii(
         )
     sliders = [PrandtlIshlinskii(stiffness=0, thresholds=[r], weights=[1]) for r in grid]
     spring = np.concatenate([curve.angle - curve.angle[0] for curve in curves])[:, None]
-    offsets, slopes, weights = _least_squares(curves, spring, _responses(curves, sliders))
+    offsets, slopes, weights = _least_squares(curves, spring, responses(curves, sliders))
     stiffness = float(slopes[0])
     start, first_torque = float(np.mean(starts)), float(np.mean(offsets))
     return PrandtlIshlinskii(
@@ -159,7 +159,7 @@ def _noise(curves: Sequence[Curve]) -> float:
     return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20)) if third.size else 0.0
 
 
-def _responses(curves: Sequence[Curve], models: Sequence[HysteresisModel]) -> Array:
+def responses(curves: Sequence[Curve], models: Sequence[HysteresisModel]) -> Array:
     """Returns the change of torque along all curves, a column for each model."""
     samples = sum(curve.angle.size for curve in curves)
     if samples * len(models) > MOST_NUMBERS:

@@ -14,6 +14,7 @@ import numpy as np
 from ...errors import InputError
 from ...hysteresis.around.asymmetric import Asymmetric
 from ...hysteresis.bouc_wen.model import BoucWen
+from ...hysteresis.hinged_stops.model import HingedStops
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from ...hysteresis.preisach.model import Preisach
@@ -23,6 +24,7 @@ from ..objective import InitialTorque
 from .asymmetric import fit_asymmetric
 from .bouc_wen import fit_bouc_wen
 from .certified import certified_fit
+from .hinged_stops import fit_hinged_stops
 from .linear import fit_prandtl_ishlinskii, fit_preisach
 from .residuals import common_torque, nrmse, torque_errors
 
@@ -59,6 +61,7 @@ FITS: dict[str, FitFunction] = {
     BoucWen.name: fit_bouc_wen,
     PrandtlIshlinskii.name: fit_prandtl_ishlinskii,
     Preisach.name: fit_preisach,
+    HingedStops.name: fit_hinged_stops,
 }
 
 

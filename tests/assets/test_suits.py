@@ -20,6 +20,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Held,
+    HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
     Preisach,
@@ -34,6 +35,9 @@ KINDS = [
     Asymmetric(model=Held(model=SAFE, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
     BoucWen(elastic=2.0, hysteretic=15.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=0.5),
     PrandtlIshlinskii(stiffness=-1, thresholds=[0.1, 0.4], weights=[-2, -3], operator="play"),
+    HingedStops(
+        stiffness=1, thresholds=[0.1, 0.4], weights=[2, 3], knots=[0, 1], slopes=[0.5, 1, 2]
+    ),
     Preisach(levels=[0.1, 0.7, 1.5], density=[[0.2], [0.1, 0.3]], elastic=[1.0, 2.0]),
 ]
 

@@ -12,6 +12,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Held,
+    HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
     Preisach,
@@ -184,7 +185,7 @@ positive = st.floats(-1, 1).map(lambda e: 10**e)
 @st.composite
 def dissipative_models(draw):
     """A certified, dissipative model of any kind."""
-    kind = draw(st.integers(0, 3))
+    kind = draw(st.integers(0, 4))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     if kind == 0:
         Ms, a, c = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-1, 3.7), 1 + 10 ** rng.uniform(-2, 1)
@@ -202,11 +203,21 @@ def dissipative_models(draw):
         density = [rng.uniform(0, 1, i + 1).tolist() for i in range(size)]
         model = Preisach(levels=levels, density=density, elastic=rng.uniform(-1, 3, size))
     else:
-        size = int(rng.integers(1, 9))
-        thresholds = np.cumsum(rng.uniform(0.01, 0.5, size))
-        model = PrandtlIshlinskii(
-            stiffness=rng.uniform(0, 3), thresholds=thresholds, weights=rng.uniform(0, 5, size)
+        size, hinges = int(rng.integers(1, 9)), int(rng.integers(1, 7))
+        thresholds, weights = np.cumsum(rng.uniform(0.01, 0.5, size)), rng.uniform(0, 5, size)
+        stops = PrandtlIshlinskii(
+            stiffness=rng.uniform(0, 3), thresholds=thresholds, weights=weights
         )
+        model = stops
+        if kind == 4:
+            slopes = rng.integers(0, 2, hinges + 1) * 10 ** rng.uniform(-1, 1, hinges + 1)
+            model = HingedStops(
+                stiffness=stops.stiffness,
+                thresholds=thresholds,
+                weights=weights,
+                knots=np.cumsum(rng.uniform(0.05, 2, hinges)) - rng.uniform(0, 5),
+                slopes=slopes,
+            )
     if draw(st.booleans()):
         model = Asymmetric(model=model, polynomial=rng.normal(size=3).tolist())
     return model

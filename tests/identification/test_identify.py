@@ -159,7 +159,8 @@ def test_bad_options(small_family, options, message):
 
 
 @pytest.mark.parametrize(
-    "model", ["jiles-atherton", "asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"]
+    "model",
+    ["jiles-atherton", "asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach"],
 )
 def test_every_model_is_identified_safely(small_family, model):
     loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]

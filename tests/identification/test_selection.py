@@ -16,7 +16,14 @@ from helpers import sweep
 START = 0.52
 THREE, SIX = (0.87, 1.22, 1.57), (0.7, 0.87, 1.05, 1.22, 1.4, 1.57)
 UNSEEN = (0.78, 1.0, 1.13, 1.3, 1.48)
-NAMES = {"jiles-atherton", "asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"}
+NAMES = {
+    "jiles-atherton",
+    "asymmetric",
+    "bouc-wen",
+    "hinged-stops",
+    "prandtl-ishlinskii",
+    "preisach",
+}
 
 
 def known_preisach():
@@ -114,6 +121,7 @@ def test_the_choice_follows_its_rule_and_says_so(truths):
         "bouc-wen": 6,
         "asymmetric": 9,
         "prandtl-ishlinskii": 22,
+        "hinged-stops": 23,
         "preisach": 230,
     }
 

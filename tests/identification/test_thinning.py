@@ -81,7 +81,9 @@ def test_a_direct_fit_refuses_what_memory_does_not_hold(elbow):
     assert fit_preisach(thinned(family, 1000)).certificate().certified
 
 
-@pytest.mark.parametrize("model", [None, "preisach", "prandtl-ishlinskii", "bouc-wen"])
+@pytest.mark.parametrize(
+    "model", [None, "preisach", "prandtl-ishlinskii", "hinged-stops", "bouc-wen"]
+)
 def test_torques_too_small_for_their_squares(elbow, model):
     angle = sweep(0.52, 1.5, 0.52)
     tiny = [Curve(angle, 1e-300 * elbow.response(angle), "A")]

@@ -376,7 +376,7 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
 
 
 @pytest.mark.parametrize(
-    "model", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach", "held"]
+    "model", ["asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach", "held"]
 )
 def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn, short):
     joint, chosen = ("shoulder", []) if model == "held" else ("elbow", ["--model", model])

@@ -3,7 +3,14 @@
 import mujoco
 import numpy as np
 import pytest
-from activesuit.hysteresis import Asymmetric, BoucWen, JilesAtherton, PrandtlIshlinskii, Preisach
+from activesuit.hysteresis import (
+    Asymmetric,
+    BoucWen,
+    HingedStops,
+    JilesAtherton,
+    PrandtlIshlinskii,
+    Preisach,
+)
 from activesuit.hysteresis.engine import attach
 
 ARM = """<mujoco><worldbody>
@@ -36,11 +43,17 @@ PRANDTL_ISHLINSKII = {
     "thresholds": "0.1 0.2 0.5",
     "weights": "3 2 1",
 }
+HINGED_STOPS = {
+    **PRANDTL_ISHLINSKII,
+    "knots": "-1 1",
+    "slopes": "0.5 1 2",
+}
 PREISACH = {"joint": "one", "levels": "-1 0 1", "density": "0.5 0.25 0.5", "elastic": "3 4"}
 GOOD = {
     "jiles_atherton": JILES_ATHERTON,
     "bouc_wen": BOUC_WEN,
     "prandtl_ishlinskii": PRANDTL_ISHLINSKII,
+    "hinged_stops": HINGED_STOPS,
     "preisach": PREISACH,
 }
 
@@ -68,9 +81,10 @@ def twin(name):
         return JilesAtherton(**config)
     if name == "bouc_wen":
         return BoucWen(**config)
-    if name == "prandtl_ishlinskii":
-        lists = {k: numbers(config[k]) for k in ("thresholds", "weights")}
-        return PrandtlIshlinskii(stiffness=1, **lists)
+    if name in ("prandtl_ishlinskii", "hinged_stops"):
+        lists = {k: numbers(v) for k, v in config.items() if k != "stiffness"}
+        kind = PrandtlIshlinskii if name == "prandtl_ishlinskii" else HingedStops
+        return kind(stiffness=1, **lists)
     return Preisach(levels=[-1, 0, 1], density=[[0.5], [0.25, 0.5]], elastic=[3, 4])
 
 
@@ -173,6 +187,16 @@ def say(key, value, what):
         ("prandtl_ishlinskii", {"weights": "1 2 3 4"}, "give as many numbers as thresholds"),
         ("prandtl_ishlinskii", {"weights": "3 -2 1"}, "have no certificate"),
         ("prandtl_ishlinskii", {"start_torque": "40"}, "cannot hold start_torque at start_angle"),
+        ("hinged_stops", {"stiffness": "-1"}, say("stiffness", "-1", "give numbers of at least 0")),
+        ("hinged_stops", {"weights": "1 2"}, say("weights", "1 2", "give as many numbers as thr")),
+        ("hinged_stops", {"weights": "3 -2 1"}, say("weights", "3 -2 1", "give numbers of at")),
+        ("hinged_stops", {"thresholds": "0.1 0.5 0.2"}, "give increasing numbers above 0"),
+        ("hinged_stops", {"knots": "1 -1"}, say("knots", "1 -1", "give 1 to 16 increasing")),
+        ("hinged_stops", {"knots": " 1" * 17, "slopes": " 1" * 18}, "give 1 to 16 increasing"),
+        ("hinged_stops", {"slopes": "1 2"}, say("slopes", "1 2", "give one number more than")),
+        ("hinged_stops", {"slopes": "1 2 -3"}, "give numbers of at least 0"),
+        ("hinged_stops", {"offset": "x"}, say("offset", "x", "give one finite number")),
+        ("hinged_stops", {"start_torque": "40"}, "cannot hold start_torque at start_angle"),
         ("preisach", {"levels": "0"}, say("levels", "0", "give increasing numbers")),
         ("preisach", {"levels": "0 0 1"}, say("levels", "0 0 1", "give increasing numbers")),
         ("preisach", {"levels": ""}, "levels is ''"),

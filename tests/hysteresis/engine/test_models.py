@@ -11,6 +11,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Held,
+    HingedStops,
     JilesAtherton,
     PoleError,
     PrandtlIshlinskii,
@@ -40,6 +41,14 @@ MODELS = {
     ),
     "play": PrandtlIshlinskii(
         stiffness=9, thresholds=[0.05, 0.2], weights=[-3, -2], operator="play"
+    ),
+    "hinged-stops": HingedStops(
+        stiffness=1.5,
+        thresholds=[0.05, 0.2, 0.7],
+        weights=[6, 4, 2],
+        knots=[-1, 0.5],
+        slopes=[0.5, 1, 1.5],
+        offset=0.1,
     ),
     "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
     "held": Held(model=ELBOW, angle_range=(-0.4, 0.6)),

@@ -1,0 +1,339 @@
+"""Kernels of hinged stops: plain functions over scalars and arrays, compiled by numba.
+
+    P = K (theta - rest) + sum w_i E_i,   T = offset + h(P)
+
+Parameters p = [K, rest, r_1 ... r_n, w_1 ... w_n, offset, m, knots, values of h at the knots,
+slopes], with room for `MOST_KNOTS` knots, of which m are used: piece j of h lies above j knots.
+
+The memory s = [angle, torque, loss, F_1 ... F_n] holds the play of each stop, as in the kernels of
+Prandtl-Ishlinskii. All E_i of a motion differ by no more than their thresholds do, so on a monotone
+motion the stops begin to slip in the order of their thresholds.
+"""
+
+import math
+
+from numba import njit
+
+from ..prandtl_ishlinskii.kernels import HEADER, START_TOLERANCE, first_motion, stop
+
+FIRST_PLAY = 3  # numbers in s before the plays
+MOST_KNOTS = 16
+HINGE = 2 + 2 * MOST_KNOTS + MOST_KNOTS + 1  # numbers in p after the weights
+OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # among these
+FINE, ASCENDING, AS_MANY, POSITIVE, FEW_KNOTS, ONE_MORE = range(6)
+COMPLAINTS = (
+    b"",
+    b"give increasing numbers above 0",
+    b"give as many numbers as thresholds",
+    b"give numbers of at least 0",
+    b"give 1 to 16 increasing numbers",
+    b"give one number more than knots",
+)
+
+
+@njit(cache=True, error_model="numpy")
+def set_parameters(p, stiffness, rest_angle, thresholds, weights, offset, knots, slopes):
+    """Fills p; the values at the knots follow from h(0) = 0, outwards from the piece around 0."""
+    n, m = thresholds.size, knots.size
+    p[:] = 0.0
+    p[0], p[1] = stiffness, rest_angle
+    p[HEADER : HEADER + n] = thresholds
+    p[HEADER + n : HEADER + 2 * n] = weights
+    hinge = p[HEADER + 2 * n :]
+    hinge[OFFSET], hinge[COUNT] = offset, m
+    hinge[KNOTS : KNOTS + m] = knots
+    hinge[SLOPES : SLOPES + m + 1] = slopes
+    zero = 0
+    while zero < m and knots[zero] <= 0:
+        zero += 1
+    for k in range(zero, m):
+        below = 0.0 if k == zero else knots[k - 1]
+        value = 0.0 if k == zero else hinge[VALUES + k - 1]
+        hinge[VALUES + k] = value + slopes[k] * (knots[k] - below)
+    for k in range(zero - 1, -1, -1):
+        above = 0.0 if k == zero - 1 else knots[k + 1]
+        value = 0.0 if k == zero - 1 else hinge[VALUES + k + 1]
+        hinge[VALUES + k] = value - slopes[k + 1] * (above - knots[k])
+
+
+@njit(inline="always", error_model="numpy")
+def piece(hinge, P):
+    """Returns on which piece of h a P lies; on a knot it is the piece above."""
+    j = 0
+    while j < hinge[COUNT] and P >= hinge[KNOTS + j]:
+        j += 1
+    return j
+
+
+@njit(inline="always", error_model="numpy")
+def on_piece(hinge, j, P):
+    """Returns the line of piece j at P."""
+    k = max(j - 1, 0)
+    return hinge[VALUES + k] + hinge[SLOPES + j] * (P - hinge[KNOTS + k])
+
+
+@njit(cache=True, error_model="numpy")
+def hinged(hinge, P):
+    """Returns h(P)."""
+    return on_piece(hinge, piece(hinge, P), P)
+
+
+@njit(cache=True, error_model="numpy")
+def unhinged(hinge, value, P):
+    """Returns the number nearest to P that h takes to `value`; infinite if there is none."""
+    j = piece(hinge, P)
+    if value > on_piece(hinge, j, P):
+        while j < hinge[COUNT] and hinge[VALUES + j] < value:
+            j += 1
+    elif value < on_piece(hinge, j, P):
+        while j > 0 and hinge[VALUES + j - 1] > value:
+            j -= 1
+    else:
+        return P
+    k, slope = max(j - 1, 0), hinge[SLOPES + j]
+    return hinge[KNOTS + k] + (value - hinge[VALUES + k]) / slope
+
+
+@njit(cache=True, error_model="numpy")
+def mean(hinge, one, other):
+    """Returns the mean of h between two numbers."""
+    low, high = min(one, other), max(one, other)
+    j, last = piece(hinge, low), piece(hinge, high)
+    if j == last:
+        return 0.5 * (on_piece(hinge, j, low) + on_piece(hinge, j, high))
+    total, here = 0.0, low
+    while j <= last:
+        end = high if j == last else hinge[KNOTS + j]
+        total += 0.5 * (end - here) * (on_piece(hinge, j, here) + on_piece(hinge, j, end))
+        here = end
+        j += 1
+    return total / (high - low)
+
+
+@njit(inline="always", error_model="numpy")
+def inner(p, s, angle):
+    """Returns P after a motion to `angle`."""
+    n = s.size - FIRST_PLAY
+    P = p[0] * (angle - p[1])
+    for i in range(n):
+        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
+        P += p[HEADER + n + i] * strain
+    return P
+
+
+@njit(inline="always", error_model="numpy")
+def hinge_of(p, s):
+    """Returns the part of p that describes h and the offset."""
+    return p[HEADER + 2 * (s.size - FIRST_PLAY) :]
+
+
+@njit(cache=True, error_model="numpy")
+def work(p, s, angle, P, delta, distance, loads):
+    """Returns the integral of |h(P)| over a motion of sign `delta` from `angle`, where P is.
+
+    It counts what lies beyond P = 0 if the motion `loads`, otherwise what lies before. Between two
+    angles at which stops begin to slip P is linear.
+    """
+    n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
+    slope = p[0]
+    for i in range(n):
+        slope += p[HEADER + n + i]
+    total, x, Q = 0.0, 0.0, delta * P
+    for i in range(n + 1):
+        end = distance
+        if i < n:
+            strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
+            end = min(max(p[HEADER + i] - delta * strain, x), distance)
+        else:
+            slope = p[0]  # without the rounding of the sums
+        if end == math.inf and slope == 0:
+            return total
+        there, length = Q + slope * (end - x), end - x
+        if loads and there > 0:
+            if Q < 0:
+                length *= there / (there - Q)
+            total += abs(mean(hinge, delta * max(Q, 0.0), delta * there)) * length
+        elif not loads:
+            if there >= 0:
+                return total + abs(mean(hinge, delta * Q, 0.0)) * -Q / slope
+            total += abs(mean(hinge, delta * Q, delta * there)) * length
+        if end == distance:
+            return total
+        x, Q = end, there
+        slope -= p[HEADER + n + i]
+    return total
+
+
+@njit(inline="always", error_model="numpy")
+def recoverable(p, s, angle, P):
+    """Returns the energy that unloading from `angle` gives back until P = 0."""
+    if P == 0:
+        return 0.0
+    return work(p, s, angle, P, -math.copysign(1.0, P), math.inf, False)
+
+
+@njit(inline="always", error_model="numpy")
+def travel(p, s, angle):
+    """Returns torque and loss of a motion to another angle; s unchanged.
+
+    Unloading gives back what was stored for it. Loading loses what it takes beyond the increase of
+    that, which is not negative (`HingedStops` has the proof) but for rounding.
+    """
+    P, hinge = inner(p, s, angle), hinge_of(p, s)
+    torque = hinge[OFFSET] + hinged(hinge, P)
+    delta = 1.0 if angle > s[0] else -1.0
+    if not delta * P > 0:
+        return torque, 0.0
+    before = inner(p, s, s[0])
+    loss = work(p, s, s[0], before, delta, abs(angle - s[0]), True) - recoverable(p, s, angle, P)
+    if delta * before > 0:
+        loss += recoverable(p, s, s[0], before)
+    return torque, max(loss, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def begin(p, s, angle, torque):
+    """Fills s as after the shortest first loading that gives `torque`; returns 1, or NaN."""
+    n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
+    elastic, reach = p[0] * (angle - p[1]), 0.0
+    for i in range(n):
+        reach += p[HEADER + i] * p[HEADER + n + i]
+    low, high = elastic - reach, elastic + reach
+    least, most, value = hinged(hinge, low), hinged(hinge, high), torque - hinge[OFFSET]
+    rounding = START_TOLERANCE * (abs(hinge[OFFSET]) + abs(torque) + abs(least) + abs(most))
+    if not least - rounding <= value <= most + rounding:
+        return math.nan
+    P = elastic  # also where rounding parts the torque from it, maybe by a flat piece of h
+    if abs(value - hinged(hinge, elastic)) > rounding:
+        P = unhinged(hinge, min(max(value, least), most), elastic)
+    scale = abs(elastic) + reach
+    x = first_motion(p, n, min(max(P, low), high) - elastic, START_TOLERANCE * scale)
+    if math.isnan(x):
+        return math.nan
+    s[0], s[1], s[2] = angle, torque, 0.0
+    for i in range(n):
+        s[FIRST_PLAY + i] = angle - min(max(x, -p[HEADER + i]), p[HEADER + i])
+    return 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def move(p, s, angle):
+    """Returns (torque, loss) after a monotone motion to `angle`; NaN where it is not finite."""
+    if angle == s[0]:
+        return s[1], 0.0
+    if not math.isfinite(angle):
+        return math.nan, 0.0
+    return travel(p, s, angle)
+
+
+@njit(cache=True, error_model="numpy")
+def commit(p, s, angle):
+    """Moves the memory on to `angle` and returns the torque; NaN leaves s as it is."""
+    if angle == s[0]:
+        return s[1]
+    if not math.isfinite(angle):
+        return math.nan
+    torque, loss = travel(p, s, angle)
+    if math.isnan(torque):
+        return torque
+    for i in range(s.size - FIRST_PLAY):
+        _, s[FIRST_PLAY + i] = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
+    s[0], s[1] = angle, torque
+    s[2] += loss
+    return torque
+
+
+@njit(cache=True, error_model="numpy")
+def stiffness(p, s, angle, torque, delta):
+    """Returns dT/dangle at the end of a motion that goes on with the sign `delta`."""
+    n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
+    slope = p[0]
+    for i in range(n):
+        strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
+        if delta * strain < p[HEADER + i]:
+            slope += p[HEADER + n + i]
+    P = inner(p, s, angle)
+    j = piece(hinge, P)
+    if delta < 0 and j > 0 and P == hinge[KNOTS + j - 1]:
+        j -= 1
+    return slope * hinge[SLOPES + j]
+
+
+@njit(cache=True, error_model="numpy")
+def stored(p, s, angle, torque, loss):
+    """Returns the stored energy: what unloading gives back, and the energy of the offset."""
+    offset = hinge_of(p, s)[OFFSET]
+    return offset * (angle - p[1]) + recoverable(p, s, angle, inner(p, s, angle))
+
+
+@njit(cache=True, error_model="numpy")
+def dissipated(p, s, angle, torque, loss):
+    """Returns the energy that the sliders have dissipated."""
+    return s[2] + loss
+
+
+@njit(cache=True, error_model="numpy")
+def certify(p, s, inside, low, high):
+    """Returns that the model is certified, as every one is, and how far inside s is."""
+    return True, inside
+
+
+@njit(cache=True)
+def is_sound(p):
+    """Returns whether the kernels can rely on p, which a user of the engine can overwrite."""
+    return 0 <= p[p.size - HINGE + COUNT] <= MOST_KNOTS
+
+
+@njit(cache=True)
+def size(counts):
+    """Returns how many numbers memory and parameters have together."""
+    return FIRST_PLAY + HEADER + HINGE + 3 * counts[2]
+
+
+@njit(cache=True)
+def memory_size(total):
+    """Returns how many of these `total` numbers belong to the memory."""
+    return FIRST_PLAY + (total - FIRST_PLAY - HEADER - HINGE) // 3
+
+
+@njit(cache=True, error_model="numpy")
+def configure(values, ends, p):
+    """Fills p from stiffness, rest angle, thresholds, weights, knots, slopes and offset."""
+    thresholds, weights = values[ends[1] : ends[2]], values[ends[2] : ends[3]]
+    knots, slopes = values[ends[3] : ends[4]], values[ends[4] : ends[5]]
+    if weights.size != thresholds.size:
+        return AS_MANY, 3
+    if not 1 <= knots.size <= MOST_KNOTS:
+        return FEW_KNOTS, 4
+    if slopes.size != knots.size + 1:
+        return ONE_MORE, 5
+    below = 0.0
+    for threshold in thresholds:
+        if not threshold > below:
+            return ASCENDING, 2
+        below = threshold
+    for k in range(1, knots.size):
+        if not knots[k] > knots[k - 1]:
+            return FEW_KNOTS, 4
+    if not values[0] >= 0:
+        return POSITIVE, 0
+    for weight in weights:
+        if not weight >= 0:
+            return POSITIVE, 3
+    for slope in slopes:
+        if not slope >= 0:
+            return POSITIVE, 5
+    offset = values[ends[5]]
+    set_parameters(p, values[0], values[1], thresholds, weights, offset, knots, slopes)
+    return FINE, 0
+
+
+@njit(cache=True, error_model="numpy")
+def response(p, s, H, M):
+    """Fills M with the torques along the angles H, from s; NaN from a failure onwards."""
+    M[0] = s[1]
+    for i in range(1, H.size):
+        M[i] = commit(p, s, H[i])
+        if math.isnan(M[i]):
+            M[i:] = math.nan
+            return
