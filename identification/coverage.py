@@ -10,7 +10,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..errors import InputError
@@ -18,6 +17,7 @@ from ..hysteresis.loops import estimate_dead_band, reversals
 from ..hysteresis.protocol import finite_series
 from .curves import Curve
 from .design import BRANCHES
+from .motion_files import Motion
 
 SMALLEST = 0.02  # of a motion's range, assumed: smaller swings are none
 DEEP = BRANCHES  # reversals within each other, as in `nested_motion`: deeper is not asked for
@@ -74,26 +74,26 @@ def coverage(curves: Sequence[Curve]) -> Coverage:
     Raises:
         InputError: There is no curve.
     """
-    return motion_coverage((curve.angle, curve.time) for curve in curves)
+    return motion_coverage(Motion(curve.time, curve.angle) for curve in curves)
 
 
-def motion_coverage(motions: Iterable[tuple[ArrayLike, Array | None]]) -> Coverage:
+def motion_coverage(motions: Iterable[Motion]) -> Coverage:
     """Returns what motions of one joint have in them.
 
     Args:
-        motions: Angles [rad], shape (n,), and their times [s], shape (n,), or None, of each.
+        motions: Times, if they are known, and angles of each.
 
     Raises:
         InputError: There is no motion, its angles are not one finite series, or none of them moves.
     """
-    given = [(finite_series("angle", angle, "rad"), time) for angle, time in motions]
+    given = [(time, finite_series("angle", angle, "rad")) for time, angle in motions]
     if not given:
         raise InputError("there is no motion: give at least one")
-    low = min(float(angle.min()) for angle, _ in given)
-    high = max(float(angle.max()) for angle, _ in given)
+    low = min(float(angle.min()) for _, angle in given)
+    high = max(float(angle.max()) for _, angle in given)
     if low == high:
         raise InputError(f"the motion stays at {low:g} rad: give one that moves")
-    found = [_Branches.of(angle, time) for angle, time in given if np.ptp(angle) > 0]
+    found = [_Branches.of(time, angle) for time, angle in given if np.ptp(angle) > 0]
     ways = np.concatenate([one.ways for one in found]) / (high - low)
     rates = [rate for one in found for rate in one.rates]
     return Coverage(
@@ -160,7 +160,7 @@ class _Branches(NamedTuple):
     cycles: int
 
     @classmethod
-    def of(cls, angle: Array, time: Array | None) -> "_Branches":
+    def of(cls, time: Array | None, angle: Array) -> "_Branches":
         span = float(np.ptp(angle))
         dead_band = max(estimate_dead_band(angle), SMALLEST * span)
         ends = [0, *reversals(angle, dead_band).tolist(), angle.size - 1]

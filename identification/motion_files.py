@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
+from ..files import write_text
 from .csv_rows import angle_in, content_of, next_time, rows_of
 
 HEADER = "time_s,angle_rad"
@@ -61,18 +62,22 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
     return Motion(np.array(time) if time_column else None, np.array(angle))
 
 
-def motion_text(motion: Motion) -> str:
-    """Returns the content of a file that `load_motion` reads back (to 1e-9 rad)."""
+def save_motion(path: str | os.PathLike[str], motion: Motion) -> None:
+    """Writes a motion so that `load_motion` reads it back (to 1e-9 rad).
+
+    Raises:
+        InputError: The file cannot be written.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     if motion.time is None:
         writer.writerow(["angle_rad"])
         writer.writerows([f"{angle:.9f}"] for angle in motion.angle)
-        return text.getvalue()
-    writer.writerow(HEADER.split(","))
-    for time, angle in zip(motion.time, motion.angle, strict=True):
-        writer.writerow([f"{time:.12g}", f"{angle:.9f}"])
-    return text.getvalue()
+    else:
+        writer.writerow(HEADER.split(","))
+        for time, angle in zip(motion.time, motion.angle, strict=True):
+            writer.writerow([f"{time:.12g}", f"{angle:.9f}"])
+    write_text(path, text.getvalue())
 
 
 def _one_of(header: list[str], names: list[str] | tuple[str, ...], path: Path) -> str:

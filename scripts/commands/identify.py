@@ -17,7 +17,8 @@ from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
 from ...identification.uncertainty.uncertainty import Uncertainty, uncertainty
 from ..curve_joints import joint_of
-from ..options import Force, Json, Seed, choice, joints, suits
+from ..intended import what_curves_tell
+from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     candidate_table,
@@ -42,6 +43,7 @@ def identify(
     seed: Seed = 0,
     workers: int = -1,
     samples: int = 0,
+    use: Use = None,
     joint: Annotated[str | None, choice(joints)] = None,
     base: Annotated[str | None, choice(suits)] = None,
     out: Path | None = None,
@@ -85,6 +87,7 @@ def identify(
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     _check_samples(samples, method, model)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
+    told = what_curves_tell(family, curves, use, joint)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
@@ -106,7 +109,7 @@ def identify(
             workers=workers,
             on_trial=report,
         )
-    summary = fit_summary(fit, seed)
+    summary = {**fit_summary(fit, seed), "coverage": told}
     found = _uncertainty(fit, family, initial_torque or 0.0, samples, seed) if samples else None
     if found:
         summary["uncertainty"] = uncertainty_summary(found)
@@ -114,6 +117,8 @@ def identify(
         print(to_json(summary))
     else:
         _print(fit, curves, found)
+        for sentence in told["shortfalls"]:
+            say(f"note: {sentence}")
     if folder and joint_name:
         drawn = found.samples if found else ()
         suit = Suit.from_fits(
