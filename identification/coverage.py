@@ -247,7 +247,7 @@ def _rates(measured: Coverage, needed: Coverage) -> str:
 
 
 def _cycles(measured: Coverage, needed: Coverage) -> str:
-    if measured.cycles >= min(needed.cycles, ENOUGH_CYCLES):
+    if needed.cycles < 2 or measured.cycles >= min(needed.cycles, ENOUGH_CYCLES):
         return ""
     return (
         f"the intended motion goes through {needed.cycles} whole cycles, a curve through at most "

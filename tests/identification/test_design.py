@@ -17,16 +17,10 @@ from activesuit.identification.design import BRANCHES, SHORTEST
 LOW, HIGH = 0.52, 1.57
 
 
-def test_reversals_come_nearer_from_both_ends_and_go_out_between():
-    points = np.array(nested_motion(-1, 1).points)
-    points = 4.5 * (points + 1)
-    inwards = points[: BRANCHES + 1]
-    np.testing.assert_allclose(inwards, [0, 9, 1, 8, 2, 7, 3, 6, 4, 5], atol=1e-12)
-    np.testing.assert_allclose(np.abs(np.diff(inwards)), np.arange(9, 0, -1))
-    assert (np.diff(np.abs(np.diff(points[BRANCHES + 1 :]))) > 0).all()
-    turns = np.round(points[1:-1], 9)
-    assert len(set(turns)) == turns.size  # no reversal twice
-    assert points[-1] == points[0]
+def test_reversals_come_nearer_from_both_ends():
+    points = 4.5 * (np.array(nested_motion(-1, 1).points) + 1)
+    np.testing.assert_allclose(points, [0, 9, 1, 8, 2, 7, 3, 6, 4, 5, 0], atol=1e-12)
+    np.testing.assert_allclose(np.abs(np.diff(points))[:BRANCHES], np.arange(9, 0, -1))
 
 
 def test_every_depth_is_remembered():
