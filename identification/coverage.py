@@ -163,7 +163,7 @@ class _Branches(NamedTuple):
     def of(cls, time: Array | None, angle: Array) -> "_Branches":
         span = float(np.ptp(angle))
         dead_band = max(estimate_dead_band(angle), SMALLEST * span)
-        ends = [0, *reversals(angle, dead_band).tolist(), angle.size - 1]
+        ends = _ends(angle, reversals(angle, dead_band).tolist())
         points = angle[ends]
         ways = np.abs(np.diff(points))
         rates = []
@@ -174,6 +174,20 @@ class _Branches(NamedTuple):
             ]
         whole = int(np.count_nonzero(ways >= WHOLE * span))
         return cls(ways, rates, nesting_of(points.tolist(), SMALLEST * span), whole // 2)
+
+
+def _ends(angle: Array, turns: list[int]) -> list[int]:
+    """Returns the samples where branches end: the first and the last one, and turns between.
+
+    The first and the last are extremes too, since a motion that has just turned is still in the
+    noise.
+    """
+    if not turns:
+        return sorted([int(angle.argmin()), int(angle.argmax())])
+    first, last = angle[: turns[0] + 1], angle[turns[-1] :]
+    begin = first.argmin() if 2 * first[-1] > first.min() + first.max() else first.argmax()
+    end = last.argmin() if 2 * last[0] > last.min() + last.max() else last.argmax()
+    return [int(begin), *turns, turns[-1] + int(end)]
 
 
 def _rate(angle: Array, time: Array, dead_band: float) -> float:

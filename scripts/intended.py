@@ -30,7 +30,7 @@ def what_curves_tell(
     Raises:
         InputError: There is no such task or file, or nobody says which joint the curves are of.
     """
-    measured = coverage(curves.fitted())
+    measured = coverage(curves.fitted() or curves)  # `identify` says that there is none to fit
     if use is None:
         return {"measured": measured.to_dict(), "needed": None, "shortfalls": []}
     needed = _needed(use, measured, path, joint)

@@ -70,7 +70,7 @@ def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float
         if not low < high:
             raise InputError(f"--range is {low:g} to {high:g} rad: give the smaller angle first")
         return low, high
-    family = load_curves(curves).fitted()
+    family = load_curves(curves)
     low, high = family.angle_range
     nearer = abs(family.start_angle - low) <= abs(family.start_angle - high)
     return (low, high) if nearer else (high, low)

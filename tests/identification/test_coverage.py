@@ -102,9 +102,21 @@ def test_noise_and_pauses_are_no_reversals_and_no_rates():
     assert (stepped.reversals, stepped.nesting) == (2, 2)
 
 
+def test_a_motion_that_has_just_turned_has_no_branch_there():
+    found = motion_coverage([motion(1.0, 0.995, 1.01, 0, 1, 0.975, 0.994, rate=0.2)])
+    assert found.branches[0] == pytest.approx(0.025 / 1.01)  # from 1 rad on, not the 0.006 rad left
+    assert found.rates == pytest.approx((0.2, 0.2))
+    assert found.cycles == 1
+
+
 def test_times_of_some_curves_are_enough():
     both = [motion(LOW, HIGH, LOW, rate=0.3), motion(LOW, 1.0, LOW)]
     assert motion_coverage(both).rates == pytest.approx((0.3, 0.3))
+
+
+def test_one_cycle_is_no_need_of_more():
+    rising = motion_coverage([motion(LOW, HIGH, 1.0)])
+    assert not any("cycles" in one for one in shortfalls(rising, first_order()))
 
 
 def test_cycles_are_whole_ones():
