@@ -31,14 +31,12 @@ def what_curves_tell(
         InputError: There is no such task or file, or nobody says which joint the curves are of.
     """
     measured = coverage(curves.fitted() or curves)  # `identify` says that there is none to fit
-    if use is None:
-        return {"measured": measured.to_dict(), "needed": None, "shortfalls": []}
-    needed = _needed(use, measured, path, joint)
+    needed = None if use is None else _needed(use, measured, path, joint)
     return {
         "for": use,
         "measured": measured.to_dict(),
-        "needed": needed.to_dict(),
-        "shortfalls": shortfalls(measured, needed),
+        "needed": needed and needed.to_dict(),
+        "shortfalls": shortfalls(measured, needed) if needed else [],
     }
 
 
