@@ -1,7 +1,9 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
+from .coverage import Coverage, coverage, motion_coverage, shortfalls
 from .curve_files import load_curves, save_curves
 from .curves import Curve, Curves
+from .design import Design, nested_motion
 from .fits.asymmetric import fit_asymmetric
 from .fits.bouc_wen import fit_bouc_wen
 from .fits.certified import certified_fit
@@ -10,6 +12,7 @@ from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
 from .fits.residuals import bare
 from .identify import Fit, identify
+from .motion_files import Motion, load_motion, save_motion
 from .objective import CurveObjective
 from .optimizers.mpso import MPSO, mpso
 from .optimizers.pso import KAO_FUNG, PSO, pso
@@ -33,15 +36,19 @@ __all__ = [
     "SAPSO",
     "SWARMS",
     "Candidate",
+    "Coverage",
     "Curve",
     "CurveObjective",
     "Curves",
+    "Design",
     "Fit",
+    "Motion",
     "RankDistanceMPSO",
     "Trial",
     "Uncertainty",
     "bare",
     "certified_fit",
+    "coverage",
     "first_order_motions",
     "fit_asymmetric",
     "fit_bouc_wen",
@@ -50,13 +57,18 @@ __all__ = [
     "fit_preisach",
     "identify",
     "load_curves",
+    "load_motion",
     "measure",
+    "motion_coverage",
     "mpso",
     "multi_order_motion",
+    "nested_motion",
     "pso",
     "rank_distance_mpso",
     "register_fit",
     "sa_pso",
     "save_curves",
+    "save_motion",
+    "shortfalls",
     "uncertainty",
 ]

@@ -26,6 +26,7 @@ class Curve:
         name: A label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
         weight: How much its squared errors count beside those of the other curves, > 0.
+        time: The time of each sample [s], shape (n,), strictly increasing; None if nobody knows.
     """
 
     angle: Array
@@ -33,6 +34,7 @@ class Curve:
     name: str
     role: Role = "fit"
     weight: float = 1.0
+    time: Array | None = None
 
     def __post_init__(self) -> None:
         if [self.name.strip()] != self.name.splitlines() or self.name.startswith("#"):
@@ -56,6 +58,8 @@ class Curve:
             raise InputError(
                 f"curve {self.name!r} has a value that is not finite: remove that sample"
             )
+        if self.time is not None:
+            self._check_time(np.ascontiguousarray(self.time, dtype=np.float64))
         if np.abs(self.angle).max() > RADIANS_AT_MOST:
             raise InputError(
                 f"curve {self.name!r} reaches {np.abs(self.angle).max():.3g} rad, more than a full "
@@ -78,6 +82,24 @@ class Curve:
             raise InputError(
                 f"curve {self.name!r} has weight {self.weight:g}: give a number above 0, or the "
                 "role 'predict' to keep it out of the fit"
+            )
+
+    def _check_time(self, time: Array) -> None:
+        object.__setattr__(self, "time", time)
+        if time.shape != self.angle.shape:
+            raise InputError(
+                f"curve {self.name!r} has times of shape {time.shape} and {self.angle.size} "
+                "samples: give one time a sample, or None"
+            )
+        if not np.isfinite(time).all():
+            raise InputError(f"curve {self.name!r} has a time that is not finite: repair it")
+        back = np.flatnonzero(np.diff(time) <= 0)
+        if back.size:
+            at = int(back[0]) + 1
+            told = time_goes_wrong(time[at - 1], time[at])
+            raise InputError(
+                f"curve {self.name!r}: the time {told} at sample {at}: put the samples in the "
+                "order of measurement"
             )
 
 
@@ -146,6 +168,13 @@ class Curves(list[Curve]):
     def _with_role(self, role: Role) -> "Curves":
         chosen = (curve for curve in self if curve.role == role)
         return Curves(chosen, source=self.source, sha256=self.sha256)
+
+
+def time_goes_wrong(before: float, after: float) -> str:
+    """Returns in words what time does between two samples that it should not [s]."""
+    if after == before:
+        return f"stands still at {after:.12g} s"
+    return f"runs back from {before:.12g} to {after:.12g} s"
 
 
 def noise_floor(curves: Sequence[Curve]) -> float:

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from ._threads import run_threads
+from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
 from .fits.residuals import nrmse, predicted, torque_errors
@@ -27,6 +28,7 @@ from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
+NESTED = 2  # reversals within each other, from which on loops are inside loops
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
@@ -51,6 +53,7 @@ class Fit:
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
+        shortfalls: What the intended motions need and the curves do not tell, as sentences.
         judgement: What the residual says about the model, with the verdict; None where the model
             meets its pole on the curves.
     """
@@ -69,7 +72,8 @@ class Fit:
     candidates: tuple[Candidate, ...] = ()
     interrupted: bool = False
     fitted_start: bool = False
-    judgement: Judgement | None = None
+    judgement: Judgement | None = field(default=None, compare=False)
+    shortfalls: tuple[str, ...] = ()
 
     @property
     def evaluations(self) -> int | None:
@@ -118,6 +122,7 @@ def identify(
     seed: int = 0,
     workers: int = -1,
     on_trial: Callable[[Trial], None] | None = None,
+    needed: Coverage | None = None,
     **options: Any,
 ) -> Fit:
     """Identifies a hysteresis model from first-order transition curves.
@@ -149,6 +154,8 @@ def identify(
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
         on_trial: Function that gets each trial as it finishes, in any order.
+        needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
+            the diagnostics then say where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
             `max_evaluations`, ...).
 
@@ -179,9 +186,7 @@ def identify(
             on_trial(trial)
         chosen = choice.chosen.name
         fitted = chosen != DEFAULT_MODEL or initial_torque == "identified"
-        return _fit(
-            family, chosen, method, [trial], choice, choice.interrupted, fitted_start=fitted
-        )
+        return _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start)
     else:
@@ -192,7 +197,7 @@ def identify(
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
     fitted = name != DEFAULT_MODEL or initial_torque == "identified"
-    return _fit(family, name, method, finished, interrupted=interrupted, fitted_start=fitted)
+    return _fit(family, name, method, finished, needed, fitted, interrupted=interrupted)
 
 
 def _measured(curves: Curves) -> Curves:
@@ -232,9 +237,10 @@ def _fit(
     name: str,
     method: str,
     trials: list[Trial],
+    needed: Coverage | None,
+    fitted_start: bool,
     choice: Choice | None = None,
     interrupted: bool = False,
-    fitted_start: bool = False,
 ) -> Fit:
     measured = curves.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
@@ -247,10 +253,13 @@ def _fit(
     if note:
         score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)
     said = diagnostics(best.model, score, measured, bounds)
+    covered = coverage(measured)
+    short = shortfalls(covered, needed) if needed else ()
+    beyond = bool(short) if needed else covered.nesting < NESTED
     judged = judge(
-        best.model, best.initial_torque, measured, fitted_start=fitted_start, nested=False
+        best.model, best.initial_torque, measured, fitted_start=fitted_start, beyond=beyond
     )
-    said = (*said, *(judged.remarks if judged else ()))
+    said = (*said, *(judged.remarks if judged else ()), *short)
     return Fit(
         model=best.model,
         model_name=name,
@@ -267,4 +276,5 @@ def _fit(
         interrupted=interrupted,
         fitted_start=fitted_start,
         judgement=judged,
+        shortfalls=tuple(short),
     )

@@ -71,7 +71,8 @@ def kept_samples(angle: Array, every: int) -> NDArray[np.intp]:
 
 
 def _picked(curve: Curve, indices: NDArray[np.intp]) -> Curve:
-    return replace(curve, angle=curve.angle[indices], torque=curve.torque[indices])
+    time = None if curve.time is None else curve.time[indices]
+    return replace(curve, angle=curve.angle[indices], torque=curve.torque[indices], time=time)
 
 
 def _step(curves: Sequence[Curve], most: int) -> int:

@@ -22,6 +22,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 COMMANDS = {
     "demo": "Do the whole job once: identify, simulate, compensate, report.",
     "identify": "Identify a hysteresis model from measured angle-torque curves.",
+    "design": "Design the next record to measure: nested reversals at varied speed.",
     "rig": "Measure first-order curves of a suit joint on a simulated rig.",
     "study": "Compare identification methods by many trials, and judge the paper's claims.",
     "simulate": "Simulate one assisted arm motion, headless.",

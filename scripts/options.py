@@ -9,7 +9,10 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 
 def choice(
-    names: Callable[[], Iterable[str]], help: str | None = None, usual: str | None = None
+    names: Callable[[], Iterable[str]],
+    help: str | None = None,
+    usual: str | None = None,
+    name: str | None = None,
 ) -> Any:
     """Describes an option that takes a name from a registry.
 
@@ -21,11 +24,13 @@ def choice(
         names: Function that returns the names; one in capitals stands for a file or a folder.
         help: Help text; by default what the docstring of the command says.
         usual: What None stands for, where the option has that default.
+        name: Name of the option, where it is no name of a Python argument.
 
     Returns:
         An annotation for the type of the option, as in `Annotated[str, choice(...)]`.
     """
     return tyro.conf.arg(
+        name=name,
         constructor_factory=lambda: _one_of(names()),
         help=help,
         help_behavior_hint=f"(default: {usual})" if usual else _default,
@@ -150,6 +155,11 @@ def tasks() -> list[str]:
     return [*TASKS, "FILE.csv"]
 
 
+def uses() -> list[str]:
+    """Returns what curves may be for: a shipped task, any motion, or a file of a motion."""
+    return [*tasks(), "any"]
+
+
 def levels() -> Iterable[str]:
     """Returns the names of the levels."""
     from ..envs.levels import LEVELS
@@ -170,6 +180,17 @@ TaskName = Annotated[
         "Name of a shipped task, instead of --env; or a CSV file with the columns time [s] and the "
         "four joint angles [rad] of a motion.",
         "that of --env",
+    ),
+]
+Use = Annotated[
+    str | None,
+    choice(
+        uses,
+        "Motions that the model is for, to be told what the curves do not tell about them: a "
+        "shipped task; a CSV file with the column angle_rad, or the angles of all joints, and "
+        "time_s; or any motion in the range of the curves.",
+        "none",
+        "for",
     ),
 ]
 Level = Annotated[

@@ -76,6 +76,7 @@ def make_inputs(folder: Path, *, trained: bool) -> None:
     from activesuit.assets import load_suit
 
     (folder / "elbow.csv").write_text("\n".join(curve_lines()) + "\n")
+    (folder / "motion.csv").write_text("time_s,angle_rad\n0,0.52\n2,1.1\n4,0.7\n6,0.9\n")
     load_suit("mock-suit").save(folder / "suit.json")
     shutil.copy(folder / "suit.json", folder / "whole.json")
     shutil.copy(folder / "elbow.csv", folder / "whole.csv")
@@ -220,6 +221,17 @@ CURVES = [
             )
         ),
     ),
+    Kind(
+        "curves: time",
+        curves(
+            lambda lines, rng: joined(
+                [
+                    lines[0] + ",time_s",
+                    *(f"{line},{('-1', 'nan', 'x', '0')[rng.integers(4)]}" for line in lines[1:]),
+                ]
+            )
+        ),
+    ),
     Kind("curves: byte order mark", kept(lambda lines, rng: "\ufeff" + joined(lines)), "harmless"),
     Kind("curves: CRLF", kept(lambda lines, rng: joined(lines).replace("\n", "\r\n")), "harmless"),
     Kind("curves: spaces", kept(lambda lines, rng: joined(lines).replace(",", " , ")), "harmless"),
@@ -236,6 +248,48 @@ CURVES = [
         kept(lambda lines, rng: joined([lines[0], *rng.permutation(lines[1:]).tolist()])),
         "either",
     ),
+]
+
+
+# --- Motion files ---------------------------------------------------------------------------
+
+
+def motion(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
+    """Returns damage that rewrites the motion file from its lines."""
+
+    def damage(folder: Path, rng: Rng) -> list[str]:
+        path = folder / "motion.csv"
+        write(path, change(path.read_text().splitlines(), rng))
+        if rng.random() < 0.5:
+            return ["rig", "--motion", "motion.csv", "--out", "out"]
+        return ["identify", "whole.csv", "--for", "motion.csv", "--model", "prandtl-ishlinskii"]
+
+    return damage
+
+
+def _cell(*values: str) -> Damage:
+    def change(lines: list[str], rng: Rng) -> str:
+        i, j = int(rng.integers(1, len(lines))), int(rng.integers(2))
+        cells = lines[i].split(",")
+        cells[j] = values[rng.integers(len(values))]
+        return joined([*lines[:i], ",".join(cells), *lines[i + 1 :]])
+
+    return motion(change)
+
+
+MOTIONS = [
+    Kind("motion: empty", motion(lambda lines, rng: "")),
+    Kind("motion: header only", motion(lambda lines, rng: joined(lines[:1]))),
+    Kind("motion: columns", motion(lambda lines, rng: joined(["time,angle", *lines[1:]]))),
+    Kind("motion: text for a number", _cell("x", "", "1,5", "--1", "\x1b[2J", HUGE)),
+    Kind("motion: not finite", _cell("nan", "inf", "-inf", "1e999")),
+    Kind("motion: time runs back", motion(lambda lines, rng: joined([*lines, lines[1]]))),
+    Kind("motion: ragged row", motion(lambda lines, rng: joined([*lines, "9999"]))),
+    Kind("motion: binary", motion(lambda lines, rng: rng.bytes(2000))),
+    Kind(
+        "motion: bytes replaced", motion(lambda lines, rng: flipped(joined(lines), rng)), "either"
+    ),
+    Kind("motion: truncated", motion(lambda lines, rng: truncated(joined(lines), rng)), "either"),
 ]
 
 
@@ -583,8 +637,12 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
         {
             "--model": "name", "--method": "name", "--objective": "name", "--normalize": "name",
             "--initial-torque": "name", "--trials": "int", "--seed": "int", "--workers": "int",
-            "--samples": "int", "--joint": "name", "--base": "name",
+            "--samples": "int", "--joint": "name", "--base": "name", "--for": "name",
         },
+    ),
+    "design": (
+        ("design", "whole.csv", "--out", "new.csv"),
+        {"--min-rate": "float", "--max-rate": "float", "--sample-rate": "float"},
     ),
     "simulate": (
         SIMULATE,
@@ -716,7 +774,7 @@ OPTION_KINDS = [
     Kind("options: a place that is taken", foreign_out),
 ]
 
-KINDS = [*CURVES, *SUITS, *RUNS, *STUDIES, *OPTION_KINDS]
+KINDS = [*CURVES, *MOTIONS, *SUITS, *RUNS, *STUDIES, *OPTION_KINDS]
 
 
 # --- Running --------------------------------------------------------------------------------

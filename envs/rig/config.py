@@ -6,15 +6,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...assets import AnySuit, SuitJoint, load_suit
 from ...checks import at_least, number, numbers
-from ...errors import InputError, unknown_name
+from ...errors import InputError, shown, unknown_name
 from ...hysteresis import HysteresisModel
 from ...published import LI_TURNS
 from ..provenance import Quantity
+from .motion import reversals
 
 TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
+SAME = 1e-6  # rad, between two angles that are meant to be one
+ROUNDING = 1e-3  # of a rate, which the digits of a file may change
 FULL_TURN = 2 * math.pi  # rad
 RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s
 SAMPLE_RATE, SAMPLE_RATE_RANGE = 25.0, (1.0, 1000.0)  # Hz
@@ -76,9 +80,14 @@ class RigConfig:
         angle_resolution: Resolution of the encoder [rad]; None means no steps.
         bearing_friction: Coulomb friction of the joint's bearings [N·m].
         seed: Seed of the noise.
+        motion: Times [s] and angles [rad] of a motion to measure in place of first-order curves, a
+            pair for each sample, which has then its own rates. Only its reversals and the mean rate
+            of each branch between them matter, and only they are kept. `start_angle` is by default
+            the angle of the first pair.
 
     Raises:
-        InputError: There is no such suit or joint, or a number is out of its range.
+        InputError: There is no such suit or joint, a number is out of its range, or there are turns
+            beside a motion.
     """
 
     suit: AnySuit | SuitJoint | HysteresisModel = "mock-suit"
@@ -94,13 +103,18 @@ class RigConfig:
     angle_resolution: float | None = None
     bearing_friction: float = 0.0
     seed: int = 0
+    motion: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         specimen = self.specimen()
-        start = specimen.start_angle if self.start_angle is None else self.start_angle
+        usual = specimen.start_angle
+        if np.size(self.motion):
+            object.__setattr__(self, "motion", self._checked_motion(specimen))
+            usual = self.motion[0][1]
+        start = usual if self.start_angle is None else self.start_angle
         object.__setattr__(self, "start_angle", specimen.inside("start_angle", start))
         turns = numbers("turns", self.turns, "rad") if np.size(self.turns) else ()
-        if not turns and not isinstance(self.suit, HysteresisModel):
+        if not (turns or self.motion or isinstance(self.suit, HysteresisModel)):
             usual = None if isinstance(self.suit, SuitJoint) else TURNS.get(self.joint)
             turns = usual or _fifths(start, specimen.range[1])
         object.__setattr__(self, "turns", tuple(specimen.inside("turn", turn) for turn in turns))
@@ -117,6 +131,42 @@ class RigConfig:
             value = getattr(self, name)
             if value is not None and number(name, value, unit) <= 0:
                 raise InputError(f"{name} is {value:g} {unit}: give a number above 0, or none")
+
+    def _checked_motion(self, specimen: Specimen) -> tuple[tuple[float, float], ...]:
+        for name in ("turns", "repeats", "rate"):
+            given, usual = getattr(self, name), self.__dataclass_fields__[name].default
+            if np.size(given) and given != usual:
+                raise InputError(
+                    f"{name} is {shown(given)} beside a motion, which has its own: leave {name} out"
+                )
+        try:
+            pairs: Array = np.asarray(self.motion, dtype=np.float64)
+        except (TypeError, ValueError):
+            pairs = np.empty(0)
+        if pairs.ndim != 2 or pairs.shape[1] != 2 or len(pairs) < 2 or not np.isfinite(pairs).all():
+            raise InputError(
+                f"motion is {shown(self.motion)}: give pairs of time [s] and angle [rad], at least "
+                "2 of finite numbers"
+            )
+        time, angle = pairs[:, 0], pairs[:, 1]
+        if not (np.diff(time) > 0).all():
+            at = int(np.argmin(np.diff(time) > 0)) + 1
+            raise InputError(
+                f"motion[{at}] is at {time[at]:g} s, after one at {time[at - 1]:g} s: give times "
+                "that rise"
+            )
+        if np.ptp(angle) == 0:
+            raise InputError(f"motion stays at {angle[0]:g} rad: let it move")
+        for extreme in (angle.min(), angle.max()):
+            specimen.inside("an angle of motion", extreme)
+        turns = pairs[reversals(angle)]
+        _check_rates(turns)
+        if self.start_angle is not None and abs(self.start_angle - angle[0]) > SAME:
+            raise InputError(
+                f"start_angle is {self.start_angle:g} rad, and the motion begins at {angle[0]:g} "
+                "rad: leave start_angle out"
+            )
+        return tuple((now, at) for now, at in turns.tolist())
 
     def specimen(self) -> Specimen:
         """Returns the joint to measure."""
@@ -146,6 +196,19 @@ def _check_turns(turns: tuple[float, ...], start: float) -> None:
             f"turns are {', '.join(f'{turn:g}' for turn in turns)} rad, from {start:g} rad: give "
             f"turns that differ from the start and each other by {LEAST_TRAVEL:g} rad or more"
         )
+
+
+def _check_rates(turns: Array) -> None:
+    """Checks that the motor can go from each turn (time [s], angle [rad]) to the next one."""
+    low, high = RATE_RANGE
+    way, took = np.abs(np.diff(turns[:, 1])), np.diff(turns[:, 0])
+    for distance, duration, begin in zip(way, took, turns[:, 0], strict=False):
+        rate = distance / duration
+        if not low * (1 - ROUNDING) <= rate <= high * (1 + ROUNDING):
+            raise InputError(
+                f"the motion goes {distance:.3g} rad in {duration:.3g} s from {begin:g} s on, at "
+                f"{rate:.3g} rad/s: give {low:g} to {high:g} rad/s"
+            )
 
 
 def _within(name: str, value: float, allowed: tuple[float, float], unit: str) -> None:

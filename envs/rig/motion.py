@@ -1,11 +1,12 @@
 """The motion of the rig's motor: constant rate between reversals, with short ramps."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ..provenance import Quantity
@@ -25,29 +26,41 @@ class Plan(NamedTuple):
     acceleration: Array
 
 
-def plan_motion(points: Sequence[float], rate: float, time_step: float) -> Plan:
+class Way(NamedTuple):
+    """First angle, reversals and last angle [rad], and the rate of each branch [rad/s]."""
+
+    points: Sequence[float]
+    rates: Sequence[float]
+
+
+def plan_motion(way: Way, time_step: float) -> Plan:
     """Plans a motion through its reversals; it begins and ends at rest.
 
     Args:
-        points: First angle, reversals and last angle [rad].
-        rate: Rate between the reversals [rad/s]; a short branch does not reach it.
+        way: Reversals, and the rates between them; a short branch does not reach its rate.
         time_step: Time between two steps [s].
     """
-    rest = np.array([[points[0]], [0.0], [0.0]])
-    branches = (_branch(start, end, rate, time_step) for start, end in pairwise(points))
+    rest = np.array([[way.points[0]], [0.0], [0.0]])
+    branches = (_branch(*branch, time_step) for branch in _branches(way))
     return Plan(*np.concatenate([rest, *branches], axis=1))
 
 
-def duration(points: Sequence[float], rate: float) -> float:
+def duration(way: Way) -> float:
     """Returns the duration of such a motion [s]."""
-    return sum(abs(end - start) / _top(start, end, rate) + RAMP for start, end in pairwise(points))
+    return sum(
+        abs(end - start) / _top(start, end, rate) + RAMP for start, end, rate in _branches(way)
+    )
 
 
-def reversals(angle: Array) -> list[float]:
-    """Returns the first angle, the angles where the motion turns back, and the last one [rad]."""
-    moving = angle[np.append(True, np.diff(angle) != 0)]
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(moving)))) + 1
-    return [float(moving[0]), *moving[turns].tolist(), float(moving[-1])]
+def reversals(angle: Array) -> NDArray[np.intp]:
+    """Returns the indices of the first angle, of those where the motion turns, and of the last."""
+    moving = np.flatnonzero(np.append(True, np.diff(angle) != 0))
+    turns = np.flatnonzero(np.diff(np.sign(np.diff(angle[moving])))) + 1
+    return np.array([0, *moving[turns], moving[-1]])
+
+
+def _branches(way: Way) -> Iterator[tuple[float, float, float]]:
+    return ((*ends, rate) for ends, rate in zip(pairwise(way.points), way.rates, strict=True))
 
 
 def _branch(start: float, end: float, rate: float, time_step: float) -> Array:

@@ -19,8 +19,8 @@ from ...errors import InputError
 from ...hysteresis.engine import attach, fault_slots
 from ...hysteresis.protocol import finite_series
 from ..provenance import Quantity
-from .config import RigConfig, Specimen
-from .motion import Plan, duration, plan_motion, reversals
+from .config import SAME, RigConfig, Specimen
+from .motion import Plan, Way, duration, plan_motion, reversals
 
 Indices = NDArray[np.int64]
 
@@ -64,12 +64,13 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
 
     Args:
         config: Configuration of the rig.
-        motions: Angles [rad], shape (n,), by the name of their curve, in place of the first-order
-            curves. They begin at `config.start_angle`; only their reversals matter, since the motor
-            goes from one to the next at its own rate.
+        motions: Angles [rad], shape (n,), by the name of their curve, in place of those of the
+            configuration. They begin at `config.start_angle`; only their reversals matter, since
+            the motor goes from one to the next at its own rate.
 
     Returns:
-        One record per curve; first-order curves are named after their turn, with two decimals.
+        One record per curve; first-order curves are named after their turn, with two decimals, and
+        the one of `config.motion` is named "motion".
 
     Raises:
         InputError: There is nothing to measure, a motion begins elsewhere or leaves the joint's
@@ -77,10 +78,10 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
             becomes infinite.
     """
     specimen = config.specimen()
-    points = _curves(config) if motions is None else _motions(config, specimen, motions)
-    if not points:
+    ways = _curves(config) if motions is None else _motions(config, specimen, motions)
+    if not ways:
         raise InputError("there is no motion: give turns (rad), or motions by name")
-    times = {name: duration(angles, config.rate) for name, angles in points.items()}
+    times = {name: duration(way) for name, way in ways.items()}
     longest = max(times, key=times.__getitem__)
     if times[longest] > PATIENCE:
         raise InputError(
@@ -88,11 +89,11 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
             "higher rate or fewer reversals"
         )
     rng = np.random.default_rng(config.seed)
-    own_torque = _own_torque(config, plan_motion(points[longest], config.rate, STEP), rng)
+    own_torque = _own_torque(config, plan_motion(ways[longest], STEP), rng)
     rig = _compose(config, specimen)
     records = []
-    for name, angles in points.items():
-        plan = plan_motion(angles, config.rate, STEP)
+    for name, way in ways.items():
+        plan = plan_motion(way, STEP)
         now = _samples(config, plan)
         angle, torque = _readings(config, rig, name, plan, rng)
         torque -= _causes(plan, now) @ own_torque
@@ -100,27 +101,35 @@ def run_rig(config: RigConfig, motions: Mapping[str, ArrayLike] | None = None) -
     return records
 
 
-def _curves(config: RigConfig) -> dict[str, list[float]]:
-    start = _start(config)
-    return {f"{turn:.2f}": [start, *[turn, start] * config.repeats] for turn in config.turns}
+def _curves(config: RigConfig) -> dict[str, Way]:
+    if config.motion:
+        pairs = np.array(config.motion)
+        time, angle = pairs[:, 0], pairs[:, 1]
+        return {"motion": Way(angle.tolist(), np.abs(np.diff(angle) / np.diff(time)).tolist())}
+    start, rates = _start(config), [config.rate] * 2 * config.repeats
+    return {
+        f"{turn:.2f}": Way([start, *[turn, start] * config.repeats], rates) for turn in config.turns
+    }
 
 
 def _motions(
     config: RigConfig, specimen: Specimen, motions: Mapping[str, ArrayLike]
-) -> dict[str, list[float]]:
+) -> dict[str, Way]:
     """Returns the checked reversals of motions."""
-    points = {}
+    ways = {}
     for name, angles in motions.items():
         series = finite_series(f"motion {name!r}", angles, "rad")
         if np.ptp(series) == 0:
             raise InputError(f"motion {name!r} stays at {series[0]:g} rad: let it move")
-        if abs(series[0] - _start(config)) > 1e-6:
+        if abs(series[0] - _start(config)) > SAME:
             raise InputError(
                 f"motion {name!r} begins at {series[0]:g} rad: let it begin at the start_angle, "
                 f"{config.start_angle:g} rad"
             )
-        points[name] = [specimen.inside(f"motion {name!r}", angle) for angle in reversals(series)]
-    return points
+        turns = series[reversals(series)]
+        points = [specimen.inside(f"motion {name!r}", angle) for angle in turns]
+        ways[name] = Way(points, [config.rate] * (len(points) - 1))
+    return ways
 
 
 def _start(config: RigConfig) -> float:

@@ -1,6 +1,7 @@
 """Hinged stops: springs with sliders in parallel, behind a hinge function of their sum."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -66,6 +67,8 @@ class HingedStops(HysteresisModel):
         ConfigKey("slopes", "list"),
         ConfigKey("offset", optional=True),
     )
+    not_fitted: ClassVar[tuple[str, ...]] = ("thresholds", "knots")
+    least: ClassVar[Mapping[str, float]] = {"weights": 0.0, "slopes": 0.0}
 
     stiffness: float
     thresholds: Numbers

@@ -100,8 +100,9 @@ def _columns(
 ) -> Iterator[tuple[str, Array]]:
     torque = [predicted(model, initial_torque, curve) for curve in curves]
     yield "tare", np.ones(sum(one.size for one in torque))
-    if all(getattr(curve, "time", None) is not None for curve in curves):
-        yield "rate", np.concatenate([np.gradient(one.angle, one.time) for one in curves])
+    timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
+    if len(timed) == len(curves):
+        yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
     late = []
     for curve, here in zip(curves, torque, strict=True):
         behind = Curve(played(curve.angle, GAP), curve.torque, curve.name)

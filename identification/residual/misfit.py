@@ -70,7 +70,7 @@ def explained(
         if weight < 1e-6 or not beside.size:
             continue
         whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
-        triangle: Array = np.linalg.qr(whitened, mode="r")
+        triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
         # The last column holds, in turn, what each group of columns explains.
         gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
         value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)

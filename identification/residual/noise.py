@@ -81,7 +81,7 @@ def estimate_noise(columns: Array, residual: Array, sizes: Sequence[int]) -> Noi
     likelihood, variance = np.empty(len(GRID)), np.empty(len(GRID))
     for i, (memory, white) in enumerate(GRID):
         whitened, log_det = whiten(np.column_stack([basis, residual]), sizes, memory, white)
-        triangle: Array = np.linalg.qr(whitened, mode="r")
+        triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
         left = max(float(np.square(triangle)[-1, -1]), np.finfo(float).tiny)
         fitted = np.log(np.abs(np.diag(triangle)[:-1])).sum()
         likelihood[i] = -log_det - fitted - freedom / 2 * math.log(left)

@@ -38,8 +38,9 @@ class Judgement:
     """What the residual of a fit says about its model.
 
     Attributes:
-        verdict: "describes the curves", "describes the curves, not beyond" (they hold no loops
-            inside loops, so that nothing is known of those), or "does not describe the curves".
+        verdict: "describes the curves", "describes the curves, not beyond" (the intended motion has
+            something in it that they do not tell, or they hold no loops inside loops), or "does not
+            describe the curves".
         times_noise: Root mean square of the residual over the noise; at least that where a misfit
             hides in the noise.
         misfit: The F test of the residual's smooth part.
@@ -84,7 +85,7 @@ def judge(
     curves: Sequence[Curve],
     *,
     fitted_start: bool,
-    nested: bool,
+    beyond: bool,
 ) -> Judgement | None:
     """Judges a fit by its residual; None where the model meets its pole on the curves.
 
@@ -93,7 +94,8 @@ def judge(
         initial_torque: Torque with which the curves begin [N·m], or "measured".
         curves: Fitted curves.
         fitted_start: Whether the fit chose that torque.
-        nested: Whether the curves hold loops inside loops, or the use has none.
+        beyond: Whether the intended motion has something in it that the curves do not tell; without
+            such a motion, whether the curves hold no loops inside loops.
     """
     family = thinned(curves, JUDGED)
     residual = -torque_errors(model, initial_torque, family)
@@ -108,7 +110,7 @@ def judge(
     found = causes(model, initial_torque, family, residual, slopes, known) if own > MATTERS else []
     times, unfinished = misfit.times_noise, _unfinished(residual, slopes)
     matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
-    verdict = NOT if matters else DESCRIBES if nested else NOT_BEYOND
+    verdict = NOT if matters else NOT_BEYOND if beyond else DESCRIBES
     baselines = _baselines(family)
     remarks = list(_misfit_remarks(misfit, known, family) if surely else ())
     for i, cause in enumerate(found):

@@ -245,10 +245,9 @@ def _margin(coordinates: Coordinates, point: Array) -> float:
 def _bare(model: HysteresisModel) -> JilesAtherton | None:
     """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
     inner = model.model if isinstance(model, Held) else model
-    walks = isinstance(inner, JilesAtherton) and inner.c > 1
-    if walks and is_exact(inner.parameter_vector):
-        return inner
-    return None
+    if not isinstance(inner, JilesAtherton) or inner.c <= 1:
+        return None
+    return inner if is_exact(inner.parameter_vector) else None
 
 
 def _row(model: JilesAtherton) -> Array:

@@ -9,16 +9,17 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Curve, Fit, Trial, load_curves
+from ...identification import Curve, Fit, Trial, coverage, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
-from ...identification.residual.verdict import NOT
+from ...identification.residual.verdict import NOT, NOT_BEYOND
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
-from ..options import Force, Json, Seed, choice, joints, suits
+from ..intended import needed_coverage
+from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     candidate_table,
@@ -45,6 +46,7 @@ def identify(
     seed: Seed = 0,
     workers: int = -1,
     samples: int = 0,
+    use: Use = None,
     joint: Annotated[str | None, choice(joints)] = None,
     base: Annotated[str | None, choice(suits)] = None,
     out: Path | None = None,
@@ -88,6 +90,7 @@ def identify(
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
+    needed = needed_coverage(family, curves, use, joint)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     total = trials or (1 if method in ("certified", "auto") else 30)
@@ -108,15 +111,22 @@ def identify(
             seed=seed,
             workers=workers,
             on_trial=report,
+            needed=needed,
         )
-    summary = fit_summary(fit, seed)
+    told = {
+        "for": use,
+        "measured": coverage(family.fitted()).to_dict(),
+        "needed": needed and needed.to_dict(),
+        "shortfalls": fit.shortfalls,
+    }
+    summary = {**fit_summary(fit, seed), "coverage": told}
     found = fit.uncertainty(samples=samples, seed=seed) if samples else None
     if found:
         summary["uncertainty"] = uncertainty_summary(found)
     if json:
         print(to_json(summary))
     else:
-        _print(fit, curves, found)
+        _print(fit, curves, use, found)
     if folder and joint_name:
         drawn = found.samples if found else ()
         suit = Suit.from_fits(
@@ -138,7 +148,7 @@ def identify(
         raise SystemExit(NOT_DESCRIBED)
 
 
-def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
+def _print(fit: Fit, curves: Path, use: str | None, found: Uncertainty | None) -> None:
     if fit.candidates:
         table(f"models for {curves.name}", *candidate_table(fit), left=1)
         say(f"{fit.why}\n")
@@ -149,7 +159,8 @@ def _print(fit: Fit, curves: Path, found: Uncertainty | None) -> None:
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
-    say(f"verdict: the model {fit.verdict}")
+    why = ": they hold no loops inside loops, and no intended motion is named (--for)"
+    say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
     for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
         say(f"note: {remark}")
 

@@ -132,7 +132,7 @@ def _beliefs(suit: str, seed: int) -> dict[str, dict[str, JointBelief]]:
 def _measured(suit: str, joint: str, seed: int) -> Curves:
     """Returns first-order curves of a joint, from the simulated rig."""
     records = run_rig(RigConfig(suit=suit, joint=joint, seed=seed))
-    return Curves([Curve(one.angle, one.torque, one.name) for one in records])
+    return Curves([Curve(one.angle, one.torque, one.name, time=one.time) for one in records])
 
 
 def _samples(curves: Curves) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from ...envs.rig import Record, RigConfig, run_rig
 from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
 from ...envs.rig.figure import records_figure
 from ...errors import InputError
-from ...identification import Curve, save_curves
+from ...identification import Curve, load_motion, save_curves
 from ..options import Force, Json, Seed, SuitName, choice, joints
 from ..output import RunFolder, say, table, to_json
 
@@ -19,6 +19,7 @@ from ..output import RunFolder, say, table, to_json
 def rig(
     suit: SuitName = "mock-suit",
     joint: Annotated[str, choice(joints)] = "elbow_flexion",
+    motion: Path | None = None,
     turns: tuple[float, ...] = (),
     predict: tuple[float, ...] | None = None,
     start_angle: float | None = None,
@@ -39,6 +40,9 @@ def rig(
 
     Args:
         joint: Joint of the suit that is measured.
+        motion: CSV file with the columns time_s and angle_rad of a motion to measure in place of
+            first-order curves, as `activesuit design` writes it; the motor goes from reversal to
+            reversal at the mean rate of each branch, from 0.01 to 0.5 rad/s.
         turns: Angles at which the curves turn back [rad]; by default those of the paper for
             shoulder and elbow, and fifths of the range for other joints.
         predict: Turns [rad] whose curves are kept out of a fit, to test it; by default the second,
@@ -70,7 +74,10 @@ def rig(
         angle_resolution=angle_resolution,
         bearing_friction=bearing_friction,
         seed=seed,
+        motion=_pairs(motion, joint) if motion else (),
     )
+    if motion and predict is not None:
+        raise InputError("--predict belongs to first-order curves: leave it out beside --motion")
     kept_out = _kept_out(config.turns, predict)
     folder = RunFolder(out, "rig", force=force)
     _report(config, kept_out, run_rig(config), folder, json)
@@ -85,7 +92,13 @@ def _report(
 ) -> None:
     names = {f"{turn:.2f}" for turn in kept_out}
     curves = [
-        Curve(one.angle, one.torque, one.name, "predict" if one.name in names else "fit")
+        Curve(
+            one.angle,
+            one.torque,
+            one.name,
+            "predict" if one.name in names else "fit",
+            time=one.time,
+        )
         for one in records
     ]
     path = folder / f"{config.joint}.csv"
@@ -102,6 +115,14 @@ def _report(
     rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     table(title, header, rows)
     say(f"wrote {path}, config.json, loops.png; next: activesuit identify {path}")
+
+
+def _pairs(path: Path, joint: str) -> tuple[tuple[float, float], ...]:
+    """Returns times [s] and angles [rad] of a file."""
+    found = load_motion(path, joint)
+    if found.time is None:
+        raise InputError(f"{path} has no column time_s: add it, since the rig needs the rates")
+    return tuple(zip(found.time.tolist(), found.angle.tolist(), strict=True))
 
 
 def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[float]:

@@ -158,7 +158,7 @@ def agreement(evaluation: Evaluation) -> str:
 
     scores = evaluation.scores
     levels = ", ".join(f"{name} {np.mean(one.reward):.2f}" for name, one in scores.items())
-    beginning = 100 * np.mean([np.mean(one.beginning) for one in scores.values()])
+    beginning = 100 * fmean(fmean(one.beginning) for one in scores.values())
     told = f"mean reward: {levels}; first half second {beginning:.1f} % of the return"
     reliefs = {name: evaluation.relief(name) for name in scores if name not in REFERENCES}
     known = {name: relief.value for name, relief in reliefs.items() if relief is not None}

@@ -10,6 +10,7 @@ from activesuit.errors import InputError
 from activesuit.identification import Curve, Curves, load_curves, save_curves
 
 HEADER = "curve,angle_rad,torque_nm\n"
+TIMED = "curve,time_s,angle_rad,torque_nm\n"
 
 
 def write(folder, text):
@@ -38,6 +39,36 @@ def test_weights_round_trip(tmp_path, small_family):
     assert path.read_text().startswith("curve,role,weight,angle_rad,torque_nm\n")
     assert tuple(curve.weight for curve in load_curves(path)) == weights
     assert [curve.role for curve in load_curves(path)] == [curve.role for curve in small_family]
+
+
+def test_times_round_trip(tmp_path, small_family):
+    path = tmp_path / "family.csv"
+    save_curves(path, small_family)
+    assert "time_s" not in path.read_text()
+    size = small_family[0].angle.size
+    times = (np.arange(size) / 25, None, np.cumsum(np.full(size, 1 / 3)) + 3000, None)
+    timed = [replace(one, time=time) for one, time in zip(small_family, times, strict=True)]
+    save_curves(path, timed)
+    assert path.read_text().startswith("curve,role,time_s,angle_rad,torque_nm\n")
+    for curve, time in zip(load_curves(path), times, strict=True):
+        if time is None:
+            assert curve.time is None
+        else:
+            np.testing.assert_allclose(curve.time, time, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("time", "message"),
+    [
+        ([0, 2, 1], "curve 'A': the time runs back from 2 to 1 s at sample 2: put the samples"),
+        ([0, 1, 1], "curve 'A': the time stands still at 1 s at sample 2"),
+        ([0, 1], r"times of shape \(2,\) and 3 samples"),
+        ([0, 1, np.inf], "a time that is not finite"),
+    ],
+)
+def test_bad_times(time, message):
+    with pytest.raises(InputError, match=message):
+        Curve([0, 1, 0], [0, 1, 2], "A", time=time)
 
 
 def test_degrees_order_and_interleaved_curves(tmp_path):
@@ -70,6 +101,14 @@ def test_degrees_order_and_interleaved_curves(tmp_path):
         ("curve,weight,angle_rad,torque_nm\nA,0,0,0\nA,0,1,1\n", "weight 0: give a number above 0"),
         ("curve,weight,angle_rad,torque_nm\nA,x,0,0\n", "line 2: weight is 'x': give a finite"),
         (HEADER + 'A,"0,0\n', "not a CSV file"),
+        (
+            TIMED + "A,0,0,0\nB,5,0,0\nA,1,1,1\nB,4,1,1\n",
+            "line 5: the time runs back from 5 to 4 s",
+        ),
+        (TIMED + "A,0,0,0\nA,0,1,1\n", "line 3: the time stands still at 0 s"),
+        (TIMED + "A,x,0,0\nA,0,1,1\n", "line 2: time_s is 'x'"),
+        (TIMED + "A,0,0,0\nA,,1,1\n", "line 3: curve 'A' has a time at some samples only"),
+        (TIMED + "A,,0,0\nA,1,1,1\n", "line 3: curve 'A' has a time at some samples only"),
         ("curve,angle_rad,angle_deg,torque_nm\nA,0,0,0\n", "both angle_rad and angle_deg"),
     ],
 )

@@ -1,5 +1,7 @@
 """Long records: what is kept of them, and that fits and figures stay small."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from activesuit.errors import InputError
@@ -45,6 +47,15 @@ def test_ends_and_turning_points_stay(elbow):
         assert set(zip(curve.angle, curve.torque, strict=True)) <= set(
             zip(whole.angle, whole.torque, strict=True)
         )
+
+
+def test_times_stay_with_their_samples(elbow):
+    (curve,) = long_family(elbow, 4000)[:1]
+    timed = replace(curve, time=np.arange(curve.angle.size) / 1000)
+    (short,) = thinned([timed], 500)
+    at = np.round(1000 * short.time).astype(int)
+    np.testing.assert_array_equal(short.angle, curve.angle[at])
+    np.testing.assert_array_equal(short.torque, curve.torque[at])
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.01, 0.3])

@@ -1,6 +1,7 @@
 """The measuring rig: what it reads is the suit's resistance, as well as its sensors allow."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,18 @@ from activesuit.envs.rig.config import NOISE
 from activesuit.envs.rig.figure import records_figure
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Preisach
-from activesuit.identification import Curve, identify, multi_order_motion
+from activesuit.identification import (
+    Curve,
+    Motion,
+    identify,
+    motion_coverage,
+    multi_order_motion,
+    nested_motion,
+)
 
 EXACT = NOISE / 10  # N·m, so that no reading of the default sensor could tell
 START, TURNS = 0.52, (0.87, 1.22)
+MOTION = ((0, START), (7, 1.22), (10, 0.9))
 SHIPPED = [(suit, joint) for suit in suit_names() for joint in load_suit(suit).joints]
 
 
@@ -116,6 +125,49 @@ def test_any_motion_of_any_model(elbow):
     assert np.abs(errors(elbow, record)).max() < EXACT
     turns = np.count_nonzero(np.diff(np.sign(np.diff(record.angle[::5]))))
     assert turns == 6
+
+
+def pairs(*points, rates):
+    ways = np.abs(np.diff(points)) / rates
+    return tuple(zip(np.append(0, np.cumsum(ways)).tolist(), points, strict=True))
+
+
+def test_a_motion_keeps_its_reversals_and_rates(elbow):
+    design = nested_motion(START, 1.57, min_rate=0.05)
+    motion = tuple(zip(design.time.tolist(), design.angle.tolist(), strict=True))
+    config = RigConfig(suit=elbow, motion=motion, noise=0)
+    assert config.start_angle == START
+    np.testing.assert_allclose([angle for _, angle in config.motion], design.points, atol=1e-9)
+    (record,) = run_rig(config)
+    assert record.name == "motion"
+    assert np.abs(errors(elbow, record)).max() < 2 * EXACT  # at 0.5 rad/s the servo lags
+    found = motion_coverage([Motion(record.time, record.angle)])
+    planned = motion_coverage([Motion(design.time, design.angle)])
+    assert (found.nesting, found.reversals) == (planned.nesting, planned.reversals)
+    assert found.rates == pytest.approx(planned.rates, rel=0.02)
+    assert RigConfig(suit=elbow, motion=config.motion) == replace(config, noise=NOISE)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"motion": pairs(START, 1.7, rates=0.1)}, "an angle of motion is 1.7 rad: give an angle"),
+        ({"motion": pairs(START, 1.2, rates=0.9)}, "0.68 rad in 0.756 s from 0 s on, at 0.9 rad/s"),
+        ({"motion": pairs(START, 1.2, rates=0.005)}, "at 0.005 rad/s: give 0.01 to 0.5 rad/s"),
+        ({"motion": ((0, START), (0, 1.2))}, "motion[1] is at 0 s, after one at 0 s: give times"),
+        ({"motion": ((0, 1.0), (1, 1.0))}, "motion stays at 1 rad: let it move"),
+        ({"motion": ((0, 1.0),)}, "give pairs of time [s] and angle [rad]"),
+        ({"motion": "motion.csv"}, "motion is 'motion.csv': give pairs"),
+        ({"motion": ((0, START), (1, float("nan")))}, "give pairs"),
+        ({"motion": MOTION, "turns": (1.2,)}, "turns is (1.2,) beside a motion, which has its own"),
+        ({"motion": MOTION, "repeats": 2}, "repeats is 2 beside a motion"),
+        ({"motion": MOTION, "rate": 0.2}, "rate is 0.2 beside a motion"),
+        ({"motion": MOTION, "start_angle": 0.6}, "start_angle is 0.6 rad, and the motion begins"),
+    ],
+)
+def test_a_motion_that_the_rig_cannot_follow_is_refused(options, sentence):
+    with pytest.raises(InputError, match=re.escape(sentence)):
+        RigConfig(**options)
 
 
 @pytest.mark.parametrize(("suit", "joint"), SHIPPED)

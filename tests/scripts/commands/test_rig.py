@@ -9,6 +9,8 @@ from activesuit.identification import load_curves
 from activesuit.scripts.commands import rig as command
 from activesuit.scripts.main import main
 
+WAY = "time_s,angle_rad\n0,0.52\n5,1.0\n"
+
 
 def run(capsys, *arguments) -> str:
     main([str(argument) for argument in arguments])
@@ -43,6 +45,7 @@ def test_what_is_written(capsys, tmp_path, undrawn):
     curves = load_curves(result["curves"])
     assert {curve.name: curve.role for curve in curves} == roles
     for curve, one in zip(curves, result["measured"], strict=True):
+        np.testing.assert_allclose(np.diff(curve.time), 0.1)
         assert one["samples"] == curve.angle.size
         assert one["peak_torque"] == pytest.approx(np.abs(curve.torque).max(), abs=1e-5)
         assert one["work"] == pytest.approx(np.trapezoid(curve.torque, curve.angle), abs=1e-4)
@@ -70,6 +73,8 @@ def test_what_is_written(capsys, tmp_path, undrawn):
         (["--predict", "1.1"], "predict has 1.1 rad: give some of the turns, 0.87, 1.05"),
         (["--turns", "1.0", "--predict", "1.0"], "predict has all turns"),
         (["--out", "{file}/out"], "choose another --out"),
+        (["--motion", "{file}"], "is empty: give a header 'time_s,angle_rad'"),
+        (["--motion", "none.csv"], "cannot read the motion 'none.csv'"),
     ],
 )
 def test_mistakes(capsys, tmp_path, arguments, sentence):
@@ -84,6 +89,26 @@ def test_mistakes(capsys, tmp_path, arguments, sentence):
     (message,) = captured.err.splitlines()
     assert message.startswith(f"activesuit: error: {sentence}") or sentence in message
     assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    ("text", "arguments", "sentence"),
+    [
+        ("angle_rad\n0.52\n1\n", [], "has no column time_s: add it"),
+        (WAY, ["--predict", "1.0"], "--predict belongs to first-order curves"),
+        (WAY, ["--turns", "1.0"], "turns is (1.0,) beside a motion"),
+        (WAY.replace("5,", "0.1,"), [], "at 4.8 rad/s: give 0.01 to 0.5 rad/s"),
+        (WAY.replace("1.0", "3.0"), [], "3 rad: give an angle in the range of elbow_flexion"),
+    ],
+)
+def test_mistakes_with_a_motion(capsys, tmp_path, text, arguments, sentence):
+    path = tmp_path / "motion.csv"
+    path.write_text(text)
+    with pytest.raises(SystemExit) as stop:
+        main(["rig", "--motion", str(path), "--out", str(tmp_path / "out"), *arguments])
+    assert stop.value.code == 2
+    assert sentence in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch):

@@ -1,0 +1,98 @@
+"""Rows and cells of the CSV files that a user measures, each mistake named with its line."""
+
+import csv
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ..errors import InputError, shown
+from .curves import RADIANS_AT_MOST, time_goes_wrong
+
+LARGEST = 256 * 2**20  # bytes; a million samples take 30 million
+
+
+def content_of(path: Path, what: str) -> bytes:
+    """Returns the bytes of a file of `what`; raises an InputError if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST + 1)
+    except (OSError, ValueError) as error:  # a path may hold a zero byte
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"cannot read the {what} {shown(str(path))}: {reason}") from error
+    if len(content) > LARGEST:
+        raise InputError(
+            f"cannot read the {what} {shown(str(path))}: it is longer than {LARGEST >> 20} MiB; "
+            "thin them"
+        )
+    return content
+
+
+def rows_of(path: Path, content: bytes, what: str, header: str) -> Iterator[tuple[int, list[str]]]:
+    """Yields line number and cells of every line that is neither empty nor a comment, at least one.
+
+    They are made one by one, since those of a million lines together take a gigabyte.
+
+    Raises:
+        InputError: It is no CSV file, or has no such line.
+    """
+    try:
+        lines = content.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"cannot read the {what} {shown(str(path))}: not a UTF-8 text file"
+        ) from error
+    empty = True
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        try:
+            yield number, next(csv.reader([line], strict=True))
+        except csv.Error as error:
+            raise InputError(f"{path}, line {number}: not a CSV file ({error})") from error
+        empty = False
+    if empty:
+        raise InputError(f"{path} is empty: give a header {header!r} and samples")
+
+
+def number_in(cells: dict[str, str], column: str, path: Path, line: int) -> float:
+    """Returns the finite number in a cell; raises an InputError if there is none."""
+    try:
+        value = float(cells[column])
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(
+            f"{path}, line {line}: {column} is {shown(cells[column])}: give a finite number"
+        )
+    return value
+
+
+def next_time(
+    cells: dict[str, str], column: str, before: Sequence[float], path: Path, line: int
+) -> float:
+    """Returns the time of a row [s], which must be after those of the rows before it.
+
+    Raises:
+        InputError: It is no finite number, or not after them.
+    """
+    time = number_in(cells, column, path, line)
+    if before and time <= before[-1]:
+        raise InputError(
+            f"{path}, line {line}: the time {time_goes_wrong(before[-1], time)}: put the samples "
+            "in the order of measurement"
+        )
+    return time
+
+
+def angle_in(cells: dict[str, str], column: str, path: Path, line: int) -> float:
+    """Returns the angle in a cell [rad]; raises an InputError if no joint turns that far."""
+    value = number_in(cells, column, path, line)
+    angle = math.radians(value) if column == "angle_deg" else value
+    if abs(angle) > RADIANS_AT_MOST:
+        hint = "no joint does that"
+        if column == "angle_rad":
+            hint = "if these are degrees, name the column angle_deg"
+        raise InputError(
+            f"{path}, line {line}: {column} is {value:g}, more than a full turn: {hint}"
+        )
+    return angle

@@ -1,0 +1,86 @@
+"""`activesuit design`: writes the motion that is worth measuring next."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from ...errors import InputError
+from ...files import check_target, replacing
+from ...identification import Motion, load_curves, motion_coverage, nested_motion, save_motion
+from ...identification.design import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
+from ..options import Force, Json, optional_number
+from ..output import conclude, say
+
+
+def design(
+    curves: Annotated[Path | None, tyro.conf.Positional] = None,
+    /,
+    range: Annotated[
+        tuple[float, float] | None, optional_number("that of the curves", count=2)
+    ] = None,
+    min_rate: float = MIN_RATE,
+    max_rate: float = MAX_RATE,
+    sample_rate: float = SAMPLE_RATE,
+    out: Path = Path("motion.csv"),
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Design the next record to measure: nested reversals at varied speed.
+
+    First-order curves do not identify loops inside loops, and curves at one rate do not tell
+    whether the torque depends on it. This one motion shows both; rig --motion measures it.
+
+    Args:
+        curves: CSV file with the curves that have been measured, whose range the motion keeps.
+        range: Smallest and largest angle of the motion instead [rad].
+        min_rate: Rate of the slowest branch [rad/s].
+        max_rate: Largest rate of the joint [rad/s].
+        sample_rate: Samples in a second, at least [Hz].
+        out: New CSV file for the motion, with the columns time_s and angle_rad.
+    """
+    start, end = _ends(curves, range)
+    check_target(out, force=force)
+    found = nested_motion(start, end, min_rate=min_rate, max_rate=max_rate, sample_rate=sample_rate)
+    with replacing(out, force=force) as scratch:
+        save_motion(scratch, Motion(found.time, found.angle))
+    result = {"motion": out, **_summary(found)}
+    header = ["branch", "to [rad]", "rate [rad/s]"]
+    rows = [
+        [str(i), f"{point:.4g}", f"{rate:.3g}"]
+        for i, (point, rate) in enumerate(zip(found.points[1:], found.rates, strict=True), start=1)
+    ]
+    low, high = result["range"]
+    remark = (
+        f"{found.duration:.0f} s from {low:.4g} to {high:.4g} rad, {result['reversals']} reversals "
+        f"up to {result['nesting']} deep, {min(found.rates):.3g} to {max(found.rates):.3g} rad/s"
+    )
+    conclude(result, {"the next record": (header, rows)}, [remark], folder=None, json=json)
+    if not json:
+        say(f"wrote {out}; next: activesuit rig --motion {out}, or your own rig")
+
+
+def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float, float]:
+    """Returns the angle where the motion begins and the other end of its range [rad]."""
+    if (curves is None) == (range is None):
+        raise InputError("give a file of curves, or --range LOW HIGH in rad, and not both")
+    if curves is None:
+        assert range is not None
+        low, high = range
+        if not low < high:
+            raise InputError(f"--range is {low:g} to {high:g} rad: give the smaller angle first")
+        return low, high
+    family = load_curves(curves)
+    low, high = family.angle_range
+    nearer = abs(family.start_angle - low) <= abs(family.start_angle - high)
+    return (low, high) if nearer else (high, low)
+
+
+def _summary(found: Design) -> dict[str, Any]:
+    return {
+        "duration": found.duration,
+        "samples": found.time.size,
+        "points": found.points,
+        "branch_rates": found.rates,
+        **motion_coverage([Motion(found.time, found.angle)]).to_dict(),
+    }

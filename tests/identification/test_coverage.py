@@ -1,0 +1,189 @@
+"""What curves cover, and what an intended motion needs beyond that."""
+
+import json
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import (
+    Curve,
+    Motion,
+    coverage,
+    motion_coverage,
+    nested_motion,
+    shortfalls,
+)
+from activesuit.identification.coverage import DEEP, any_motion, nesting_of
+from helpers import sweep
+
+LOW, HIGH = 0.52, 1.57
+
+
+def motion(*points, rate=None, samples=50):
+    angle = sweep(*points, samples=samples)
+    if rate is None:
+        return Motion(None, angle)
+    return Motion(np.append(0, np.cumsum(np.abs(np.diff(angle)))) / rate, angle)
+
+
+def first_order(rate=None):
+    turns = (0.87, 1.22, HIGH)
+    return motion_coverage(motion(LOW, turn, LOW, rate=rate) for turn in turns)
+
+
+def record():
+    found = nested_motion(LOW, HIGH)
+    return motion_coverage([Motion(found.time, found.angle)])
+
+
+@pytest.mark.parametrize(
+    ("points", "deepest"),
+    [
+        ([0, 1], 0),
+        ([0, 1, 0], 1),
+        ([0, 1, 0, 2, 0, 3, 0], 1),  # first-order curves in one record
+        ([0, 1, 0, 1, 0], 1),
+        ([0, 1, -1, 1, -1], 1),
+        ([0, 1, -2, 3, -4], 1),  # each swing forgets those inside
+        ([0, 1, 0.5, 0.8], 2),
+        ([0, 1, 0.5, 0.8, 0.5, 0.8, 0.5], 3),
+        ([0, 1, 0.5, 0.8, 0.6, 1], 4),
+        ([0, 1, 0.5, 0.9, 0.4, 0.8, 0.3, 0.7], 3),  # passing 0.5 forgets 0.5 and 0.9
+        ([1, 0, 0.5, 0.2], 2),
+    ],
+)
+def test_nesting_is_what_return_point_memory_remembers(points, deepest):
+    assert nesting_of(points) == deepest
+    assert motion_coverage([motion(*points)]).nesting == deepest
+    assert nesting_of([-point for point in points]) == deepest
+
+
+def test_nesting_is_the_alternating_series_of_extremes():
+    # The textbook's other wording (Mayergoyz 2003, chapter 1): since the last extreme of all, the
+    # next lowest and highest angles in turn. The motions begin at the lowest angle.
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        angle = np.array([0, *rng.permutation(np.arange(1, 15))])
+        turns = np.flatnonzero(np.diff(angle)[:-1] * np.diff(angle)[1:] < 0) + 1
+        points = angle[[0, *turns, angle.size - 1]]
+        longest = max(_series(points[: i + 1]) for i in range(1, points.size - 1))
+        assert nesting_of(points.tolist()) == longest
+
+
+def _series(points):
+    at, count = int(points.argmax()), 1
+    high = True
+    while at < points.size - 1:
+        rest = points[at + 1 :]
+        at += 1 + int(rest.argmin() if high else rest.argmax())
+        high, count = not high, count + 1
+    return count
+
+
+def test_first_order_curves():
+    found = first_order(rate=0.1)
+    assert found.range == (LOW, HIGH)
+    assert (found.reversals, found.nesting, found.cycles) == (3, 1, 1)
+    assert found.branches == pytest.approx((1 / 3, 2 / 3, 1.0))
+    assert found.rates == pytest.approx((0.1, 0.1))
+    assert first_order().rates is None
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
+def test_noise_and_pauses_are_no_reversals_and_no_rates():
+    rng = np.random.default_rng(0)
+    clean = motion(LOW, HIGH, 0.9, 1.2, rate=0.2, samples=400)
+    held = np.append(clean.angle, np.full(100, clean.angle[-1]))
+    time = np.append(clean.time, clean.time[-1] + np.arange(1, 101) / 100)
+    found = motion_coverage([Motion(time, held + 2e-4 * rng.standard_normal(held.size))])
+    assert (found.reversals, found.nesting) == (2, 2)
+    assert found.rates == pytest.approx((0.2, 0.2), rel=0.1)
+    stepped = motion_coverage([Motion(time, 0.01 * np.round(held / 0.01))])
+    assert (stepped.reversals, stepped.nesting) == (2, 2)
+
+
+def test_a_motion_that_has_just_turned_has_no_branch_there():
+    found = motion_coverage([motion(1.0, 0.995, 1.01, 0, 1, 0.975, 0.994, rate=0.2)])
+    assert found.branches[0] == pytest.approx(0.025 / 1.01)  # from 1 rad on, not the 0.006 rad left
+    assert found.rates == pytest.approx((0.2, 0.2))
+    assert found.cycles == 1
+
+
+def test_times_of_some_curves_are_enough():
+    both = [motion(LOW, HIGH, LOW, rate=0.3), motion(LOW, 1.0, LOW)]
+    assert motion_coverage(both).rates == pytest.approx((0.3, 0.3))
+
+
+def test_one_cycle_is_no_need_of_more():
+    rising = motion_coverage([motion(LOW, HIGH, 1.0)])
+    assert not any("cycles" in one for one in shortfalls(rising, first_order()))
+
+
+def test_cycles_are_whole_ones():
+    assert motion_coverage([motion(0, 1, 0, 1, 0, 1, 0)]).cycles == 3
+    assert motion_coverage([motion(0, 1, 0.5, 1, 0.5, 1, 0)]).cycles == 1
+    assert motion_coverage([motion(0, 1)]).cycles == 0
+
+
+def test_what_is_covered_gets_no_sentence():
+    assert shortfalls(first_order(), first_order()) == []
+    assert shortfalls(record(), any_motion(record())) == []
+    assert shortfalls(record(), first_order(rate=0.4)) == []
+
+
+@pytest.mark.parametrize(
+    ("needed", "words"),
+    [
+        (
+            motion_coverage([motion(0.1, 1.9, 0.1)]),
+            "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: below 0.52 rad and above",
+        ),
+        (
+            motion_coverage([motion(LOW, HIGH, 0.9, 1.4, 0.97)]),
+            "inside other reversals 3 deep, the curves at most 1: first-order curves do not",
+        ),
+        (motion_coverage([motion(LOW, HIGH, 1.47)]), "turns back after 0.1 rad, the curves after"),
+        (motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)]), "moves at up to 1 rad/s, the curves"),
+        (motion_coverage([motion(*[LOW, HIGH] * 3)]), "goes through 2 whole cycles, a curve"),
+    ],
+)
+def test_each_difference_that_matters_gets_one_sentence(needed, words):
+    (sentence,) = shortfalls(first_order(rate=0.1), needed)
+    assert words in sentence
+    assert "measure" in sentence
+
+
+def test_curves_without_time_and_without_a_return():
+    fast = motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)])
+    (sentence,) = shortfalls(first_order(), fast)
+    assert "come without their time" in sentence
+    rising = motion_coverage([motion(LOW, HIGH)])
+    assert "curves that never turn back do not tell loops" in shortfalls(rising, first_order())[0]
+
+
+def test_deeper_than_the_record_is_not_asked_for():
+    points = [LOW, HIGH]
+    for i in range(1, 10):
+        points += [LOW + 0.03 * i, HIGH - 0.03 * i]
+    deep = motion_coverage([motion(*points)])
+    assert deep.nesting > DEEP == record().nesting
+    assert not any("deep" in sentence for sentence in shortfalls(record(), deep))
+
+
+def test_curves_are_motions(elbow):
+    angle = sweep(LOW, HIGH, LOW)
+    curve = Curve(angle, elbow.response(angle), "A", time=np.arange(angle.size) / 25)
+    assert coverage([curve]) == motion_coverage([Motion(curve.time, curve.angle)])
+
+
+@pytest.mark.parametrize(
+    ("motions", "message"),
+    [
+        ([], "there is no motion: give at least one"),
+        ([Motion(None, np.ones(3))], "stays at 1 rad"),
+        ([Motion(None, np.array([0, np.nan]))], "angle"),
+    ],
+)
+def test_bad_motions(motions, message):
+    with pytest.raises(InputError, match=message):
+        motion_coverage(motions)

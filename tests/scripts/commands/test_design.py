@@ -1,0 +1,94 @@
+"""`activesuit design`, and the way of its record over the rig to a fit that knows nested loops."""
+
+import json
+
+import numpy as np
+import pytest
+from activesuit.assets import curves_path
+from activesuit.identification import load_curves, load_motion, save_curves
+from activesuit.scripts.main import main
+
+
+def run(capsys, *arguments) -> str:
+    main([str(argument) for argument in arguments])
+    return capsys.readouterr().out
+
+
+def fails(capsys, *arguments) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    assert stop.value.code == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    return captured.err
+
+
+def test_design_rig_identify(capsys, tmp_path, undrawn):
+    motion, measured = tmp_path / "motion.csv", tmp_path / "rig" / "elbow_flexion.csv"
+    told = run(capsys, "design", curves_path("elbow"), "--out", motion)
+    assert "from 0.52 to 1.57 rad" in told
+    assert f"wrote {motion}; next: activesuit rig --motion {motion}" in told
+    run(capsys, "rig", "--motion", motion, "--out", tmp_path / "rig")
+    (record,) = load_curves(measured)
+    assert (record.name, record.role) == ("motion", "fit")
+    assert record.time is not None
+    config = json.loads((tmp_path / "rig" / "config.json").read_text())
+    assert config["turns"] == []
+    assert len(config["motion"]) < 30  # the reversals, not all samples
+    together = tmp_path / "elbow.csv"
+    save_curves(together, [*load_curves(curves_path("elbow")), record])
+    before, after = (
+        json.loads(run(capsys, "identify", file, "--for", "any", "--json"))["coverage"]
+        for file in (curves_path("elbow"), together)
+    )
+    assert len(before["shortfalls"]) == 2
+    assert after["shortfalls"] == []
+    assert after["measured"]["rates"] is not None
+
+
+def test_the_record_is_data_and_keeps_the_limits(capsys, tmp_path):
+    out = tmp_path / "new.csv"
+    limits = ["--min-rate", 0.05, "--max-rate", 0.2, "--sample-rate", 10]
+    result = json.loads(
+        run(capsys, "design", "--range", -0.2, 0.4, *limits, "--out", out, "--json")
+    )
+    time, angle = load_motion(out)
+    assert (angle[0], angle[-1]) == (-0.2, -0.2)
+    rates = np.abs(np.diff(angle) / np.diff(time))
+    assert (rates.min(), rates.max()) == pytest.approx((0.05, 0.2), rel=1e-4)
+    assert result["motion"] == str(out)
+    assert result["samples"] == time.size
+    assert result["duration"] == pytest.approx(time[-1])
+    assert result["range"] == [-0.2, 0.4]
+    assert len(result["branch_rates"]) == len(result["points"]) - 1
+
+
+def test_it_begins_where_the_curves_begin(capsys, tmp_path):
+    (tmp_path / "down.csv").write_text("curve,angle_rad,torque_nm\nA,1,0\nA,0.2,1\nA,0.9,2\n")
+    run(capsys, "design", tmp_path / "down.csv", "--out", tmp_path / "new.csv")
+    angle = load_motion(tmp_path / "new.csv").angle
+    assert (angle[0], angle.min()) == (1, pytest.approx(0.2))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "give a file of curves, or --range LOW HIGH in rad, and not both"),
+        (["none.csv"], "cannot read the curves 'none.csv'"),
+        ([curves_path("elbow"), "--range", 0, 1], "and not both"),
+        (["--range", 1, 0], "--range is 1 to 0 rad: give the smaller angle first"),
+        (["--range", 0, 90], "end is 90 rad, more than a full turn"),
+        (["--range", 0, 1, "--min-rate", 0], "min_rate is 0 rad/s: give a number above 0"),
+        (["--range", 0, 1, "--max-rate", 0.01], "min_rate is 0.02 and max_rate 0.01 rad/s"),
+        (["--range", 0, 1, "--out", "{file}"], "--force"),
+    ],
+)
+def test_mistakes(capsys, tmp_path, monkeypatch, arguments, sentence):
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "file"
+    file.write_text("")
+    said = fails(capsys, "design", *(str(one).format(file=file) for one in arguments))
+    assert said.startswith("activesuit: error: ")
+    assert sentence in said
+    assert list(tmp_path.iterdir()) == [file]
+    assert file.read_text() == ""

@@ -1,0 +1,74 @@
+"""`identify --for`: what the curves do not tell about the motions that the model is for."""
+
+import json
+
+import pytest
+from activesuit.assets import curves_path
+from activesuit.scripts.main import main
+
+ELBOW = str(curves_path("elbow"))
+FAST = ["--model", "bouc-wen"]
+
+
+def run(capsys, *arguments) -> str:
+    main([str(argument) for argument in ["identify", ELBOW, *FAST, *arguments]])
+    return capsys.readouterr().out
+
+
+def test_without_a_use_the_result_has_the_coverage_only(capsys):
+    told = json.loads(run(capsys, "--json"))["coverage"]
+    assert told["measured"]["range"] == [0.52, 1.57]
+    assert told["measured"]["nesting"] == 1
+    assert told["measured"]["reversals"] == 3  # the curves that are kept out tell the fit nothing
+    assert (told["needed"], told["shortfalls"]) == (None, [])
+    assert "note: the intended" not in run(capsys)
+
+
+def test_the_motions_of_a_task(capsys, tmp_path, undrawn):
+    text = run(capsys, "--for", "MinorLoops", "--out", tmp_path)
+    told = json.loads((tmp_path / "result.json").read_text())["coverage"]
+    assert told["for"] == "MinorLoops"
+    assert told["needed"]["nesting"] > 2
+    assert told["needed"]["rates"][1] > 0.5
+    assert "curves at most 1: first-order curves do not identify nested loops" in text
+    for sentence in told["shortfalls"]:
+        assert f"note: {sentence}" in text
+
+
+def test_a_motion_outside_the_fitted_range_is_a_sentence(capsys, tmp_path):
+    (tmp_path / "wide.csv").write_text("angle_rad\n0.3\n2.0\n0.3\n")
+    text = run(capsys, "--for", tmp_path / "wide.csv")
+    assert "note: the intended motion goes from 0.3 to 2 rad, the curves from 0.52 to 1.57" in text
+    own = "time,shoulder_abduction,shoulder_flexion,elbow_flexion,wrist_flexion\n"
+    (tmp_path / "own.csv").write_text(f"{own}0,9,9,0.6,9\n1,9,9,1.5,9\n2,9,9,0.6,9\n")
+    told = json.loads(run(capsys, "--for", tmp_path / "own.csv", "--json"))["coverage"]
+    assert told["needed"]["range"] == [0.6, 1.5]
+    assert [sentence[:40] for sentence in told["shortfalls"]] == [
+        "the intended motion moves at up to 0.9 r"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--for", "Minorloops"], "did you mean 'MinorLoops'"),
+        (["--for", "none.csv"], "cannot read the motion 'none.csv'"),
+        (["--for", "MinorLoops", "--joint", "knee"], "unknown joint 'knee'"),
+        (["--for", "{folder}/still.csv"], "stays at the angle 1 rad"),
+        (["--for", "{folder}/back.csv"], "line 3: the time runs back from 1 to 0 s"),
+    ],
+)
+def test_mistakes(capsys, tmp_path, arguments, sentence):
+    (tmp_path / "still.csv").write_text("angle_rad\n1\n1\n")
+    (tmp_path / "back.csv").write_text("time_s,angle_rad\n1,0\n0,1\n")
+    with pytest.raises(SystemExit) as stop:
+        run(capsys, *(one.format(folder=tmp_path) for one in arguments))
+    assert stop.value.code == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_task_needs_the_joint(capsys, tmp_path):
+    (tmp_path / "mine.csv").write_bytes(curves_path("elbow").read_bytes())
+    with pytest.raises(SystemExit):
+        main(["identify", str(tmp_path / "mine.csv"), "--for", "MinorLoops"])
+    assert "cannot tell which joint" in capsys.readouterr().err
