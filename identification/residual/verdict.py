@@ -23,6 +23,7 @@ NOT = "does not describe the curves"
 JUDGED = 5_000  # samples of all curves together, about: more take long and tell little more
 MATTERS = 1e-3  # of the peak: what a good load cell resolves; less is no misfit worth a word
 UNLIKELY = 0.005  # probability of a misfit by noise alone below which it is told
+HARDLY = 1e-3  # of the strongest direction: models of many weights have many weak ones
 UNFINISHED = 1.05  # times the least error, beyond which a search has ended too early
 TIMES_NOISE = 1.3  # beyond it a misfit is one that matters
 WANDERS = 0.3  # correlation from sample to sample that may be noise or misfit
@@ -102,6 +103,7 @@ def judge(
     if not np.isfinite(residual).all():
         return None
     slopes = tangent(coordinates_of(model, initial_torque, fitted_start=fitted_start), family)
+    slopes = _reached(slopes)
     sizes = [curve.torque.size for curve in family]
     known, smooth = repeated_noise(family), smooth_columns(family)
     misfit = explained(residual, slopes, smooth, sizes, known)
@@ -145,6 +147,12 @@ def judge(
         baselines=baselines,
         remarks=tuple(remarks),
     )
+
+
+def _reached(slopes: Array) -> Array:
+    """Returns the directions in which a fit moves the torque, without those that hardly do."""
+    basis, singular, _ = np.linalg.svd(slopes, full_matrices=False)
+    return basis[:, singular > HARDLY * singular[0]] if singular.size else basis
 
 
 def _unfinished(residual: Array, slopes: Array) -> float:
