@@ -279,8 +279,6 @@ MISTAKES = [
     (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
     (["identify", ELBOW, "--model", "preisach", "--method", "de"], "has the method 'certified'"),
     (["identify", ELBOW, "--objective", "sse"], "objective is 'sse': method 'certified' always"),
-    (["identify", ELBOW, "--model", "preisach", "--samples", "2"], "samples is 2: samples are"),
-    (["identify", ELBOW, "--method", "de", "--samples", "2"], "samples is 2: samples are"),
     (["identify", ELBOW, "--samples", "-1"], "samples is -1"),
     (["identify", ELBOW, "--workers", "0"], "workers is 0"),
     (["identify", ELBOW, "--base", "nope", "--out", "{bad}/out"], "unknown suit 'nope'"),

@@ -1,0 +1,138 @@
+"""What a residual shows: misfits, faults of a measurement, the sign, and the verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import BoucWen
+from activesuit.identification import Curve, identify, motion_coverage
+from activesuit.identification.motion_files import Motion
+from activesuit.identification.residual.causes import played
+from activesuit.identification.residual.loop_work import loop_work, refuse_driven
+from activesuit.identification.residual.misfit import repeated_noise
+from activesuit.identification.residual.noise import slow_noise
+from activesuit.identification.residual.verdict import DESCRIBES, NOT, NOT_BEYOND
+from helpers import sweep
+
+TURNS = (0.87, 1.05, 1.22, 1.4, 1.57)
+NOISE = 0.05
+STOPS = BoucWen(elastic=2.0, hysteretic=15.0, beta=5.0, gamma=-2.0, n=1.0, rest_angle=0.52)
+
+
+def family(model, *, memory=0.0, seed=0, repeats=1, gap=0.0, added=lambda i, torque: torque):
+    rng, curves = np.random.default_rng([seed, 11]), []
+    for i, turn in enumerate(TURNS * repeats):
+        angle = sweep(0.52, turn, 0.52, samples=60)
+        torque = added(i, model.response(played(angle, gap)))
+        noise = NOISE * slow_noise(angle.size, memory, rng)
+        curves.append(Curve(angle, torque + noise, f"{i}"))
+    return curves
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_right_models_are_not_doubted(elbow, memory):
+    fits = [identify(family(elbow, memory=memory, seed=seed)) for seed in range(12)]
+    assert sum(fit.judgement.misfit.probability < 0.005 for fit in fits) <= 1
+    assert sum(bool(fit.judgement.causes) for fit in fits) == 0
+    assert all(fit.verdict == NOT_BEYOND for fit in fits)
+    assert np.mean([fit.judgement.noise.deviation for fit in fits]) == pytest.approx(NOISE, rel=0.2)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_a_model_of_the_wrong_kind_is_told(memory):
+    for seed in range(4):
+        fit = identify(family(STOPS, memory=memory, seed=seed))
+        assert fit.verdict == NOT
+        assert "times the noise" in " ".join(fit.diagnostics)
+    assert identify(family(STOPS, memory=memory), model="bouc-wen").verdict == NOT_BEYOND
+
+
+def test_repeated_curves_tell_the_noise_whatever_the_misfit(elbow):
+    curves = family(elbow, repeats=2, added=lambda i, torque: torque + np.sin(40 * torque))
+    noise = repeated_noise(curves)
+    assert noise.deviation == pytest.approx(NOISE, rel=0.1)
+    assert repeated_noise(family(elbow)) is None
+    wandering = family(STOPS, memory=0.97, repeats=2)
+    assert repeated_noise(wandering).memory > 0.8
+    assert "of repeated curves" in " ".join(identify(wandering).diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "fault"),
+    [
+        ("tare", 0.3, {"added": lambda i, torque: torque + 0.3}),
+        ("play", np.radians(0.5), {"gap": np.radians(0.5)}),
+        ("drift", 0.02, {"added": lambda i, torque: torque * (1 + 0.02 * i)}),
+    ],
+)
+def test_a_fault_of_the_measurement_is_named(elbow, name, size, fault):
+    found = identify(family(elbow, **fault)).judgement
+    assert found.causes[0].name == name
+    assert found.causes[0].size == pytest.approx(size, rel=0.3)
+    assert found.causes[0].sentence in " ".join(found.remarks)
+
+
+def test_a_rate_is_found_where_curves_have_their_time(elbow):
+    curves = []
+    for i, one in enumerate(family(elbow)):
+        time = np.linspace(0, 2.0 * (i + 1), one.angle.size)
+        torque = one.torque + 0.3 * np.gradient(one.angle, time)
+        curves.append(replace(one, torque=torque, time=time))
+    (cause, *_) = identify(curves).judgement.causes
+    assert cause.name == "rate"
+    assert cause.size == pytest.approx(0.3, rel=0.2)
+
+
+def test_play_follows_when_the_gap_is_taken_up():
+    found = played(np.array([0.0, 0.1, 0.3, 0.25, 0.15, 0.2]), 0.1)
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.2, 0.2, 0.15, 0.15])
+
+
+def test_loops_that_drive_the_joint_are_refused(elbow):
+    right = family(elbow)
+    assert loop_work(right).z > 10
+    refuse_driven(right)
+    refuse_driven([replace(one, torque=one.torque + 1.3) for one in right])
+    driven = [replace(one, torque=-one.torque) for one in right]
+    assert loop_work(driven).work == pytest.approx(-loop_work(right).work)
+    with pytest.raises(InputError, match="change its sign"):
+        identify(driven)
+    rng = np.random.default_rng(0)
+    false = 0
+    for _ in range(100):
+        angle = sweep(0.52, 1.5, 0.52, samples=60)
+        spring = Curve(angle, angle + 0.1 * rng.standard_normal(angle.size), "spring")
+        false += loop_work([spring]).z < -3
+    assert false <= 1
+
+
+def test_where_no_memory_is_seen_a_baseline_is_as_good():
+    angle = sweep(0.52, 1.5, 0.52)
+    rng = np.random.default_rng(0)
+    curves = [Curve(angle, 3 * (angle - 0.52) + 0.05 * rng.standard_normal(angle.size), "spring")]
+    fit = identify(curves, model="bouc-wen")
+    assert any("describes the curves as well" in one for one in fit.judgement.remarks)
+    assert fit.judgement.baselines["a spring"] < 1.2 * fit.nrmse
+
+
+def test_the_verdict_knows_the_intended_motion(elbow):
+    curves = family(elbow)
+    simple = motion_coverage([Motion(None, sweep(0.6, 1.5, 0.6))])
+    nested = motion_coverage([Motion(None, sweep(0.6, 1.5, 0.7, 1.4, 0.8, 1.3, 0.9))])
+    assert identify(curves, needed=simple).verdict == DESCRIBES
+    beyond = identify(curves, needed=nested)
+    assert beyond.verdict == NOT_BEYOND
+    assert "nested loops" in " ".join(beyond.shortfalls)
+    record = Curve(
+        angle := sweep(0.52, 1.5, 0.6, 1.4, 0.7, 1.3, 0.8, 1.2), elbow.response(angle), "record"
+    )
+    assert identify([*curves, record]).verdict == DESCRIBES
+
+
+def test_a_search_that_ended_early_is_told(elbow):
+    fit = identify(
+        family(elbow), method="pso", trials=1, swarm_size=10, max_iterations=3, workers=1
+    )
+    assert fit.verdict == NOT
+    assert "the search ended before the least error" in " ".join(fit.diagnostics)
