@@ -27,6 +27,8 @@ EXCESS = (0.01, 20.0)  # c - 1
 REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start is certified too
 
 SCREENED = 32
+BUDGET = 2_000  # evaluations; usual are 80 to 300, and some truths need more
+AGREEING = 3  # runs that end at the same optimum, which ends the search
 TINY = 1e-30
 LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
 
@@ -45,6 +47,7 @@ class CertifiedFit:
             mean 1.
         evaluations: How often the model was evaluated on all curves; a response with all its
             derivatives counts as three.
+        agreed: How many runs from different starts ended at this optimum.
         history: (evaluations, best NRMSE) whenever the best one improved.
     """
 
@@ -53,6 +56,7 @@ class CertifiedFit:
     held: tuple[float, float] | None
     nrmse: float
     evaluations: int
+    agreed: int
     history: tuple[tuple[int, float], ...]
 
     @property
@@ -67,7 +71,7 @@ def certified_fit(
     curves: Sequence[Curve],
     *,
     rng: int | np.random.Generator | None = None,
-    budget: int = 200,
+    budget: int = BUDGET,
     initial_torque: InitialTorque = 0.0,
 ) -> CertifiedFit:
     """Fits a Jiles-Atherton model that no motion can drive into its pole.
@@ -78,7 +82,7 @@ def certified_fit(
     Ms follows from a projection, because the torque of a motion that begins without torque is
     linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact derivatives starts
     from the best ones in turn, until the residual is the measurement's own noise (estimated from
-    second differences of the torque), or the budget is spent.
+    second differences of the torque), three runs ended at the same optimum, or the budget is spent.
 
     Args:
         curves: The measured curves.
@@ -96,7 +100,7 @@ def certified_fit(
     at_least("budget", budget, SCREENED + 1)
     problem = CertifiedProblem(curves, initial_torque)
     search = problem.search(budget)
-    search.run(problem.starts(search, rng), noise_floor(curves) / problem.objective.peak)
+    search.run(problem.starts(search, rng), noise_floor(curves) / problem.objective.peak, AGREEING)
     return problem.result(search)
 
 
@@ -230,6 +234,7 @@ class CertifiedProblem:
             held=None if safe else self.angle_range,
             nrmse=search.score,
             evaluations=search.evaluations,
+            agreed=search.agreed,
             history=tuple(search.history),
         )
 

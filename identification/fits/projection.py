@@ -12,7 +12,7 @@ from ..curves import Curve, noise_floor
 from .linear import SAME_START, usable
 from .search import REJECTED, Problem, Search, sobol_points
 
-AGREED = 1e-3  # two runs that end within this relative score found the same optimum
+AGREEING = 2  # runs that end at the same optimum, which ends the search
 LEAST_SCALE = 1e-9  # of the hysteretic part, in place of one that would drive the joint
 FEWEST_BEYOND = 7  # angles that take part, so that the fits leave nothing open
 
@@ -108,5 +108,5 @@ def search_shapes(
     at_least("budget", budget, screened + 1)
     search = Search(problem, budget)
     starts = search.screened(sobol_points(problem.low, problem.high, screened, rng))
-    search.run(starts, floor, AGREED)
+    search.run(starts, floor, AGREEING)
     return search

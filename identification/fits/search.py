@@ -10,6 +10,7 @@ from ...arrays import Array
 
 MARGIN = 0.01  # of the certificate, that a fit keeps
 PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
+AGREED = 1e-3  # relative difference of scores within which two runs found the same optimum
 REJECTED = 10.0  # in place of a residual that is infinite
 STALLED = 1e-5  # relative change of cost or point that ends one least-squares run
 NOISE_MARGIN = 1.03  # times the noise floor: a score below it is as good as the truth
@@ -83,7 +84,14 @@ class Search:
         self.problem, self.budget, self.derivatives = problem, budget, derivatives
         self.best: Array | None = None
         self.score, self.evaluations = np.inf, 0
+        self._ends: list[float] = []
         self.history: list[tuple[int, float]] = []
+
+    @property
+    def agreed(self) -> int:
+        """How many runs ended at the best score, within 0.1 %, penalties included."""
+        best = min(self._ends, default=np.inf)
+        return sum(end <= (1 + AGREED) * best for end in self._ends)
 
     def spend(self, evaluations: int) -> None:
         """Counts model runs.
@@ -106,22 +114,21 @@ class Search:
         costs = np.array([np.mean(self.residual(point) ** 2) for point in points])
         return points[np.argsort(costs)]
 
-    def run(self, starts: Iterable[Array], floor: float = 0.0, agreement: float = 0.0) -> None:
+    def run(self, starts: Iterable[Array], floor: float = 0.0, agreeing: int = 0) -> None:
         """Minimizes from each start in turn until one reason to end is met.
 
         Args:
             starts: Points to begin at, the most promising one first.
             floor: The noise; a score as low as this ends the search.
-            agreement: Two runs that end within this relative score found the same optimum, which
-                ends the search; 0 tries all starts.
+            agreeing: So many runs that end within 0.1 % of the best score found the same optimum,
+                which ends the search; 0 tries all starts.
         """
         try:
             for start in starts:
-                before = self.score
-                ended = self._minimize(start)
+                self._ends.append(self._minimize(start))
                 if self.score <= NOISE_MARGIN * floor:
                     return
-                if agreement and abs(ended / before - 1) < agreement:
+                if agreeing and self.agreed >= agreeing:
                     return
         except BudgetSpent:
             return

@@ -111,7 +111,7 @@ def test_two_searches_that_end_in_one_wrong_optimum_are_not_the_end():
     curves = family(truth, 0.0)
     for seed in (1, 2):  # the first two searches end at 6.6 times the noise
         fit = certified_fit(curves, rng=seed)
-        assert fit.evaluations <= 200
+        assert fit.evaluations <= 300
         assert fit.nrmse * CurveObjective(curves).peak < 1.1 * NOISE
 
 

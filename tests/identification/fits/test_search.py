@@ -84,9 +84,9 @@ def test_two_runs_that_agree_end_the_search():
             x, y = point - CENTER
             return Evaluation(np.array([x, y, 1.0]), 0.0, point.copy())  # never better than 1
 
-    for agreement, expected in ((1.0, 1), (0.0, 3)):
+    for agreeing, expected in ((1, 1), (2, 2), (0, 3)):
         tried.clear()
         search = Search(Counted(), 500)
         search.keep(np.zeros(2), 0.7, 0.0)
-        search.run(starts, agreement=agreement)
-        assert sum(tried) == expected
+        search.run(starts, agreeing=agreeing)
+        assert sum(tried) == expected == search.agreed
