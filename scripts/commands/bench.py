@@ -3,27 +3,42 @@
 import platform
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from ...checks import at_least
+from ...errors import InputError
 from ..engine_log import engine_warnings
-from ..options import Json
-from ..output import table, to_json
+from ..options import Json, Seed
+from ..output import RunFolder, conclude, table, to_json
 
 if TYPE_CHECKING:
     from ..benchmarks.timing import Row
 
 Topic = Literal[
-    "all", "hysteresis", "engine", "model", "env", "identify", "exactness", "sensitivity"
+    "all",
+    "hysteresis",
+    "engine",
+    "model",
+    "env",
+    "identify",
+    "exactness",
+    "sensitivity",
+    "honesty",
 ]
+PAIRS = 9
+FEW, MANY = 25, 200  # cases of honesty, with --quick and without
 
 
 def bench(
     topic: Annotated[Topic, tyro.conf.Positional] = "all",
     /,
-    repeats: int = 9,
+    repeats: int | None = None,
+    quick: bool = False,
+    seed: Seed = 0,
+    out: Path | None = None,
     json: Json = False,
 ) -> None:
     """Measure speed, each row against something else in turn in this very run.
@@ -31,14 +46,37 @@ def bench(
     Args:
         topic: Part whose speed is measured, or all of them; or exactness, which compares the
             kernels with their readable references, with SciPy and with the engine; or sensitivity,
-            which halves and doubles assumed numbers (about ten minutes).
-        repeats: Number of pairs of measurements of each row.
+            which halves and doubles assumed numbers (about ten minutes); or honesty, which counts
+            how often intervals, verdicts and searches of identify are right on random truths.
+        repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
+            each cell, 200 by default.
+        quick: Take 25 cases of each cell (honesty).
+        seed: Seed of the first case (honesty).
+        out: Folder that keeps each case as it is finished, so that the same command goes on where
+            it was stopped (honesty).
     """
-    at_least("repeats", repeats, 1)
+    if repeats is not None:
+        at_least("repeats", repeats, 1)
+    at_least("seed", seed, 0)
+    if topic == "honesty":
+        _count(repeats or (FEW if quick else MANY), seed, out, json)
+        return
+    if quick or out is not None or seed:
+        raise InputError(f"--quick, --seed and --out belong to honesty, not to {topic}: leave out")
     import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
 
     with engine_warnings():
-        _measure(topic, repeats, json)
+        _measure(topic, repeats or PAIRS, json)
+
+
+def _count(repeats: int, seed: int, out: Path | None, json: bool) -> None:
+    from ..benchmarks import honesty
+
+    folder = RunFolder(out, "bench honesty") if out else None
+    found = honesty.honesty(repeats, seed, folder.path if folder else None)
+    tables = {f"{title}, {repeats} repeats": rows for title, rows in honesty.tables(found).items()}
+    result = {"repeats": repeats, "seed": seed, "cases": found}
+    conclude(result, tables, [], folder=folder, json=json)
 
 
 def _measure(topic: Topic, repeats: int, json: bool) -> None:

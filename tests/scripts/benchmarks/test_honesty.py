@@ -1,0 +1,53 @@
+"""The benchmark of honesty: truths by seed, cases that are kept, and tables."""
+
+import json
+
+import numpy as np
+import pytest
+from activesuit.scripts.benchmarks import honesty
+from activesuit.scripts.main import main
+
+
+@pytest.mark.parametrize("kind", honesty.KINDS)
+def test_truths_are_drawn_by_seed(kind):
+    draw = honesty.KINDS[kind]
+    one, same, other = (draw(np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert (one.low, one.high) == (same.low, same.high) != (other.low, other.high)
+    angle = np.linspace(one.low, one.high, 50)
+    np.testing.assert_array_equal(one.torque(angle), same.torque(angle))
+    assert np.abs(one.torque(angle)).max() == pytest.approx(honesty.PEAK, rel=0.02)
+
+
+def test_cases_are_kept_and_not_run_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(honesty, "CELLS", {"starts": [("certified",), ("saturating",)]})
+    first = honesty.honesty(2, 5, tmp_path, workers=1)
+    assert [one["seed"] for one in first] == [5, 6, 5, 6]
+    assert all(one["reached"] for one in first)
+    (tmp_path / "starts.certified.6.json").write_text('{"reached": false, "evaluations": 7}')
+    again = honesty.honesty(2, 5, tmp_path, workers=1)
+    assert again[1] == {**first[1], "reached": False, "evaluations": 7}
+    ((kind, reached, *_),) = honesty.tables(again)["searches at the noise floor"][1][:1]
+    assert (kind, reached) == ("certified", "50.0 % of 2")
+
+
+def test_each_part_has_its_case():
+    found = honesty.interval_case("AR(1) 0.5", 3)
+    assert 0 <= found["parameters"] <= 1
+    assert 0 < found["width"] < 3
+    assert honesty.fault_case("tare 0.2 N·m", 0)["named"] == "tare"
+    assert honesty.fault_case("none", 0)["named"] == "none"
+    off = honesty.misfit_case("white", 1, 1)  # Jiles-Atherton for a Bouc-Wen truth
+    assert off["times"] > 1.3
+    assert off["told"]
+
+
+def test_options_of_honesty_are_refused_elsewhere(capsys):
+    with pytest.raises(SystemExit):
+        main(["bench", "engine", "--quick"])
+    assert "--quick, --seed and --out belong to honesty, not to engine" in capsys.readouterr().err
+
+
+def test_the_command_prints_all_tables(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr(honesty, "CELLS", {name: [] for name in honesty.CELLS})
+    main(["bench", "honesty", "--repeats", "1", "--out", str(tmp_path / "h"), "--json"])
+    assert json.loads(capsys.readouterr().out)["cases"] == []
