@@ -1,7 +1,7 @@
 """`identify`: from measured curves to a model, by a named method and several seeded trials."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, cast
 
@@ -17,6 +17,7 @@ from ._threads import run_threads
 from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
+from .fits.registry import fit_model
 from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
@@ -24,6 +25,7 @@ from .options import DEFAULT_MODEL, check_method, check_options
 from .residual.loop_work import refuse_driven
 from .residual.verdict import NOT, Judgement, judge
 from .selection import Candidate, Choice, choose
+from .tare import Tare, found_tare, tared
 from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
@@ -47,13 +49,14 @@ class Fit:
         prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
             where the model meets its pole.
         trials: Every finished trial, by index; with method "auto" that of the chosen model.
-        curves: The measured curves, those with role "predict" too.
+        curves: The measured curves less the tare, those with role "predict" too.
         diagnostics: What speaks against trusting the model, as sentences; empty if nothing does.
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
         shortfalls: What the intended motions need and the curves do not tell, as sentences.
+        tare: Offset of the torque sensor that was taken off the curves [N·m].
         judgement: What the residual says about the model, with the verdict; None where the model
             meets its pole on the curves.
     """
@@ -74,6 +77,7 @@ class Fit:
     fitted_start: bool = False
     judgement: Judgement | None = field(default=None, compare=False)
     shortfalls: tuple[str, ...] = ()
+    tare: float = 0.0
 
     @property
     def evaluations(self) -> int | None:
@@ -123,6 +127,7 @@ def identify(
     workers: int = -1,
     on_trial: Callable[[Trial], None] | None = None,
     needed: Coverage | None = None,
+    tare: Tare = 0.0,
     **options: Any,
 ) -> Fit:
     """Identifies a hysteresis model from first-order transition curves.
@@ -154,6 +159,9 @@ def identify(
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
         on_trial: Function that gets each trial as it finishes, in any order.
+        tare: Offset of the torque sensor [N·m], which is taken off all curves; "zero" is the mean
+            torque with which they begin, "fitted" the one that the certified fit prefers (of
+            Jiles-Atherton with method "auto").
         needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
             the diagnostics then say where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
@@ -177,6 +185,12 @@ def identify(
     start: dict[str, Any] = {}
     if initial_torque is not None and name == DEFAULT_MODEL:
         start["initial_torque"] = initial_torque
+
+    def error(curves: Curves) -> float:
+        return fit_model(name, curves, np.random.default_rng(seed), **start).loss
+
+    offset = found_tare(measured, tare, error)
+    family, measured = tared(family, offset), tared(measured, offset)
     if method == "auto" or name != DEFAULT_MODEL:
         _refuse_weights(measured)
     if method == "auto":
@@ -186,7 +200,8 @@ def identify(
             on_trial(trial)
         chosen = choice.chosen.name
         fitted = chosen != DEFAULT_MODEL or initial_torque == "identified"
-        return _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
+        found = _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
+        return replace(found, tare=offset)
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start)
     else:
@@ -197,7 +212,8 @@ def identify(
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
     fitted = name != DEFAULT_MODEL or initial_torque == "identified"
-    return _fit(family, name, method, finished, needed, fitted, interrupted=interrupted)
+    found = _fit(family, name, method, finished, needed, fitted, interrupted=interrupted)
+    return replace(found, tare=offset)
 
 
 def _measured(curves: Curves) -> Curves:

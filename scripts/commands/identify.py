@@ -16,6 +16,7 @@ from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
 from ...identification.residual.verdict import NOT, NOT_BEYOND
+from ...identification.tare import Tare
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
 from ..intended import needed_coverage
@@ -42,6 +43,7 @@ def identify(
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
+    tare: Tare = 0.0,
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -74,6 +76,8 @@ def identify(
         initial_torque: Torque with which each curve begins: a number in N·m (by default 0),
             measured (the first sample of the curve) or identified (one number for all curves).
             Only jiles-atherton has this choice; the fits of other models identify it.
+        tare: Offset of the torque sensor in N·m, which is taken off all curves; zero takes the mean
+            torque with which they begin, fitted the offset that the certified fit prefers.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -107,6 +111,7 @@ def identify(
             objective=objective,
             normalize=normalize,
             initial_torque=initial_torque,
+            tare=tare,
             trials=trials,
             seed=seed,
             workers=workers,
@@ -155,7 +160,10 @@ def _print(fit: Fit, curves: Path, use: str | None, found: Uncertainty | None) -
     header, rows = parameter_table({"value": fit.model})
     start = fit.initial_torque
     begins = start if isinstance(start, str) else f"{start:.5g}"
-    table(curves.name, header, [*rows, ["initial torque [N·m]", begins]], left=1)
+    rows = [*rows, ["initial torque [N·m]", begins]]
+    if fit.tare:
+        rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
+    table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)

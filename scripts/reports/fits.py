@@ -84,6 +84,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "model_name": fit.model_name,
         "model": fit.model.to_dict(),
         "initial_torque": fit.initial_torque,
+        "tare": fit.tare,
         "fitness": fit.fitness,
         "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,

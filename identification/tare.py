@@ -1,0 +1,63 @@
+"""The offset of a torque sensor: given, read where the curves begin, or fitted."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..checks import number
+from ..errors import InputError
+from .curves import Curve, Curves
+
+Tare = float | Literal["zero", "fitted"]
+FINE = 1e-3  # of the peak, to which a fitted offset is found
+FLAT = 1.02  # times the least error: where twice the offset fits as well, none can be told
+
+
+def tared(curves: Curves, tare: float) -> Curves:
+    """Returns curves less an offset of the torque sensor [N·m]."""
+    if tare == 0:
+        return curves
+    rest = (replace(curve, torque=curve.torque - tare) for curve in curves)
+    return Curves(rest, source=curves.source, sha256=curves.sha256)
+
+
+def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], float]) -> float:
+    """Returns the offset of the torque sensor [N·m].
+
+    Args:
+        curves: Curves to fit.
+        tare: The offset; "zero" takes the mean torque with which the curves begin, "fitted" the one
+            that a fit of the model prefers.
+        error: Function from curves to the error of the model fitted to them, over their peak.
+
+    Raises:
+        InputError: The offset is no number, or the model fits with any offset.
+    """
+    family = Curves(curves)
+    if tare == "zero":
+        return family.start_torque
+    if tare != "fitted":
+        if isinstance(tare, str):
+            raise InputError(f"tare is {tare!r}: give a number in N·m, 'zero' or 'fitted'")
+        return number("tare", tare, "N·m")
+    peak = family.peak
+
+    def misses(offset: float) -> float:
+        try:
+            return error(tared(family, offset)) * tared(family, offset).peak
+        except InputError:  # nothing certified fits such curves
+            return 10 * peak
+
+    found = minimize_scalar(
+        misses, bounds=(-peak / 2, peak / 2), method="bounded", options={"xatol": FINE * peak}
+    )
+    best = float(np.asarray(found.x))
+    if misses(best + peak / 4) < FLAT * float(np.asarray(found.fun)):
+        raise InputError(
+            "tare is 'fitted', but the model fits these curves with any offset: leave it out, or "
+            "give the offset as a number"
+        )
+    return best

@@ -1,0 +1,52 @@
+"""The offset of the torque sensor."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import Curve, identify
+from helpers import sweep
+
+OFFSET, NOISE = 1.3, 0.05
+
+
+def family(model, offset=OFFSET):
+    rng = np.random.default_rng(2)
+    curves = []
+    for turn in (0.87, 1.22, 1.57):
+        angle = sweep(0.52, turn, 0.52)
+        torque = model.response(angle) + offset + NOISE * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn}"))
+    return curves
+
+
+@pytest.mark.parametrize("tare", [OFFSET, "fitted", "zero"])
+def test_the_offset_is_taken_off(elbow, tare):
+    fit = identify(family(elbow), tare=tare)
+    assert fit.tare == pytest.approx(OFFSET, abs=0.15 if tare == "zero" else 0.03)
+    assert fit.judgement.causes == () or tare == "zero"
+    assert fit.nrmse * 7 < 1.6 * NOISE
+    np.testing.assert_allclose(fit.curves[0].torque, family(elbow)[0].torque - fit.tare)
+    assert fit.nrmse < identify(family(elbow)).nrmse / 2
+
+
+def test_a_fitted_offset_of_nothing_is_nothing(elbow):
+    assert abs(identify(family(elbow, 0.0), tare="fitted").tare) < 0.03
+
+
+def test_auto_takes_the_offset_of_jiles_atherton(elbow):
+    fit = identify(family(elbow), method="auto", tare="fitted")
+    assert fit.tare == pytest.approx(OFFSET, abs=0.03)
+    assert fit.model_name == "jiles-atherton"
+
+
+def test_bad_input(elbow):
+    with pytest.raises(InputError, match="fits these curves with any offset"):
+        identify(family(elbow), model="bouc-wen", tare="fitted")
+    with pytest.raises(InputError, match="tare is 'zeros': give a number"):
+        identify(family(elbow), tare="zeros")
+    with pytest.raises(InputError, match="tare is nan"):
+        identify(family(elbow), tare=float("nan"))
+    with pytest.raises(InputError, match="change its sign"):
+        identify([replace(one, torque=-one.torque) for one in family(elbow)], tare="fitted")
