@@ -51,7 +51,7 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
     ),
     "rate": lambda size: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
-        "lags; measure slower, or fit a damper with --rate"
+        "lags; measure slower"
     ),
     "play": lambda size: (
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
