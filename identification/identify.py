@@ -212,7 +212,16 @@ def identify(
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
     fitted = name != DEFAULT_MODEL or initial_torque == "identified"
-    found = _fit(family, name, method, finished, needed, fitted, interrupted=interrupted)
+    found = _fit(
+        family,
+        name,
+        method,
+        finished,
+        needed,
+        fitted,
+        interrupted=interrupted,
+        least_squares=objective != "robust" and normalize != "curve",
+    )
     return replace(found, tare=offset)
 
 
@@ -257,6 +266,7 @@ def _fit(
     fitted_start: bool,
     choice: Choice | None = None,
     interrupted: bool = False,
+    least_squares: bool = True,
 ) -> Fit:
     measured = curves.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
@@ -273,7 +283,12 @@ def _fit(
     short = shortfalls(covered, needed) if needed else ()
     beyond = bool(short) if needed else covered.nesting < NESTED
     judged = judge(
-        best.model, best.initial_torque, measured, fitted_start=fitted_start, beyond=beyond
+        best.model,
+        best.initial_torque,
+        measured,
+        fitted_start=fitted_start,
+        beyond=beyond,
+        least_squares=least_squares,
     )
     said = (*said, *(judged.remarks if judged else ()), *short)
     return Fit(

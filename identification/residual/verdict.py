@@ -87,6 +87,7 @@ def judge(
     *,
     fitted_start: bool,
     beyond: bool,
+    least_squares: bool = True,
 ) -> Judgement | None:
     """Judges a fit by its residual; None where the model meets its pole on the curves.
 
@@ -97,6 +98,7 @@ def judge(
         fitted_start: Whether the fit chose that torque.
         beyond: Whether the intended motion has something in it that the curves do not tell; without
             such a motion, whether the curves hold no loops inside loops.
+        least_squares: Whether the fit minimized squares, all alike.
     """
     family = thinned(curves, JUDGED)
     residual = -torque_errors(model, initial_torque, family)
@@ -110,7 +112,8 @@ def judge(
     own = nrmse(residual, family)
     surely = misfit.probability < UNLIKELY and own > MATTERS
     found = causes(model, initial_torque, family, residual, slopes, known) if own > MATTERS else []
-    times, unfinished = misfit.times_noise, _unfinished(residual, slopes)
+    times = misfit.times_noise
+    unfinished = _unfinished(residual, slopes) if least_squares else 1.0
     matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
     verdict = NOT if matters else NOT_BEYOND if beyond else DESCRIBES
     baselines = _baselines(family)
