@@ -18,6 +18,7 @@ from .suite import Suite, Trial
 
 LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
 DIGITS = 6  # of efforts and errors
+SMALLEST = 12  # decimals, beyond which an error is rounding
 
 
 def run_trial(suite: Suite, trial: Trial) -> Result:
@@ -83,4 +84,4 @@ def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
 
 
 def _rounded(values: Sequence[float]) -> tuple[float, ...]:
-    return tuple(float(f"{value:.{DIGITS}g}") for value in values)
+    return tuple(float(f"{round(value, SMALLEST):.{DIGITS}g}") for value in values)
