@@ -27,7 +27,7 @@ class Cause(NamedTuple):
 
     Attributes:
         name: tare, rate, play or drift.
-        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play, [1] a cycle of
+        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play, [1] a curve of
             drift.
         explained: How surely.
         column: What a fault of size 1 adds to the torque, shape (samples,).
