@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
-import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ..checks import number
@@ -51,11 +50,11 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
         except InputError:  # nothing certified fits such curves
             return 10 * peak
 
-    found = minimize_scalar(
+    found: Any = minimize_scalar(
         misses, bounds=(-peak / 2, peak / 2), method="bounded", options={"xatol": FINE * peak}
     )
-    best = float(np.asarray(found.x))
-    if misses(best + peak / 4) < FLAT * float(np.asarray(found.fun)):
+    best = float(found.x)
+    if misses(best + peak / 4) < FLAT * float(found.fun):
         raise InputError(
             "tare is 'fitted', but the model fits these curves with any offset: leave it out, or "
             "give the offset as a number"

@@ -21,10 +21,12 @@ class LoopWork(NamedTuple):
     Attributes:
         work: Sum over all pairs of branches of the work in the range that both share [J].
         deviation: Standard deviation of it by the noise of the torque [J].
+        rise: Sum over all branches of change of torque times change of angle [J].
     """
 
     work: float
     deviation: float
+    rise: float
 
     @property
     def z(self) -> float:
@@ -38,12 +40,14 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
     Each branch makes a loop with the next one, in the angles that both pass. An offset of the
     torque takes no work.
     """
-    work = variance = 0.0
+    work = variance = rise = 0.0
     noise = noise_floor(curves)
     for curve in curves:
         if curve.angle.size < 3:
             continue
-        for one, other in pairwise(branches(curve.angle, curve.torque)):
+        pieces = branches(curve.angle, curve.torque)
+        rise += sum(float(np.ptp(one.angle[[0, -1]]) * _gain(one)) for one in pieces)
+        for one, other in pairwise(pieces):
             low = max(one.angle.min(), other.angle.min())
             high = min(one.angle.max(), other.angle.max())
             if high <= low:
@@ -54,22 +58,29 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
                 there = np.interp(grid, angle, torque)
                 work += piece.direction * float(np.trapezoid(there, grid))
                 variance += float(np.sum(np.gradient(grid) ** 2)) if grid.size > 1 else 0.0
-    return LoopWork(work, noise * math.sqrt(variance))
+    return LoopWork(work, noise * math.sqrt(variance), rise)
 
 
 def refuse_driven(curves: Sequence[Curve]) -> None:
-    """Refuses curves whose loops surely give energy to the joint.
+    """Refuses curves whose torque surely has the wrong sign.
+
+    Their loops give energy to the joint, and the torque falls where the angle rises. The first
+    alone is no mistake: a joint that begins far from rest gives back what it had stored.
 
     Raises:
         InputError: The torque has the wrong sign.
     """
     found = loop_work(curves)
-    if found.z < SURELY and found.work < 0:
+    if found.z < SURELY and found.rise < 0:
         raise InputError(
             f"the loops of the curves give back {-found.work:.3g} J more than they take "
-            f"({-found.z:.1f} standard deviations): the torque must be positive against positive "
-            "motion, so change its sign"
+            f"({-found.z:.1f} standard deviations), and the torque falls where the angle rises: it "
+            "must be positive against positive motion, so change its sign"
         )
+
+
+def _gain(piece: Branch) -> float:
+    return piece.direction * float(piece.torque[-1] - piece.torque[0])
 
 
 def _rising(piece: Branch) -> tuple[Array, Array]:

@@ -98,6 +98,11 @@ def test_loops_that_drive_the_joint_are_refused(elbow):
     assert loop_work(driven).work == pytest.approx(-loop_work(right).work)
     with pytest.raises(InputError, match="change its sign"):
         identify(driven)
+    # A joint that begins far below its rest gives back what it stored, and is no mistake.
+    begins = replace(elbow, Ms=337.4, a=934.73, alpha=-1.5777, c=1.781, k=95.9)
+    loaded = family(begins)
+    assert loop_work(loaded).z < -3
+    refuse_driven(loaded)
     rng = np.random.default_rng(0)
     false = 0
     for _ in range(100):
