@@ -28,9 +28,9 @@ REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start
 
 SCREENED = 32
 BUDGET = 2_000  # evaluations; usual are 80 to 300, and some truths need more
-AGREEING = 3  # runs that end at the same optimum, which ends the search
 TINY = 1e-30
 LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
+MOST = 1e9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +82,7 @@ def certified_fit(
     Ms follows from a projection, because the torque of a motion that begins without torque is
     linear in Ms at fixed (a, alpha Ms, c, k). Bounded least squares with exact derivatives starts
     from the best ones in turn, until the residual is the measurement's own noise (estimated from
-    second differences of the torque), three runs ended at the same optimum, or the budget is spent.
+    second differences of the torque), or the budget is spent: runs that agree may all be wrong.
 
     Args:
         curves: The measured curves.
@@ -100,7 +100,7 @@ def certified_fit(
     at_least("budget", budget, SCREENED + 1)
     problem = CertifiedProblem(curves, initial_torque)
     search = problem.search(budget)
-    search.run(problem.starts(search, rng), noise_floor(curves) / problem.objective.peak, AGREEING)
+    search.run(problem.starts(search, rng), noise_floor(curves) / problem.objective.peak)
     return problem.result(search)
 
 
@@ -139,7 +139,8 @@ class CertifiedProblem:
 
     def evaluate(self, point: Array) -> Evaluation:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| along all curves, the missing margin, and the row."""
-        if point[4] < np.log(LEAST * self.objective.peak):  # as on curves that drive the joint
+        size = point[4] - np.log(self.objective.peak)
+        if not np.log(LEAST) <= size <= np.log(MOST):  # as on curves that drive the joint
             return Evaluation(np.full(self.objective.torque.size, REJECTED), 1.0, point)
         (row,) = self.rows(point[None])
         errors = (self.objective.responses(row)[0] - self.objective.torque) * self.scale
