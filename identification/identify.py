@@ -220,7 +220,7 @@ def identify(
         needed,
         fitted,
         interrupted=interrupted,
-        least_squares=objective != "robust" and normalize != "curve",
+        searched=method in OPTIMIZERS and objective != "robust" and normalize != "curve",
     )
     return replace(found, tare=offset)
 
@@ -266,7 +266,7 @@ def _fit(
     fitted_start: bool,
     choice: Choice | None = None,
     interrupted: bool = False,
-    least_squares: bool = True,
+    searched: bool = False,
 ) -> Fit:
     measured = curves.fitted()
     best = min(trials, key=lambda trial: (trial.loss, trial.index))
@@ -288,7 +288,7 @@ def _fit(
         measured,
         fitted_start=fitted_start,
         beyond=beyond,
-        least_squares=least_squares,
+        searched=searched,
     )
     said = (*said, *(judged.remarks if judged else ()), *short)
     return Fit(

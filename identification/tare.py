@@ -36,12 +36,12 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
         InputError: The offset is no number, or the model fits with any offset.
     """
     family = Curves(curves)
+    if not isinstance(tare, str):
+        return number("tare", tare, "N·m")
     if tare == "zero":
         return family.start_torque
     if tare != "fitted":
-        if isinstance(tare, str):
-            raise InputError(f"tare is {tare!r}: give a number in N·m, 'zero' or 'fitted'")
-        return number("tare", tare, "N·m")
+        raise InputError(f"tare is {tare!r}: give a number in N·m, 'zero' or 'fitted'")
     peak = family.peak
 
     def misses(offset: float) -> float:

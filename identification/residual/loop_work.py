@@ -10,8 +10,9 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.loops import Branch, branches
-from ..curves import Curve, noise_floor
+from ..curves import Curve, Curves, noise_floor
 
+ROUNDING = 1e-9  # rad, which times the peak is no work
 SURELY = -3.0  # standard deviations; noise alone gets there in one of 700 cases
 
 
@@ -58,7 +59,8 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
                 there = np.interp(grid, angle, torque)
                 work += piece.direction * float(np.trapezoid(there, grid))
                 variance += float(np.sum(np.gradient(grid) ** 2)) if grid.size > 1 else 0.0
-    return LoopWork(work, noise * math.sqrt(variance), rise)
+    rounding = ROUNDING * Curves(curves).peak
+    return LoopWork(work, math.hypot(noise * math.sqrt(variance), rounding), rise)
 
 
 def refuse_driven(curves: Sequence[Curve]) -> None:

@@ -22,6 +22,7 @@ from ..curves import Curve, Curves
 from .noise import GRID, Noise, estimate_noise, independent, whiten
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
+LEAST_FREEDOM = 5  # samples beyond all columns; of few samples not all columns can be asked for
 SAME_PATH = 0.02  # of the range, within which two curves follow one path
 
 
@@ -62,6 +63,7 @@ def explained(
     """
     inner = independent(slopes)
     beside = independent(columns - inner @ (inner.T @ columns))
+    beside = beside[:, : max(residual.size - inner.shape[1] - LEAST_FREEDOM, 0)]
     both = np.column_stack([inner, beside])
     noise = known or estimate_noise(both, residual, sizes)
     freedom = noise.freedom
@@ -121,7 +123,7 @@ def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
         first = left.pop(0)
         for other in left:
             torque = _along(other, first, SAME_PATH * (high - low))
-            if torque is not None:
+            if torque is not None and np.any(first.torque != torque):  # a copy is no repeat
                 differences.append((first.torque - torque) / math.sqrt(2))
                 sizes.append(first.torque.size)
                 left.remove(other)

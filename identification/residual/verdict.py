@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Array
+from ...errors import InputError
 from ...hysteresis.branches import spring, spring_with_friction, two_branches
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
@@ -13,7 +14,7 @@ from ..fits.residuals import nrmse, torque_errors
 from ..objective import InitialTorque
 from ..thinning import thinned
 from .causes import Cause, causes
-from .misfit import Explained, explained, repeated_noise, smooth_columns
+from .misfit import LEAST_FREEDOM, Explained, explained, repeated_noise, smooth_columns
 from .noise import Noise, independent
 from .tangent import coordinates_of, tangent
 
@@ -87,7 +88,7 @@ def judge(
     *,
     fitted_start: bool,
     beyond: bool,
-    least_squares: bool = True,
+    searched: bool = False,
 ) -> Judgement | None:
     """Judges a fit by its residual; None where the model meets its pole on the curves.
 
@@ -98,7 +99,10 @@ def judge(
         fitted_start: Whether the fit chose that torque.
         beyond: Whether the intended motion has something in it that the curves do not tell; without
             such a motion, whether the curves hold no loops inside loops.
-        least_squares: Whether the fit minimized squares, all alike.
+        searched: Whether a swarm or the like searched for least squares, and may have ended early.
+
+    Raises:
+        InputError: There are no more samples than numbers that the model fits.
     """
     family = thinned(curves, JUDGED)
     residual = -torque_errors(model, initial_torque, family)
@@ -106,6 +110,12 @@ def judge(
         return None
     slopes = tangent(coordinates_of(model, initial_torque, fitted_start=fitted_start), family)
     slopes = _reached(slopes)
+    if residual.size <= slopes.shape[1] + LEAST_FREEDOM:
+        raise InputError(
+            f"the fitted curves have {residual.size} samples in all, and the model "
+            f"{model.name!r} fits {slopes.shape[1]} numbers to them: give more samples, or choose "
+            "a model with fewer numbers"
+        )
     sizes = [curve.torque.size for curve in family]
     known, smooth = repeated_noise(family), smooth_columns(family)
     misfit = explained(residual, slopes, smooth, sizes, known)
@@ -113,7 +123,7 @@ def judge(
     surely = misfit.probability < UNLIKELY and own > MATTERS
     found = causes(model, initial_torque, family, residual, slopes, known) if own > MATTERS else []
     times = misfit.times_noise
-    unfinished = _unfinished(residual, slopes) if least_squares else 1.0
+    unfinished = _unfinished(residual, slopes) if searched else 1.0
     matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
     verdict = NOT if matters else NOT_BEYOND if beyond else DESCRIBES
     baselines = _baselines(family)
@@ -138,7 +148,8 @@ def judge(
     best = min(baselines, key=lambda name: baselines[name])
     if baselines[best] <= own:
         remarks.append(
-            f"{best} describes the curves as well (NRMSE {baselines[best]:.2%} against {own:.2%}): "
+            f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
+            f"{own:.2%}): "
             "they show no memory that this model would be needed for"
         )
     return Judgement(

@@ -10,7 +10,7 @@ from scipy.stats import t
 
 from ...arrays import Array
 from ...checks import at_least
-from ...errors import InputError
+from ...errors import InputError, shown
 from ...hysteresis.around.held import Held
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
@@ -81,6 +81,8 @@ class Uncertainty:
         Raises:
             InputError: The model cannot begin there.
         """
+        if not isinstance(curve, Curve):
+            raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")
         model, start = self._coordinates.at(self._coordinates.point)
         torque = torque_errors(model, start, [curve]) + curve.torque
         down, up = _spread(self._covariance, self._limit, tangent(self._coordinates, [curve]))

@@ -62,7 +62,7 @@ def identify(
 
     Args:
         curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
-            optionally role (fit or predict).
+            optionally role (fit or predict), weight, and time_s.
         model: Hysteresis model to fit, jiles-atherton by default; asymmetric is the same beside a
             polynomial. The method certified has all models, the other methods only jiles-atherton.
         method: Method of the fit: certified finds a model that is safe to simulate; auto finds the
@@ -77,7 +77,8 @@ def identify(
             measured (the first sample of the curve) or identified (one number for all curves).
             Only jiles-atherton has this choice; the fits of other models identify it.
         tare: Offset of the torque sensor in N·m, which is taken off all curves; zero takes the mean
-            torque with which they begin, fitted the offset that the certified fit prefers.
+            torque with which they begin, noise included, fitted the offset that the certified fit
+            prefers.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.

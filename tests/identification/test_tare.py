@@ -46,6 +46,8 @@ def test_bad_input(elbow):
         identify(family(elbow), model="bouc-wen", tare="fitted")
     with pytest.raises(InputError, match="tare is 'zeros': give a number"):
         identify(family(elbow), tare="zeros")
+    with pytest.raises(InputError, match="tare is array"):
+        identify(family(elbow), tare=np.array([1.0, 2.0]))
     with pytest.raises(InputError, match="tare is nan"):
         identify(family(elbow), tare=float("nan"))
     with pytest.raises(InputError, match="change its sign"):

@@ -84,6 +84,22 @@ def test_a_rate_is_found_where_curves_have_their_time(elbow):
     assert cause.size == pytest.approx(0.3, rel=0.2)
 
 
+def test_too_few_samples_are_one_sentence(elbow):
+    few = [replace(one, angle=one.angle[::24], torque=one.torque[::24]) for one in family(elbow)]
+    with pytest.raises(InputError, match="samples in all, and the model 'preisach' fits"):
+        identify(few, model="preisach")
+    assert identify(few, model="jiles-atherton").judgement.misfit.columns < 20
+
+
+def test_copies_are_no_repeats_and_rounding_is_no_work(elbow):
+    curves = family(elbow)
+    copies = [*curves, *(replace(one, name=f"{one.name} again") for one in curves)]
+    assert repeated_noise(copies) is None
+    assert identify(copies).verdict == NOT_BEYOND
+    angle = sweep(0.52, 1.5, 0.52)
+    refuse_driven([Curve(angle, np.full(angle.size, 3.0), "constant")])
+
+
 def test_play_follows_when_the_gap_is_taken_up():
     found = played(np.array([0.0, 0.1, 0.3, 0.25, 0.15, 0.2]), 0.1)
     np.testing.assert_allclose(found, [0.0, 0.0, 0.2, 0.2, 0.15, 0.15])
@@ -117,7 +133,7 @@ def test_where_no_memory_is_seen_a_baseline_is_as_good():
     rng = np.random.default_rng(0)
     curves = [Curve(angle, 3 * (angle - 0.52) + 0.05 * rng.standard_normal(angle.size), "spring")]
     fit = identify(curves, model="bouc-wen")
-    assert any("describes the curves as well" in one for one in fit.judgement.remarks)
+    assert any("described as well by" in one for one in fit.judgement.remarks)
     assert fit.judgement.baselines["a spring"] < 1.2 * fit.nrmse
 
 
