@@ -15,10 +15,36 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import InputError
+from .errors import InputError, shown
 
 _HOST = re.sub(r"[^\w.]", "_", platform.node())[:40] or "host"
 _SCRATCH = re.compile(r"\.activesuit-(?P<host>[\w.]+)-(?P<process>\d+)-\w{8}(\..*)?")
+
+
+def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str = "") -> bytes:
+    """Returns the bytes of a file.
+
+    Args:
+        path: Path of the file.
+        what: What the file should be, as the error message calls it ("suit").
+        largest: Greatest number of bytes.
+        fix: What to do with a longer one, as the error message says it.
+
+    Raises:
+        InputError: The file cannot be read, or is too long.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(largest + 1)
+    except (OSError, ValueError) as error:  # a path may hold a zero byte
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"cannot read the {what} {shown(str(path))}: {reason}") from error
+    if len(content) > largest:
+        raise InputError(
+            f"cannot read the {what} {shown(str(path))}: it is longer than {largest >> 20} MiB"
+            + (f"; {fix}" if fix else "")
+        )
+    return content
 
 
 @contextmanager

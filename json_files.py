@@ -2,10 +2,10 @@
 
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 from .errors import InputError, shown
+from .files import content_of
 
 LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
 DEEPEST = 50  # lists and objects inside each other; a suit file has 7
@@ -25,16 +25,7 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
         InputError: The file cannot be read, is too large, is no JSON, has one name twice in an
             object, or nests deeper than any file of ours.
     """
-    try:
-        with Path(path).open("rb") as file:
-            content = file.read(LARGEST + 1)
-    except (OSError, ValueError) as error:  # a path may hold a zero byte
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(f"cannot read the {what} {shown(str(path))}: {reason}") from error
-    if len(content) > LARGEST:
-        raise InputError(
-            f"cannot read the {what} {shown(str(path))}: it is longer than {LARGEST >> 20} MiB"
-        )
+    content = content_of(path, what, LARGEST)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

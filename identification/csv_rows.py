@@ -11,22 +11,6 @@ from .curves import RADIANS_AT_MOST, time_goes_wrong
 LARGEST = 256 * 2**20  # bytes; a million samples take 30 million
 
 
-def content_of(path: Path, what: str) -> bytes:
-    """Returns the bytes of a file of `what`; raises an InputError if it cannot be read."""
-    try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST + 1)
-    except (OSError, ValueError) as error:  # a path may hold a zero byte
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(f"cannot read the {what} {shown(str(path))}: {reason}") from error
-    if len(content) > LARGEST:
-        raise InputError(
-            f"cannot read the {what} {shown(str(path))}: it is longer than {LARGEST >> 20} MiB; "
-            "thin them"
-        )
-    return content
-
-
 def rows_of(path: Path, content: bytes, what: str, header: str) -> Iterator[tuple[int, list[str]]]:
     """Yields line number and cells of every line that is neither empty nor a comment, at least one.
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..files import write_text
-from .csv_rows import angle_in, content_of, next_time, number_in, rows_of
+from ..files import content_of, write_text
+from .csv_rows import LARGEST, angle_in, next_time, number_in, rows_of
 from .curves import Curve, Curves
 
 
@@ -34,7 +34,7 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
             names the line.
     """
     path = Path(path)
-    content = content_of(path, "curves")
+    content = content_of(path, "curves", LARGEST, "thin it")
     rows = rows_of(path, content, "curves", "curve,angle_rad,torque_nm")
     _, header = next(rows)
     header = [name.strip() for name in header]

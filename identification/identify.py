@@ -55,6 +55,7 @@ class Fit:
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
+        coverage: What the fitted curves have in them.
         shortfalls: What the intended motions need and the curves do not tell, as sentences.
         tare: Offset of the torque sensor that was taken off the curves [N·m].
         judgement: What the residual says about the model, with the verdict; None where the model
@@ -76,6 +77,7 @@ class Fit:
     interrupted: bool = False
     fitted_start: bool = False
     judgement: Judgement | None = field(default=None, compare=False)
+    coverage: Coverage | None = None
     shortfalls: tuple[str, ...] = ()
     tare: float = 0.0
 
@@ -307,5 +309,6 @@ def _fit(
         interrupted=interrupted,
         fitted_start=fitted_start,
         judgement=judged,
+        coverage=covered,
         shortfalls=tuple(short),
     )

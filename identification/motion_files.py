@@ -11,8 +11,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
-from ..files import write_text
-from .csv_rows import angle_in, content_of, next_time, rows_of
+from ..files import content_of, write_text
+from .csv_rows import LARGEST, angle_in, next_time, rows_of
 
 HEADER = "time_s,angle_rad"
 ANGLES = ("angle_rad", "angle_deg")
@@ -40,7 +40,7 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
             the message names the line.
     """
     path = Path(path)
-    rows = rows_of(path, content_of(path, "motion"), "motion", HEADER)
+    rows = rows_of(path, content_of(path, "motion", LARGEST, "thin it"), "motion", HEADER)
     _, first = next(rows)
     header = [name.strip() for name in first]
     angle_column = _one_of(header, [*ANGLES, *([joint] if joint else [])], path)

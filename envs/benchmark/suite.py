@@ -204,8 +204,9 @@ _TASKS = {
     name: replace(task, duration=LONGEST[name]) if name in LONGEST else task
     for name, task in TASKS.items()
 }
-_ON_CUFFS = ("none", "transparent", "compensation", "corrected", "admittance")
-_ALL = tuple(name for name in POLICIES if name not in ("oracle", *_ON_CUFFS[-2:]))
+_NEED_CUFFS = ("corrected", "admittance")
+_ON_CUFFS = ("none", "transparent", "compensation", *_NEED_CUFFS)
+_ALL = tuple(name for name in POLICIES if name not in ("oracle", *_NEED_CUFFS))
 _QUICK = ("none", "compensation")
 
 

@@ -10,8 +10,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import Bounds, minimize
-from scipy.signal import lfilter
 
 from ...arrays import Array
 from ...assets import JOINTS
@@ -71,6 +69,9 @@ def rationed(wanted: Array, motor: Motor, dt: float) -> Array:
         motor: The motor.
         dt: Control period [s].
     """
+    from scipy.optimize import Bounds, minimize  # slow to import
+    from scipy.signal import lfilter
+
     remains = math.exp(-dt / motor.thermal_time_constant)
     limit = COOLNESS * motor.continuous_torque**2
 

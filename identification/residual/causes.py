@@ -108,9 +108,8 @@ def _columns(
         behind = Curve(played(curve.angle, GAP), curve.torque, curve.name)
         late.append((predicted(model, initial_torque, behind) - here) / GAP)
     yield "play", np.concatenate(late)
-    cycle = _cycles(curves)
-    if len(cycle) > 1 and cycle[-1][-1] > 0:
-        yield "drift", np.concatenate([n * here for n, here in zip(cycle, torque, strict=True)])
+    if len(torque) > 1:
+        yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
 
 
 def played(angle: Array, gap: float) -> Array:
@@ -120,11 +119,6 @@ def played(angle: Array, gap: float) -> Array:
         here = min(max(here, ahead - gap), ahead)
         found[i] = here
     return found
-
-
-def _cycles(curves: Sequence[Curve]) -> list[Array]:
-    """Returns how many cycles came before each sample."""
-    return [np.full(curve.angle.size, float(i)) for i, curve in enumerate(curves)]
 
 
 def _coefficient(

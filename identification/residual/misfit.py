@@ -23,6 +23,7 @@ from .noise import GRID, Noise, estimate_noise, independent, whiten
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
 LEAST_FREEDOM = 5  # samples beyond all columns; of few samples not all columns can be asked for
+NEARLY_NONE = 1e-6  # weight of a noise that is left out
 SAME_PATH = 0.02  # of the range, within which two curves follow one path
 
 
@@ -69,7 +70,7 @@ def explained(
     freedom = noise.freedom
     statistic = probability = 0.0
     for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
-        if weight < 1e-6 or not beside.size:
+        if weight < NEARLY_NONE or not beside.size:
             continue
         whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
         triangle = np.asarray(np.linalg.qr(whitened, mode="r"))

@@ -1,6 +1,6 @@
 """What a fit of a model can reach: derivatives of the torque by the numbers that it chose."""
 
-import json
+import copy
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class Coordinates:
         Raises:
             InputError: There is no such model.
         """
-        content, start = json.loads(json.dumps(self._content)), self._start
+        content, start = copy.deepcopy(self._content), self._start
         for path, value in zip(self._paths, self.numbers(point).tolist(), strict=True):
             if path == ():
                 start = value

@@ -149,8 +149,7 @@ def judge(
     if baselines[best] <= own:
         remarks.append(
             f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
-            f"{own:.2%}): "
-            "they show no memory that this model would be needed for"
+            f"{own:.2%}): they show no memory that this model would be needed for"
         )
     return Judgement(
         verdict=verdict,

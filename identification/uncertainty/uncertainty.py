@@ -275,7 +275,7 @@ def _directions(
         initial_torque = "identified"
     likelihood = Likelihood(CurveObjective(curves, initial_torque=initial_torque), row)
     unit = UNIT_PER_RADIAN[inner.angle_unit] / UNIT_PER_RADIAN["deg"]
-    units = np.array([1.0, unit, 1 / unit, 1.0, unit, 1.0])[: row.size]
+    units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
     unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
     yield from sloppy_directions(likelihood, units, unit_names)
 

@@ -9,7 +9,7 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Curve, Fit, Trial, coverage, load_curves
+from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
@@ -121,7 +121,7 @@ def identify(
         )
     told = {
         "for": use,
-        "measured": coverage(family.fitted()).to_dict(),
+        "measured": fit.coverage and fit.coverage.to_dict(),
         "needed": needed and needed.to_dict(),
         "shortfalls": fit.shortfalls,
     }
