@@ -1,12 +1,13 @@
 """Which model to identify: the simplest of those that predict curves they were not fitted to."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import InputError
 from ..hysteresis.protocol import HysteresisModel
 from ._threads import run_threads
@@ -28,6 +29,8 @@ class Candidate:
         initial_torque: Torque with which the curves begin [N·m].
         parameters: Number of parameters that the fit chooses.
         prediction_nrmse: NRMSE over curves left out of the fit; infinite where it failed.
+        prediction_errors: Errors of these predictions [N·m], of all left-out samples end to end,
+            alike for all candidates; empty where it failed.
         fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
         reason: Why it failed, as a sentence; empty if it did not.
     """
@@ -39,6 +42,7 @@ class Candidate:
     prediction_nrmse: float = float("inf")
     fit_nrmse: float = float("inf")
     reason: str = ""
+    prediction_errors: Array = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
 
 
 class Choice(NamedTuple):
@@ -117,6 +121,7 @@ def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str,
         initial_torque=found.initial_torque,
         parameters=found.model.free_parameters,
         prediction_nrmse=nrmse(np.concatenate(errors), curves),
+        prediction_errors=np.concatenate(errors),
         fit_nrmse=nrmse(on_fit, curves),
     )
 
