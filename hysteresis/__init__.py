@@ -4,7 +4,7 @@ Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJ
 """
 
 from . import first_use  # noqa: F401  (speaks when kernels compile)
-from .around import Asymmetric, Held
+from .around import Asymmetric, Held, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
 from .config import ConfigKey
@@ -34,6 +34,7 @@ __all__ = [
     "State",
     "SteadyCycle",
     "UncertifiedModelError",
+    "Viscoelastic",
     "model_from_dict",
     "nearest_certified",
     "register_model",

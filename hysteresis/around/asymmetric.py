@@ -14,6 +14,7 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
 from ..reference import Example, Reference
+from .held import Held
 from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
@@ -40,9 +41,10 @@ class Asymmetric(Wrapper):
     polynomial: Numbers
 
     def __post_init__(self) -> None:
-        if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Asymmetric):
+        wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Held)
+        if not isinstance(self.model, HysteresisModel) or wrapped:
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model, not asymmetric itself"
+                f"model is {self.model!r}: give one hysteresis model, bare or held in a range"
             )
         coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
         if len(coefficients) > LARGEST_DEGREE + 1:

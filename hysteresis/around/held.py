@@ -50,7 +50,7 @@ class Held(Wrapper):
     def __post_init__(self) -> None:
         if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Wrapper):
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model, not held or asymmetric itself"
+                f"model is {self.model!r}: give one hysteresis model without another around it"
             )
         low, high = checked_range(self.angle_range)
         if not math.isfinite(high - low):

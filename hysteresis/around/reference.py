@@ -1,4 +1,4 @@
-"""Readable references of `Asymmetric` and `Held`, and examples of both."""
+"""Readable references of `Asymmetric` and `Held`, and examples of all models around another."""
 
 import numpy as np
 
@@ -7,6 +7,7 @@ from ..jiles_atherton import TABLE_2
 from ..reference import Example, Reference
 from .asymmetric import Asymmetric
 from .held import Held
+from .viscoelastic import Viscoelastic
 
 
 class AsymmetricReference(Reference):
@@ -68,6 +69,14 @@ ASYMMETRIC_EXAMPLES = (
     Example(
         name="asymmetric, elbow-sa-pso",
         model=Asymmetric(model=_ELBOW, polynomial=[0.3, -0.5, 0.8]),
+        low=0.52,
+        high=1.57,
+    ),
+)
+VISCOELASTIC_EXAMPLES = (
+    Example(
+        name="viscoelastic, elbow-sa-pso",
+        model=Viscoelastic(model=_ELBOW, damping=0.2),
         low=0.52,
         high=1.57,
     ),

@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -11,12 +12,20 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Asymmetric, Held
+from ..around import Asymmetric, Held, Viscoelastic
+from ..around import viscoelastic_kernels as viscoelastic
 from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
 from ..protocol import HysteresisModel, State, follow
 from ..registry import MODELS
-from ._faults import ANGLE_RANGE, POLYNOMIAL, START_ANGLE, START_PATH, START_TORQUE
+from ._faults import (
+    ANGLE_RANGE,
+    POLYNOMIAL,
+    START_ANGLE,
+    START_PATH,
+    START_TORQUE,
+    VISCOELASTIC,
+)
 from ._plugins import plugin_name, register
 from ._state import FAULT, MEMORY, OFF
 from .native import compile_plugin
@@ -206,8 +215,8 @@ def replace_model(
     if not allow_uncertified:
         _require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
-    inner, polynomial, limits = _parts(model)
-    content = ([0.0], begun.memory, inner.parameter_vector, polynomial, limits)
+    bare, *around = _parts(model)
+    content = ([0.0], begun.memory, bare.parameter_vector, *around)
     take_off(mj_model, plugin_state, joint)
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     plugin_state[begin : begin + size] = np.concatenate(content)
@@ -234,19 +243,20 @@ def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
     return _layout(model) == _layout(other)
 
 
-def _layout(model: HysteresisModel) -> tuple[int, int, int, int]:
+def _layout(model: HysteresisModel) -> tuple[int, ...]:
     """Returns the slot of a model's plugin and the sizes of the parts of its state."""
-    inner, polynomial, limits = _parts(model)
-    own = model.memory_size + inner.parameter_vector.size
-    return register()[plugin_name(type(inner))], own, polynomial.size, limits.size
+    bare, *around = _parts(model)
+    own = model.memory_size + bare.parameter_vector.size
+    return register()[plugin_name(type(bare))], own, *(part.size for part in around)
 
 
-def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, int, int, int]:
-    """Returns the same of an instance, where `polynomial` and `angle_range` are in its config."""
+def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
+    """Returns the same of an instance, where the parts around the model are in its config."""
     values = _compiled_config(mj_model, instance)
     polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
-    own = int(mj_model.plugin_statenum[instance]) - MEMORY - polynomial - limits
-    return int(mj_model.plugin[instance]), own, polynomial, limits
+    around = polynomial, limits, viscoelastic.SIZE if values[VISCOELASTIC] else 0
+    own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
+    return int(mj_model.plugin[instance]), own, *around
 
 
 def _instances_at(mj_model: mujoco.MjModel, joint: str) -> list[int]:
@@ -282,7 +292,7 @@ def _compiled_start(
 
 
 def _require_model(model: object) -> None:
-    bare = _parts(model)[0] if isinstance(model, HysteresisModel) else None
+    bare = _parts(model).bare if isinstance(model, HysteresisModel) else None
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
             f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
@@ -290,24 +300,37 @@ def _require_model(model: object) -> None:
         )
 
 
-def _parts(model: HysteresisModel) -> tuple[HysteresisModel, Array, Array]:
-    """Returns the model without wrappers, and its polynomial and range, which may be empty."""
-    polynomial, limits = np.empty(0), np.empty(0)
+class _Parts(NamedTuple):
+    """A model without wrappers, and what the state keeps of these, which may be empty."""
+
+    bare: HysteresisModel
+    polynomial: Array
+    limits: Array
+    rate: Array
+
+
+def _parts(model: HysteresisModel) -> _Parts:
+    """Takes a model's wrappers off."""
+    rate, polynomial, limits = np.empty(0), np.empty(0), np.empty(0)
+    if isinstance(model, Viscoelastic):
+        model, rate = model.model, model.begun()
     if isinstance(model, Asymmetric):
         model, polynomial = model.model, np.array(model.polynomial)
     if isinstance(model, Held):
         model, limits = model.model, np.array(model.angle_range)
-    return model, polynomial, limits
+    return _Parts(model, polynomial, limits, rate)
 
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    bare, polynomial, limits = _parts(model)
+    bare, polynomial, limits, rate = _parts(model)
     config = {key: _text(value) for key, value in bare.config().items()}
     if polynomial.size:
         config["polynomial"] = _text(polynomial.tolist())
     if limits.size:
         config["angle_range"] = _text(limits.tolist())
+    if rate.size:
+        config["viscoelastic"] = _text(rate[: viscoelastic.NUMBERS].tolist())
     return plugin_name(type(bare)), config
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 from numba import njit
 
+from ..around import viscoelastic_kernels as viscoelastic
 from ._configuration import configure, connect, required_size, slope_of, value_of
 from ._faults import FINE, JOINT, POLE, complain_of
 from ._layout import Layout
@@ -70,6 +71,14 @@ def reached(kernels, p, memory, fault, angle):
 
 
 @njit(inline="always")
+def clear(m, d, ids, at):
+    """Writes 0 to the sensors."""
+    for kind in (TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR):
+        if sensor_of(ids, kind) >= 0:
+            sensor_values(m, d, sensor_of(ids, kind), 1, at)[0] = 0.0
+
+
+@njit(inline="always")
 def evaluate(kernels, m, d, instance, capability, at):
     """Adds the torque at the current position, or writes the sensors; changes no memory."""
     ids = word_of(d, instance, at)
@@ -77,12 +86,10 @@ def evaluate(kernels, m, d, instance, capability, at):
         return
     joint = joint_of(ids)
     address, size = state_of(m, d, instance, at), state_size(m, instance, at)
-    fault, memory, p, polynomial, limits = parts(kernels, ids, address, size)
+    fault, memory, p, polynomial, limits, rate = parts(kernels, ids, address, size)
     if fault[0] == OFF:
         if capability != at.mjPLUGIN_PASSIVE:
-            for kind in (TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR):
-                if sensor_of(ids, kind) >= 0:
-                    sensor_values(m, d, sensor_of(ids, kind), 1, at)[0] = 0.0
+            clear(m, d, ids, at)
         return
     position = angle_of(m, d, joint, at)
     inside = within(limits, position)
@@ -91,6 +98,9 @@ def evaluate(kernels, m, d, instance, capability, at):
         position = angle
     total = torque + value_of(polynomial, position)
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
+    if rate.size and viscoelastic.is_sound(rate):
+        velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
+        total += viscoelastic.torque_at(rate, angle_of(m, d, joint, at), velocity)
     if capability == at.mjPLUGIN_PASSIVE:
         doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= total
         return
@@ -107,6 +117,8 @@ def evaluate(kernels, m, d, instance, capability, at):
         sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = slope
     if sensor_of(ids, ENERGY_SENSOR) >= 0:
         lost = kernels.dissipated(p, memory, angle, torque, loss)
+        if rate.size:
+            lost += rate[viscoelastic.LOSS]
         sensor_values(m, d, sensor_of(ids, ENERGY_SENSOR), 1, at)[0] = lost
 
 
@@ -157,8 +169,15 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
     def advance(m, d, instance):
         ids = word_of(d, instance, at)
         address, size = state_of(m, d, instance, at), state_size(m, instance, at)
-        fault, memory, p, _, limits = parts(kernels, ids, address, size)
-        angle = within(limits, angle_of(m, d, joint_of(ids), at))
+        fault, memory, p, _, limits, rate = parts(kernels, ids, address, size)
+        position = angle_of(m, d, joint_of(ids), at)
+        if rate.size and fault[0] != OFF and math.isfinite(position):
+            if viscoelastic.is_sound(rate):
+                viscoelastic.relax(rate, position, doubles(m + at.m_opt__timestep, 1)[0])
+            elif fault[0] == 0:
+                fault[0] = 1.0
+                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+        angle = within(limits, position)
         if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):
             return
         # At a pole the torque is held where it was, and the flag tells so until a reset.

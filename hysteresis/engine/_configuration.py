@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from ..around import viscoelastic_kernels as viscoelastic
 from ._faults import (
     ALLOW,
     ANGLE_RANGE,
@@ -35,9 +36,11 @@ from ._faults import (
     START_ANGLE,
     START_PATH,
     TAKEN_OFF,
+    THREE,
     TOO_LARGE,
     TOO_MANY,
     UNCERTIFIED,
+    VISCOELASTIC,
     WORD,
 )
 from ._state import (
@@ -51,6 +54,7 @@ from ._state import (
     POLYNOMIAL_SHIFT,
     STIFFNESS_SENSOR,
     TORQUE_SENSOR,
+    VISCOELASTIC_SHIFT,
     joint_of,
     parts,
     sensor_of,
@@ -112,6 +116,12 @@ def is_held(m, instance, at):
 
 
 @njit(cache=True)
+def is_viscoelastic(m, instance, at):
+    """Returns 1 if an instance has a viscoelastic part, else 0."""
+    return 1 if count_words(config(m, instance, VISCOELASTIC, at)) > 0 else 0
+
+
+@njit(cache=True)
 def connect(m, instance, at):
     """Returns (fault, packed ids of the joint and of this instance's sensors)."""
     if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
@@ -129,6 +139,7 @@ def connect(m, instance, at):
             return (JOINT_TWICE, JOINT), 0
     ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
     ids |= is_held(m, instance, at) << HELD_SHIFT
+    ids |= is_viscoelastic(m, instance, at) << VISCOELASTIC_SHIFT
     for sensor in range(pointer_at(m + at.m_nsensor)):
         if is_sensor_of(m, sensor, instance, at):
             kind = sensor_kind(sensor_name(m, sensor, at))
@@ -154,7 +165,8 @@ def required_size(kernels, kinds, m, instance, at):
     counts = np.empty(len(kinds), np.int64)
     count_values(m, instance, kinds, counts, at)
     more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
-    return MEMORY + kernels.size(counts) + more
+    rate = viscoelastic.SIZE * is_viscoelastic(m, instance, at)
+    return MEMORY + kernels.size(counts) + more + rate
 
 
 @njit(cache=True)
@@ -180,7 +192,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
 @njit(inline="always")
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault."""
-    flag, memory, p, polynomial, limits = parts(kernels, ids, address, size)
+    flag, memory, p, polynomial, limits, rate = parts(kernels, ids, address, size)
     flag[0] = 1.0
     counts = np.empty(len(kinds), np.int64)
     count_values(m, instance, kinds, counts, at)
@@ -194,6 +206,8 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
         fault = read_polynomial(m, instance, polynomial, at)
     if fault[0] == FINE:
         fault = read_range(m, instance, limits, at)
+    if fault[0] == FINE:
+        fault = read_viscoelastic(m, instance, rate, at)
     if fault[0] == FINE:
         fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, at)
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
@@ -220,6 +234,18 @@ def read_range(m, instance, limits, at):
         return FINE, JOINT
     count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)
     return FINE if count == 2 and limits[0] < limits[1] else RANGE, ANGLE_RANGE
+
+
+@njit(cache=True)
+def read_viscoelastic(m, instance, rate, at):
+    """Reads the numbers of the viscoelastic part, if there is one; returns a fault."""
+    if rate.size == 0:
+        return FINE, JOINT
+    rate[:] = 0.0
+    given = rate[: viscoelastic.NUMBERS]
+    count = parse_numbers(config(m, instance, VISCOELASTIC, at), given)
+    sound = count == viscoelastic.NUMBERS and viscoelastic.is_sound(rate)
+    return FINE if sound else THREE, VISCOELASTIC
 
 
 @njit(cache=True)

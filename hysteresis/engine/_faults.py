@@ -18,6 +18,7 @@ COMMON_KEYS = (
     "start_path",
     "polynomial",
     "angle_range",
+    "viscoelastic",
     "allow_uncertified",
     "taken_off",
 )
@@ -28,10 +29,11 @@ COMMON_KEYS = (
     START_PATH,
     POLYNOMIAL,
     ANGLE_RANGE,
+    VISCOELASTIC,
     ALLOW,
     TAKEN_OFF,
     FIRST_KEY,
-) = range(9)
+) = range(10)
 
 (
     FINE,
@@ -43,6 +45,7 @@ COMMON_KEYS = (
     WORD,
     TOO_MANY,
     RANGE,
+    THREE,
     FLAG,
     UNCERTIFIED,
     FAR_START,
@@ -52,7 +55,7 @@ COMMON_KEYS = (
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(18)
+) = range(19)
 SENTENCES = (  # in the order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
@@ -64,6 +67,8 @@ SENTENCES = (  # in the order of the names above
     b"use ",
     b"give at most 6 coefficients (of angle to the 0 to 5)",
     b"give lowest and highest angle, two ascending numbers",
+    b"give damping, relaxation stiffness and relaxation time, three numbers of at least 0, the "
+    b"time above 0 where there is a stiffness",
     b"use true or false",
     b"its parameters have no certificate (a motion could meet infinite torque, or "
     b"gain energy); set allow_uncertified to true to run anyway",

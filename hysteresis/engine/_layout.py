@@ -10,6 +10,7 @@ class Layout(NamedTuple):
     cache does not give back machine code of an older version.
     """
 
+    m_opt__timestep: int
     m_nsensor: int
     m_njnt: int
     m_jnt_type: int

@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from ..around import Wrapper
+from ..around import Wrapper, viscoelastic_kernels
 from ..protocol import HysteresisModel
 from ..registry import MODELS
 from ._callbacks import build
@@ -55,6 +55,7 @@ def _stamp(kernels: ModuleType) -> int:
     Numba's own check of its cache sees the file of a callback, and not what is inlined from others.
     """
     own = Path(str(kernels.__file__)).parent.glob("*.py")
-    files = [*sorted(own), *sorted(Path(__file__).parent.rglob("*.py"))]
+    engine = Path(__file__).parent.rglob("*.py")
+    files = [*sorted(own), *sorted(engine), Path(str(viscoelastic_kernels.__file__))]
     stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
     return zlib.crc32(repr(stats).encode())

@@ -30,6 +30,7 @@ SCALARS: dict[str, Any] = {
     "uintptr_t": ctypes.c_size_t,
 }
 
+NESTED = {"opt": "mjOption"}  # structs inside mjModel, by field
 SENSOR, PASSIVE = 2, 4  # mjPLUGIN_SENSOR, mjPLUGIN_PASSIVE: the bindings do not export them
 
 
@@ -80,7 +81,8 @@ def layout(kind: type[Layout]) -> Layout:
     Args:
         kind: Named tuple class of integers. `m_NAME` becomes the byte offset of the field NAME in
             mjModel, `d_NAME` its byte offset in mjData, and the name of a value of a MuJoCo enum,
-            as `mjOBJ_JOINT`, becomes that value. Other fields keep their defaults.
+            as `mjOBJ_JOINT`, becomes that value. `m_opt__NAME` is a field of a struct inside. Other
+            fields keep their defaults.
 
     Raises:
         RuntimeError: A field does not exist, or is not where MuJoCo says it is.
@@ -104,26 +106,33 @@ def struct(name: str) -> type[ctypes.Structure]:
 @cache
 def _offset(name: str) -> int:
     """Returns the byte offset of a field, compared with where a real model and its data have it."""
-    field = name[2:]
+    outer, *inner = name[2:].split("__")
     try:
-        offset = getattr(struct("mjModel" if name[0] == "m" else "mjData"), field).offset
+        field = getattr(struct("mjModel" if name[0] == "m" else "mjData"), outer)
+        offset = field.offset
+        for part in inner:
+            offset += getattr(struct(NESTED[outer]), part).offset
     except AttributeError:
         raise RuntimeError(
             f"MuJoCo {mujoco.__version__} has no field {name!r}; the engine plugins support "
             "mujoco>=4.0,<5: install one of those"
         ) from None
     owner = _probe()[0 if name[0] == "m" else 1]
-    there = ctypes.c_int64.from_address(owner._address + offset).value
-    value = getattr(owner, field, None)
+    there: float = ctypes.c_int64.from_address(owner._address + offset).value
+    value: Any = getattr(owner, outer, None)
+    for part in inner:
+        value = getattr(value, part)
     if isinstance(value, np.ndarray) and value.size:
         expected = value.ctypes.data
+    elif isinstance(value, float):
+        expected, there = value, ctypes.c_double.from_address(owner._address + offset).value
     elif isinstance(value, int):
         expected = value
     else:
         return offset  # empty without a plugin, or bytes: no address to compare with
     if there != expected:
         raise RuntimeError(
-            f"{type(owner).__name__}.{field} is not where MuJoCo {mujoco.__version__} says it is; "
+            f"{type(owner).__name__}.{name[2:]} is not where MuJoCo {mujoco.__version__} says; "
             "the engine plugins support mujoco>=4.0,<5: install one of those"
         )
     return offset

@@ -91,5 +91,5 @@ def test_bad_ranges(shoulder, bad):
 def test_bad_models(held):
     asymmetric = Asymmetric(model=held, polynomial=[0, 1])
     for model in (held, asymmetric, "shoulder"):
-        with pytest.raises(InputError, match="give one hysteresis model, not held or asymmetric"):
+        with pytest.raises(InputError, match="give one hysteresis model without another"):
             Held(model=model, angle_range=(0, 1))

@@ -1,0 +1,67 @@
+"""The torque of a dashpot and a Maxwell element, which `Viscoelastic` and the engine share.
+
+An array holds numbers and memory of both: damping [N·m·s/rad], stiffness [N·m/rad] and relaxation
+time [s] of the Maxwell element; then whether the motion has begun, the last angle [rad], the
+element's torque there [N·m], and the energy [J] that both have dissipated.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import math
+
+from numba import njit
+
+DAMPING, STIFFNESS, TIME, BEGUN, ANGLE, TORQUE, LOSS, SIZE = range(8)
+NUMBERS = 3  # that a user gives
+
+
+@njit(inline="always")
+def is_sound(rate):
+    """Returns whether the numbers, which a user can overwrite, make both elements passive."""
+    for number in rate:
+        if not math.isfinite(number):
+            return False
+    passive = min(rate[DAMPING], rate[STIFFNESS], rate[TIME]) >= 0
+    return passive and (rate[TIME] > 0 or rate[STIFFNESS] == 0)
+
+
+@njit(inline="always")
+def torque_at(rate, angle, velocity):
+    """Returns the torque at an angle that the joint has just reached [N·m]."""
+    torque = rate[TORQUE] + rate[DAMPING] * velocity
+    if rate[BEGUN] != 0 and angle != rate[ANGLE]:
+        torque += rate[STIFFNESS] * (angle - rate[ANGLE])
+    return torque
+
+
+@njit(inline="always")
+def relax(rate, angle, elapsed):
+    """Moves on to an angle at a constant speed, in place; both elements start relaxed.
+
+    For a constant speed the Maxwell element is solved exactly: its torque goes from T to
+    k tau v + (T - k tau v) exp(-t / tau), and it dissipates its work less what its spring stores,
+    which is the integral of T^2 / (k tau) and so never negative.
+    """
+    if rate[BEGUN] == 0:
+        rate[BEGUN], rate[ANGLE] = 1.0, angle
+        return
+    moved = angle - rate[ANGLE]
+    rate[ANGLE] = angle
+    rate[LOSS] += rate[DAMPING] * moved * moved / elapsed
+    if rate[STIFFNESS] > 0:
+        k, time, torque = rate[STIFFNESS], rate[TIME], rate[TORQUE]
+        faded = -math.expm1(-elapsed / time)
+        steady = k * time * moved / elapsed
+        rate[TORQUE] = torque + (steady - torque) * faded
+        work = moved * (steady + (torque - steady) * faded * time / elapsed)
+        stored = (rate[TORQUE] ** 2 - torque**2) / (2 * k)
+        rate[LOSS] += max(work - stored, 0.0)
+
+
+@njit(cache=True)
+def follow(rate, time, angle, torque):
+    """Fills `torque` with that of the Maxwell element along a motion [N·m], from relaxed on."""
+    for i in range(angle.size):
+        elapsed = time[i] - time[i - 1] if i > 0 else 0.0
+        relax(rate, angle[i], elapsed)
+        torque[i] = rate[TORQUE]

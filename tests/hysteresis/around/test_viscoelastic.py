@@ -1,0 +1,225 @@
+"""Models beside a dashpot and a Maxwell element: the torque, its passivity, and the engine."""
+
+import mujoco
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import Asymmetric, Held, Viscoelastic, model_from_dict
+from activesuit.hysteresis.around import viscoelastic_kernels as kernels
+from activesuit.hysteresis.engine import attach, replace_model
+
+HINGE = """<mujoco><compiler angle="radian"/><option gravity="0 0 0"/><worldbody><body>
+  <joint name="j" ref="0.52"/><geom size=".1"/></body></worldbody></mujoco>"""
+
+
+@pytest.fixture
+def joint(elbow):
+    return Viscoelastic(model=elbow, damping=0.3, relaxation_stiffness=1.5, relaxation_time=0.4)
+
+
+def moved(samples, duration=3.0):
+    time = np.linspace(0.0, duration, samples)
+    return time, 0.52 + 0.5 * (1 - np.cos(2 * time))
+
+
+def test_without_time_it_is_the_slow_model(joint, elbow):
+    _, angle = moved(200)
+    np.testing.assert_array_equal(joint.response(angle), elbow.response(angle))
+    slow = np.linspace(0, 1e7, angle.size)
+    np.testing.assert_allclose(joint.response(angle, time=slow), elbow.response(angle), atol=1e-6)
+
+
+def test_a_dashpot_resists_the_rate(elbow):
+    time, angle = moved(3001)
+    dashpot = Viscoelastic(model=elbow, damping=0.3)
+    more = dashpot.response(angle, time=time) - elbow.response(angle)
+    np.testing.assert_allclose(more, 0.3 * np.sin(2 * time), atol=1e-3)
+
+
+def test_a_maxwell_element_fades_after_a_ramp(elbow):
+    time = np.concatenate([np.linspace(0, 0.5, 501), np.linspace(0.5, 2.0, 1501)[1:]])
+    angle = 0.52 + np.minimum(time, 0.5)
+    element = Viscoelastic(model=elbow, relaxation_stiffness=1.5, relaxation_time=0.4)
+    more = element.response(angle, time=time) - elbow.response(angle)
+    top = 1.5 * 0.4 * (1 - np.exp(-0.5 / 0.4))
+    assert more[500] == pytest.approx(top, rel=1e-9)
+    np.testing.assert_allclose(more[500:], top * np.exp((0.5 - time[500:]) / 0.4), rtol=1e-9)
+
+
+def test_ten_thousand_random_closed_cycles_dissipate(elbow):
+    rng = np.random.default_rng(0)
+    for _ in range(10_000):
+        damping, stiffness, relaxation = np.exp(rng.uniform(-5, 3, 3))
+        joint = Viscoelastic(
+            model=elbow,
+            damping=damping,
+            relaxation_stiffness=stiffness,
+            relaxation_time=relaxation,
+        )
+        turns = rng.uniform(0.52, 1.57, 6)
+        rate, state = joint.begun(), joint.start(turns[0])
+        kernels.relax(rate, turns[0], 1.0)
+        losses = [0.0]
+        for turn in (*turns[1:], turns[0]):
+            kernels.relax(rate, turn, np.exp(rng.uniform(-8, 3)))
+            state, _ = joint.step(state, turn)
+            losses.append(rate[kernels.LOSS])
+        kernels.relax(rate, turns[0], 1e6 * relaxation)  # its spring is as at the start again
+        assert rate[kernels.TORQUE] == pytest.approx(0.0, abs=1e-12)
+        assert np.diff(losses).min() >= 0
+        assert rate[kernels.LOSS] > 0
+        assert joint.energy(state).dissipated > 0
+
+
+def test_both_elements_take_energy_in_every_steady_cycle(elbow):
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        damping, stiffness, relaxation, speed = np.exp(rng.uniform(-3, 2, 4))
+        joint = Viscoelastic(
+            model=elbow,
+            damping=damping,
+            relaxation_stiffness=stiffness,
+            relaxation_time=relaxation,
+        )
+        turns = rng.uniform(0.52, 1.57, 3)
+        ends = zip(turns, [*turns[1:], turns[0]], strict=True)
+        cycle = np.concatenate([np.linspace(p, q, 200)[1:] for p, q in ends])
+        cycles = 3 + int(5 * relaxation * speed / np.abs(np.diff(cycle)).sum())
+        angle = np.concatenate([[0.52], np.tile(cycle, cycles)])
+        time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)) / speed + 1e-9)])
+        last = slice(-cycle.size - 1, None)
+        assert np.trapezoid(joint.rate_torque(angle, time)[last], angle[last]) > 0
+
+
+def test_the_work_is_stored_and_dissipated(joint):
+    time, angle = moved(20_001)
+    rate, torque = joint.begun(), np.empty_like(angle)
+    kernels.follow(rate, time, angle, torque)
+    work = np.trapezoid(joint.rate_torque(angle, time), angle)
+    stored = rate[kernels.TORQUE] ** 2 / (2 * joint.relaxation_stiffness)
+    assert work == pytest.approx(stored + rate[kernels.LOSS], rel=1e-5)
+
+
+def simulated(joint, step):
+    """Returns time, angle, resistance and dissipated energy of a hinge that is pushed around."""
+    spec = mujoco.MjSpec.from_string(HINGE)
+    attach(spec, "j", joint, start_angle=0.52)
+    model = spec.compile()
+    model.opt.timestep = step
+    data = mujoco.MjData(model)
+    found = []
+    for i in range(round(2.0 / step)):
+        data.qfrc_applied[0] = 8 * np.sin(3 * i * step)
+        mujoco.mj_forward(model, data)
+        found.append([data.time, data.qpos[0], -data.qfrc_passive[0], *data.sensordata[[0, 2]]])
+        mujoco.mj_step(model, data)
+    return np.array(found).T
+
+
+def test_the_engine_converges_to_response_in_the_first_order(joint):
+    errors = []
+    for step in (2e-3, 1e-3, 5e-4):
+        time, angle, torque, sensed, _ = simulated(joint, step)
+        np.testing.assert_array_equal(torque, -sensed)
+        errors.append(np.abs(torque - joint.response(angle, time=time))[3:].max())
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert np.all((orders > 0.8) & (orders < 1.2)), (errors, orders)
+
+
+def test_the_engine_dissipates_at_every_step(joint):
+    *_, lost = simulated(joint, 1e-3)
+    assert np.all(np.diff(lost) >= 0)
+    *_, slow = simulated(joint.model, 1e-3)
+    assert lost[-1] > 0
+    assert slow[-1] > 0
+
+
+def test_a_reset_and_a_replaced_model_begin_relaxed(joint):
+    spec = mujoco.MjSpec.from_string(HINGE)
+    attach(spec, "j", joint, start_angle=0.52)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    fresh = data.plugin_state.copy()
+    data.qvel[0] = 1.0
+    mujoco.mj_step(model, data, 50)
+    assert not np.array_equal(data.plugin_state, fresh)
+    mujoco.mj_resetData(model, data)
+    np.testing.assert_array_equal(data.plugin_state, fresh)
+    replace_model(model, data.plugin_state, "j", joint.scaled(torque=2.0))
+    assert data.plugin_state[-kernels.SIZE :].tolist() == [0.6, 3.0, 0.4, 0, 0, 0, 0]
+    with pytest.raises(InputError, match="another kind or size"):
+        replace_model(model, data.plugin_state, "j", joint.model)
+
+
+def test_numbers_that_a_user_wrote_into_the_state_are_not_followed(joint):
+    spec = mujoco.MjSpec.from_string(HINGE)
+    attach(spec, "j", joint, start_angle=0.52)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.plugin_state[-kernels.SIZE] = -5.0
+    data.qvel[0] = 1.0
+    mujoco.mj_step(model, data, 5)
+    assert data.plugin_state[0] == 1
+    assert np.isfinite(data.qpos[0])
+
+
+def test_mjcf_names_what_is_wrong():
+    text = """<mujoco><extension><plugin plugin="activesuit.jiles_atherton"><instance name="s">
+      <config key="joint" value="j"/><config key="Ms" value="11"/><config key="a" value="2"/>
+      <config key="alpha" value="0"/><config key="c" value="6"/><config key="k" value="0.4"/>
+      <config key="angle_unit" value="rad"/>
+      <config key="viscoelastic" value="{}"/></instance></plugin></extension>
+      <worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody></mujoco>"""
+    attach(mujoco.MjSpec.from_string(HINGE), "j", model_from_dict(ELBOW))  # registers the plugin
+    for wrong in ("0.1", "0.1 -1 2", "0.1 1 0", "0.1 x 2"):
+        with pytest.raises(ValueError, match="give damping, relaxation stiffness and relaxation"):
+            mujoco.MjModel.from_xml_string(text.format(wrong))
+    mujoco.MjModel.from_xml_string(text.format("0.1 0 0"))
+
+
+ELBOW = {"model": "jiles-atherton", "Ms": 11.4, "a": 129.0, "alpha": -0.05, "c": 6.4, "k": 23.1}
+
+
+def test_it_goes_around_held_and_asymmetric_models_and_through_a_dictionary(elbow):
+    inner = Asymmetric(model=Held(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
+    joint = Viscoelastic(model=inner, damping=0.1, relaxation_stiffness=2, relaxation_time=0.2)
+    assert model_from_dict(joint.to_dict()) == joint
+    time, angle, torque, *_ = simulated(joint, 5e-4)
+    assert np.abs(torque - joint.response(angle, time=time))[3:].max() < 0.02
+    twice = joint.scaled(torque=2.0, angle=2.0)
+    np.testing.assert_allclose(
+        twice.response(2 * angle, time=time), 2 * joint.response(angle, time=time), rtol=1e-9
+    )
+
+
+def test_the_certificate_bounds_what_can_be_bounded(joint, elbow):
+    inside = (0.5, 1.5)
+    inner = elbow.certificate(inside)
+    spring = Viscoelastic(model=elbow, relaxation_stiffness=1.5, relaxation_time=0.4)
+    assert spring.certificate(inside).torque_bound == pytest.approx(inner.torque_bound + 1.5)
+    assert joint.certificate(inside).torque_bound == np.inf
+    assert joint.certificate(inside).certified
+    assert joint.certificate(inside).dissipative
+    assert (joint.free_parameters, spring.free_parameters) == (8, 7)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"damping": -0.1}, "damping is -0.1 N·m·s/rad: give at least 0"),
+        ({"relaxation_stiffness": 1.0}, "relaxation_time is 0 s"),
+        ({"relaxation_time": np.nan}, "relaxation_time"),
+    ],
+)
+def test_wrong_numbers_are_refused(elbow, change, said):
+    with pytest.raises(InputError, match=said.replace("·", ".")):
+        Viscoelastic(model=elbow, **change)
+
+
+def test_wrong_times_are_refused(joint):
+    with pytest.raises(InputError, match="give as many"):
+        joint.response([0.5, 0.6], time=[0.0])
+    with pytest.raises(InputError, match=r"time\[1\] is 0 s after 1 s"):
+        joint.response([0.5, 0.6], time=[1.0, 0.0])
+    with pytest.raises(InputError, match="not viscoelastic itself"):
+        Viscoelastic(model=joint)
