@@ -27,7 +27,7 @@ from ..hysteresis import (
     model_from_dict,
     steady_cycle,
 )
-from ..hysteresis.around import sprung
+from ..hysteresis.around import Viscoelastic, sprung
 from ..hysteresis.protocol import finite_series, follow
 from .fits import FittedModel
 
@@ -178,24 +178,34 @@ class SuitJoint(Strict):
         start = self.model.start(self.start_angle, self.start_torque)
         return follow(self.model, start, self.start_path)
 
-    def response(self, angle: ArrayLike, model: HysteresisModel | None = None) -> Array:
+    def response(
+        self,
+        angle: ArrayLike,
+        model: HysteresisModel | None = None,
+        time: ArrayLike | None = None,
+    ) -> Array:
         """Computes the resistance along angles, which the memory follows from its beginning.
 
         Args:
             angle: Joint angles [rad], shape (n,).
             model: One of `samples`; by default the joint's own model.
+            time: Time of each angle [s], shape (n,), for a viscoelastic model; without it, the
+                motion is infinitely slow, as is always the path to its beginning.
 
         Returns:
             Resistance [N·m], shape (n,).
 
         Raises:
-            InputError: `angle` is not one finite series.
+            InputError: `angle` is not one finite series, or the times do not ascend.
             PoleError: The motion meets the pole of an uncertified model.
         """
         before = (self.start_angle, *self.start_path)
         model = model or self.model
         motion = np.concatenate([before, finite_series("angle", angle, "rad")])
-        return model.response(motion, self.start_torque)[len(before) :]
+        torque = model.response(motion, self.start_torque)[len(before) :]
+        if time is None or not isinstance(model, Viscoelastic):
+            return torque
+        return torque + model.rate_torque(angle, time)
 
     def steady_cycle(self, model: HysteresisModel | None = None) -> SteadyCycle:
         """Returns the cycle over the joint's range that repeats itself.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
+from ..hysteresis import Viscoelastic
 from .model import ASSISTED
 from .provenance import Quantity
 from .trigonometric import Trigonometric
@@ -69,29 +70,38 @@ class BelievedSuit:
 
     The memory follows measured angles; a change of one encoder count is no motion. The torque is
     that at the angle where the joint will be when the motors have answered: the measured angle plus
-    0.02 s of the measured rate. It needs nothing of what the wearer intends.
+    0.02 s of the measured rate. It needs nothing of what the wearer intends. The dashpot of a
+    viscoelastic model resists the measured rate; its Maxwell element follows the measured angle.
 
     Args:
         joints: Joints of the suit, or other beliefs about them, which need not be of the simulated
             one; a joint that is missing gives no torque.
         count: Angle of one encoder count [rad].
+        dt: Time from one angle to the next [s].
 
     Attributes:
         size: How many numbers the memory of an arm takes.
     """
 
-    def __init__(self, joints: Mapping[str, SuitJoint | JointBelief], count: float) -> None:
-        self._dead = DEAD_BAND * count
+    def __init__(
+        self, joints: Mapping[str, SuitJoint | JointBelief], count: float, dt: float
+    ) -> None:
+        self._dead, self._dt = DEAD_BAND * count, dt
         self._entries: dict[int, JointBelief] = {}
+        self._viscoelastic: dict[int, Viscoelastic] = {}
         for i, name in enumerate(ASSISTED):
             if name in joints:
-                self._entries[i] = belief_of(joints[name])
+                joint = joints[name]
+                self._entries[i] = belief_of(joint)
+                if isinstance(joint, SuitJoint) and isinstance(joint.model, Viscoelastic):
+                    self._viscoelastic[i] = joint.model
         self._places: dict[int, slice] = {}
         end = len(ASSISTED)
         for i, entry in self._entries.items():
             begin, end = end, end + entry.memory_size
             self._places[i] = slice(begin, end)
-        self.size = end
+        self._elements = {i: end + 2 * n for n, i in enumerate(self._viscoelastic)}
+        self.size = end + 2 * len(self._elements)
 
     def begin(self, angle: Array) -> Array:
         """Returns memories that begin where the suit's do, shape (n, size).
@@ -103,6 +113,8 @@ class BelievedSuit:
         memory[:, : len(ASSISTED)] = angle
         for i, entry in self._entries.items():
             memory[:, self._places[i]] = entry.begin()
+        for i, place in self._elements.items():
+            memory[:, place] = angle[:, i]
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
@@ -121,7 +133,21 @@ class BelievedSuit:
         for i, entry in self._entries.items():
             kept = memory[:, self._places[i]]
             torque[:, i] = entry.advance(kept, followed[:, i], soon[:, i])
+        for i, model in self._viscoelastic.items():
+            element = memory[:, self._elements[i] : self._elements[i] + 2]
+            torque[:, i] += model.damping * rate[:, i]
+            if model.relaxation_stiffness > 0:
+                moved = (angle[:, i] - element[:, 0]) / self._dt
+                element[:, 0] = angle[:, i]
+                element[:, 1] = _relaxed(model, element[:, 1], moved, self._dt)
+                torque[:, i] += _relaxed(model, element[:, 1], rate[:, i], lead)
         return torque
+
+
+def _relaxed(model: Viscoelastic, torque: Array, rate: Array, time: float) -> Array:
+    """Returns the torque of the Maxwell element after some time at a constant rate [N·m]."""
+    steady = model.relaxation_stiffness * model.relaxation_time * rate
+    return steady + (torque - steady) * np.exp(-time / model.relaxation_time)
 
 
 class BelievedWeight:

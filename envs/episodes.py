@@ -394,7 +394,8 @@ class Episodes:
         """Begins to follow a believed arm."""
         simulation = self.simulation
         self._believed = config.to_dict()
-        self._suit = BelievedSuit(resisting_joints(config), count_of(config.exo.encoder_bits))
+        count = count_of(config.exo.encoder_bits)
+        self._suit = BelievedSuit(resisting_joints(config), count, simulation.control_dt)
         self._weight = BelievedWeight(compose(config, drawn=False, edits=self.task.edits))
         self._assisted = simulation.addresses.assisted
         simulation.memory.believed = np.zeros((self.n, self._suit.size))

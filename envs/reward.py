@@ -76,7 +76,8 @@ def suited_effort(
             torque += arm.torque_of(angle, _force(arm, plan, dt)[::EVERY])
         for joint, entry in suit.items():
             column = JOINTS.index(joint)
-            torque[:, column] += entry.response(motion[0][:, column])[::EVERY]
+            time = dt * np.arange(len(motion[0]))
+            torque[:, column] += entry.response(motion[0][:, column], time=time)[::EVERY]
         low, high = strength_limits(strength, angle, np.zeros_like(angle))
         squares.append(np.mean((torque / np.where(torque > 0, high, -low)) ** 2))
     return max(LEAST_EFFORT, float(np.sqrt(np.mean(squares))))

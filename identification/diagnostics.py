@@ -6,6 +6,7 @@ import numpy as np
 
 from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.held import Held
+from ..hysteresis.around.viscoelastic import Viscoelastic
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves
@@ -50,7 +51,8 @@ def diagnostics(
         )
     if not any(_turns_back(curve) for curve in curves):
         found.append("no curve turns back, so the loss of the model is a guess: measure the return")
-    inner = model.model if isinstance(model, Asymmetric) else model
+    inner = model.model if isinstance(model, Viscoelastic) else model
+    inner = inner.model if isinstance(inner, Asymmetric) else inner
     if isinstance(inner, Held):
         found += _safety(inner)
         inner = inner.model

@@ -17,7 +17,8 @@ from ._threads import run_threads
 from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
-from .fits.registry import fit_model
+from .fits.rate import Rate
+from .fits.registry import FITS, fit_model
 from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
@@ -130,6 +131,7 @@ def identify(
     on_trial: Callable[[Trial], None] | None = None,
     needed: Coverage | None = None,
     tare: Tare = 0.0,
+    rate: Rate = "none",
     **options: Any,
 ) -> Fit:
     """Identifies a hysteresis model from first-order transition curves.
@@ -164,6 +166,9 @@ def identify(
         tare: Offset of the torque sensor [N·m], which is taken off all curves; "zero" is the mean
             torque with which they begin, "fitted" the one that the certified fit prefers (of
             Jiles-Atherton with method "auto").
+        rate: What of the torque depends on the rate and is fitted beside the certified model:
+            nothing ("none"), a dashpot ("viscous"), or a dashpot and a Maxwell element
+            ("relaxing"); the model is then `Viscoelastic`, and the curves need times.
         needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
             the diagnostics then say where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
@@ -177,7 +182,7 @@ def identify(
             fit, or a number out of its range.
     """
     check_method(model, method)
-    check_options(model, method, objective, normalize, initial_torque, trials, options)
+    check_options(model, method, objective, normalize, initial_torque, trials, rate, options)
     at_least("seed", seed, 0)
     check_workers(workers)
     family = Curves(curves)
@@ -187,16 +192,18 @@ def identify(
     start: dict[str, Any] = {}
     if initial_torque is not None and name == DEFAULT_MODEL:
         start["initial_torque"] = initial_torque
+    beside: dict[str, Any] = {} if rate == "none" else {"rate": rate}
 
     def error(curves: Curves) -> float:
-        return fit_model(name, curves, np.random.default_rng(seed), **start).loss
+        return fit_model(name, curves, np.random.default_rng(seed), **start, **beside).loss
 
     offset = found_tare(measured, tare, error)
     family, measured = tared(family, offset), tared(measured, offset)
     if method == "auto" or name != DEFAULT_MODEL:
         _refuse_weights(measured)
     if method == "auto":
-        choice = choose(measured, seed=seed, workers=workers, options={DEFAULT_MODEL: start})
+        ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
+        choice = choose(measured, seed=seed, workers=workers, options=ways)
         trial = _chosen_trial(choice.chosen)
         if on_trial is not None:
             on_trial(trial)
@@ -205,7 +212,7 @@ def identify(
         found = _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
         return replace(found, tare=offset)
     if method == "certified":
-        run = partial(fit_trial, measured, name, options | start)
+        run = partial(fit_trial, measured, name, options | start | beside)
     else:
         goal = {"loss": objective or "nrmse", "normalize": normalize or "family", **start}
         run = partial(optimizer_trial, measured, method, goal, options)

@@ -1,11 +1,12 @@
 """The methods of `identify`, and the checks of what a user asks of them."""
 
 import inspect
-from typing import Any
+from typing import Any, get_args
 
 from ..checks import at_least
 from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
+from .fits.rate import Rate
 from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
 from .optimizers.registry import OPTIMIZERS, SWARMS
@@ -41,6 +42,7 @@ def check_options(
     normalize: str | None,
     initial_torque: InitialTorque | None,
     trials: int | None,
+    rate: Rate,
     options: dict[str, Any],
 ) -> None:
     """Refuses options that the method would ignore; None stands for one that is left out.
@@ -54,6 +56,13 @@ def check_options(
                 f"{option} is {given!r}: method {method!r} always minimizes the NRMSE over the "
                 "family; leave it out, or use a swarm or a baseline"
             )
+    if rate not in get_args(Rate):
+        raise unknown_name("rate", rate, get_args(Rate))
+    if rate != "none" and method in OPTIMIZERS:
+        raise InputError(
+            f"rate is {rate!r}, which the method {method!r} does not fit: use the method "
+            "'certified' or 'auto', or rate 'none'"
+        )
     name = model or DEFAULT_MODEL
     identifies = method == "auto" or name != DEFAULT_MODEL
     if identifies and initial_torque not in (None, "identified"):

@@ -68,7 +68,7 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
     def made(arms: ArmVectorEnv, joints: Mapping[str, JointBelief] | None) -> ModelBased:
         arm = BelievedArm(arms)
         known = arm.joints if joints is None else joints
-        suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits))
+        suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits), arms.control_dt)
         return ModelBased(arms, weight=arm.whole_weight(), suit=suit, friction=SHARE)
 
     def compare(name: str, traces: list[Trace]) -> None:

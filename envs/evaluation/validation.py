@@ -236,7 +236,14 @@ def torque_errors(believed: Mapping[str, SuitJoint], traces: Sequence[Trace]) ->
     angles = {name: [one.angle[:, JOINTS.index(name)] for one in traces] for name in believed}
     true = {name: [-one.suit_torque[:, JOINTS.index(name)] for one in traces] for name in believed}
     judged = [name for name in believed if _largest(true[name]) >= LEAST_TORQUE]
-    expected = {name: [believed[name].response(one) for one in angles[name]] for name in judged}
+    times = [one.time for one in traces]
+    expected = {
+        name: [
+            believed[name].response(angle, time=time)
+            for angle, time in zip(angles[name], times, strict=True)
+        ]
+        for name in judged
+    }
     dt = float(traces[0].time[0])
 
     def error(names: Sequence[str]) -> TorqueError:

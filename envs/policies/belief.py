@@ -82,6 +82,7 @@ class BelievedArm:
         self.config = (belief or Belief()).of(simulation.config)
         self._given = belief is not None and belief.suit not in (None, NO_SUIT)
         self._edits: Edits | None = arms.episodes.task.edits
+        self._dt = simulation.control_dt
 
     @property
     def joints(self) -> dict[str, SuitJoint]:
@@ -100,7 +101,7 @@ class BelievedArm:
                 f"the believed suit has the joints {', '.join(joints) or '(none)'}, and neither "
                 f"{' nor '.join(ASSISTED)}, which have motors: believe in a suit that has one"
             )
-        return BelievedSuit(joints, count_of(self.config.exo.encoder_bits))
+        return BelievedSuit(joints, count_of(self.config.exo.encoder_bits), self._dt)
 
     def model(self) -> mujoco.MjModel:
         """Returns the model of the believed arm with all that it wears and carries."""

@@ -15,6 +15,7 @@ from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
 from ..reference import Example, Reference
 from .held import Held
+from .viscoelastic import Viscoelastic
 from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
@@ -160,15 +161,18 @@ class Asymmetric(Wrapper):
         return {**super().to_dict(), "polynomial": list(self.polynomial)}
 
 
-def sprung(model: HysteresisModel, offset: float, stiffness: float) -> Asymmetric:
+def sprung(model: HysteresisModel, offset: float, stiffness: float) -> HysteresisModel:
     """Returns the model plus a straight elastic line, which dissipates nothing.
 
     Args:
-        model: Any hysteresis model; an asymmetric one gets the line added to its polynomial.
+        model: Any hysteresis model; an asymmetric one gets the line added to its polynomial, also
+            where it is the part of a viscoelastic one.
         offset: Torque of the line at angle 0 [N·m].
         stiffness: Its slope [N·m/rad].
     """
     line = [offset, stiffness]
+    if isinstance(model, Viscoelastic):
+        return replace(model, model=sprung(model.model, offset, stiffness))
     if not isinstance(model, Asymmetric):
         return Asymmetric(model=model, polynomial=line)
     terms = zip_longest(model.polynomial, line, fillvalue=0.0)

@@ -26,6 +26,7 @@ from .bouc_wen import fit_bouc_wen
 from .certified import certified_fit
 from .hinged_stops import fit_hinged_stops
 from .linear import fit_prandtl_ishlinskii, fit_preisach
+from .rate import Rate, fit_beside_rate
 from .residuals import common_torque, nrmse, torque_errors
 
 
@@ -101,7 +102,12 @@ class Fitted(NamedTuple):
 
 
 def fit_model(
-    name: str, curves: Sequence[Curve], rng: np.random.Generator, **options: Any
+    name: str,
+    curves: Sequence[Curve],
+    rng: np.random.Generator,
+    *,
+    rate: Rate = "none",
+    **options: Any,
 ) -> Fitted:
     """Fits the model `name` of `FITS` to curves.
 
@@ -111,8 +117,20 @@ def fit_model(
         name: The name of the model.
         curves: The measured curves.
         rng: The generator that a seeded fit uses.
+        rate: What is fitted beside it: a dashpot ("viscous"), or a Maxwell element too
+            ("relaxing").
         **options: The options of the fit.
+
+    Raises:
+        InputError: See the fit; or `rate` is unknown, or a curve has no times for it.
     """
+    if rate != "none":
+
+        def slow(some: Sequence[Curve]) -> Fitted:
+            return fit_model(name, some, rng, **options)
+
+        model, start = fit_beside_rate(curves, rate, slow)
+        return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
     if is_seeded(name):
         options["rng"] = rng
     found = FITS[name](curves, **options)

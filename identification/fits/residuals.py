@@ -10,6 +10,7 @@ from scipy.optimize import least_squares
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.held import Held
+from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.certificate import PoleError
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
@@ -69,12 +70,32 @@ def torque_errors(
 
 
 def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curve) -> Array:
-    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there."""
+    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there.
+
+    Raises:
+        InputError: The model depends on the rate, and the curve has no times.
+    """
     start = curve.torque[0] if initial_torque == "measured" else initial_torque
     try:
+        if isinstance(model, Viscoelastic):
+            return model.response(curve.angle, cast(float, start), times_of(curve))
         return model.response(curve.angle, cast(float, start))
     except PoleError:
         return np.full(curve.angle.size, np.inf)
+
+
+def times_of(curve: Curve) -> Array:
+    """Returns the times of a curve [s].
+
+    Raises:
+        InputError: It has none.
+    """
+    if curve.time is None:
+        raise InputError(
+            f"curve {curve.name!r} has no times, and the model depends on the rate: add the column "
+            "time_s, or leave --rate out"
+        )
+    return curve.time
 
 
 def nrmse(errors: Array, curves: Sequence[Curve]) -> float:

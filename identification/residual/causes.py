@@ -5,6 +5,7 @@ that explains most names the cause, and its coefficient tells the size.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
     ),
     "rate": lambda size: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
-        "lags; measure slower"
+        "lags; measure slower, or fit the rate too with --rate viscous"
     ),
     "play": lambda size: (
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
@@ -105,7 +106,7 @@ def _columns(
         yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
     late = []
     for curve, here in zip(curves, torque, strict=True):
-        behind = Curve(played(curve.angle, GAP), curve.torque, curve.name)
+        behind = replace(curve, angle=played(curve.angle, GAP))
         late.append((predicted(model, initial_torque, behind) - here) / GAP)
     yield "play", np.concatenate(late)
     if len(torque) > 1:

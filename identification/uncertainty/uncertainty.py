@@ -12,11 +12,13 @@ from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError, shown
 from ...hysteresis.around.held import Held
+from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
+from ..fits.rate import rate_of
 from ..fits.registry import FITS, fit_model
 from ..fits.residuals import torque_errors
 from ..fits.search import MARGIN
@@ -315,7 +317,10 @@ def _refitted(
             row = np.append(row, float(initial_torque))
             initial_torque = "identified"
         return refined(curves, row, initial_torque=initial_torque).model
+    rate = rate_of(model)
+    if isinstance(model, Viscoelastic):
+        model = model.model
     name = model.model.name if isinstance(model, Held) else model.name
     if name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
-    return fit_model(name, curves, np.random.default_rng(seed)).model
+    return fit_model(name, curves, np.random.default_rng(seed), rate=rate).model

@@ -12,6 +12,7 @@ from ...errors import InputError
 from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
+from ...identification.fits.rate import Rate
 from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
@@ -44,6 +45,7 @@ def identify(
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
     tare: Tare = 0.0,
+    rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -79,6 +81,8 @@ def identify(
         tare: Offset of the torque sensor in N·m, which is taken off all curves; zero takes the mean
             torque with which they begin, noise included, fitted the offset that the certified fit
             prefers.
+        rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
+            (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -113,6 +117,7 @@ def identify(
             normalize=normalize,
             initial_torque=initial_torque,
             tare=tare,
+            rate=rate,
             trials=trials,
             seed=seed,
             workers=workers,

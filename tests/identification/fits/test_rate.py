@@ -1,0 +1,115 @@
+"""Fits of what depends on the rate, beside every hysteresis model."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import Held, JilesAtherton, Viscoelastic
+from activesuit.identification import Curve, identify
+from activesuit.identification.fits.rate import rate_of
+from activesuit.identification.fits.registry import FITS, fit_model
+
+NOISE = 0.05
+
+
+def measured(truth, seed=0, noise=NOISE):
+    """Returns curves of a joint that is moved at speeds which differ by a factor of 20."""
+    rng, curves = np.random.default_rng(seed), []
+    for turn, speed in ((0.8, 0.3), (1.1, 1.0), (1.4, 0.5), (1.57, 2.0)):
+        legs = np.linspace(0.52, turn, 80), np.linspace(turn, 0.52, 80)[1:]
+        angle = np.concatenate(legs)
+        swelling = speed * (1 + 0.5 * np.sin(np.arange(angle.size - 1) / 20))
+        time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)) / swelling)])
+        torque = truth.response(angle, time=time) + noise * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn} rad", time=time))
+    return curves
+
+
+@pytest.fixture
+def viscous(elbow):
+    return Viscoelastic(model=elbow, damping=0.3)
+
+
+@pytest.fixture
+def relaxing(viscous):
+    return replace(viscous, relaxation_stiffness=1.5, relaxation_time=0.4)
+
+
+@pytest.mark.parametrize("model", [name for name in FITS if name != "prandtl-ishlinskii"])
+def test_every_model_finds_the_dashpot_beside_it(viscous, model):
+    found = fit_model(model, measured(viscous), np.random.default_rng(0), rate="viscous")
+    assert isinstance(found.model, Viscoelastic)
+    assert found.model.damping == pytest.approx(0.3, rel=0.05)
+    assert found.model.relaxation_stiffness == 0
+
+
+@pytest.mark.parametrize("model", ["jiles-atherton", "bouc-wen", "hinged-stops"])
+def test_a_maxwell_element_is_found_too(relaxing, model):
+    found = fit_model(model, measured(relaxing), np.random.default_rng(0), rate="relaxing").model
+    assert isinstance(found, Viscoelastic)
+    assert found.damping == pytest.approx(0.3, rel=0.1)
+    assert found.relaxation_stiffness == pytest.approx(1.5, rel=0.1)
+    assert found.relaxation_time == pytest.approx(0.4, rel=0.2)
+
+
+def test_without_noise_the_truth_is_found_exactly(relaxing):
+    curves = measured(relaxing, noise=0.0)
+    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), rate="relaxing")
+    assert found.loss < 1e-3
+    assert found.model.relaxation_time == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
+    curves = measured(Viscoelastic(model=elbow))
+    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), rate="relaxing").model
+    rates = np.concatenate([found.rate_torque(curve.angle, curve.time) for curve in curves])
+    assert np.abs(rates).max() < NOISE
+
+
+def test_the_truth_is_within_its_interval(viscous):
+    inside = []
+    for seed in range(40):
+        fit = identify(measured(viscous, seed), rate="viscous")
+        known = fit.uncertainty()
+        low, high = known.intervals[known.names.index("damping")]
+        inside.append(low <= 0.3 <= high)
+    assert np.mean(inside) >= 0.85  # of 95 %: fewer than 34 of 40 come by chance in 1 of 1,000
+
+
+def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
+    curves = measured(viscous)
+    slow = identify(curves)
+    assert any("--rate viscous" in remark for remark in slow.diagnostics)
+    fit = identify(curves, rate="viscous")
+    assert not any("rate" in remark for remark in fit.diagnostics)
+    assert fit.nrmse < 0.5 * slow.nrmse
+    assert rate_of(fit.model) == "viscous"
+    drawn = fit.uncertainty(samples=3).samples
+    assert [rate_of(model) for model in drawn] == ["viscous"] * 3
+
+
+def test_auto_chooses_among_models_beside_the_dashpot(viscous):
+    fit = identify(measured(viscous), method="auto", rate="viscous")
+    assert rate_of(fit.model) == "viscous"
+    assert all(rate_of(one.model) == "viscous" for one in fit.candidates if one.model)
+
+
+def test_a_model_that_is_held_stays_held(shoulder):
+    truth = Viscoelastic(model=Held(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
+    fit = identify(measured(truth), rate="viscous")
+    assert isinstance(fit.model, Viscoelastic)
+    inner = fit.model.model.model if isinstance(fit.model.model, Held) else fit.model.model
+    assert isinstance(inner, JilesAtherton)
+    assert fit.model.certificate().certified
+    assert fit.uncertainty(samples=2).samples
+
+
+def test_what_cannot_be_fitted_is_refused(viscous):
+    curves = measured(viscous)
+    with pytest.raises(InputError, match="no times, and the model depends on the rate: add the"):
+        identify([replace(curve, time=None) for curve in curves], rate="viscous")
+    with pytest.raises(InputError, match="rate is 'viscous', which the method 'pso' does not fit"):
+        identify(curves, rate="viscous", method="pso")
+    with pytest.raises(InputError, match="'visc'.*did you mean 'viscous'"):
+        identify(curves, rate="visc")
