@@ -5,12 +5,12 @@ from .curve_files import load_curves, save_curves
 from .curves import Curve, Curves
 from .design import Design, nested_motion
 from .fits.asymmetric import fit_asymmetric
+from .fits.beginning import bare
 from .fits.bouc_wen import fit_bouc_wen
 from .fits.certified import certified_fit
 from .fits.hinged_stops import fit_hinged_stops
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
-from .fits.residuals import bare
 from .identify import Fit, identify
 from .motion_files import Motion, load_motion, save_motion
 from .objective import CurveObjective

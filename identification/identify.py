@@ -19,10 +19,10 @@ from .curves import Curve, Curves
 from .diagnostics import diagnostics
 from .fits.rate import Rate
 from .fits.registry import FITS, fit_model
-from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
 from .options import DEFAULT_MODEL, check_method, check_options
+from .prediction import nrmse, predicted, torque_errors
 from .residual.loop_work import refuse_driven
 from .residual.verdict import NOT, Judgement, judge
 from .selection import Candidate, Choice, choose

@@ -13,8 +13,8 @@ from ..hysteresis.protocol import HysteresisModel
 from ._threads import run_threads
 from .curves import Curve
 from .fits.registry import FITS, Fitted, fit_model
-from .fits.residuals import nrmse, torque_errors
 from .objective import InitialTorque
+from .prediction import nrmse, torque_errors
 
 AS_GOOD = 1.1  # times the best score: among those the model with fewest parameters is chosen
 

@@ -10,10 +10,11 @@ from ..arrays import Array
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from .curves import Curve
+from .fits.beginning import paper_model
 from .fits.registry import fit_model
-from .fits.residuals import nrmse, paper_model, torque_errors
 from .objective import CurveObjective, InitialTorque
 from .optimizers.registry import LIBRARIES, OPTIMIZERS
+from .prediction import nrmse, torque_errors
 
 LIBRARY_EVALUATIONS = 5000  # as many as the paper's swarms
 

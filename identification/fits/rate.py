@@ -13,9 +13,9 @@ from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..objective import InitialTorque
+from ..prediction import times_of, torque_errors
 from ..residual.noise import independent
 from ..residual.tangent import coordinates_of, tangent
-from .residuals import times_of, torque_errors
 
 Rate = Literal["none", "viscous", "relaxing"]
 ROUNDS = 12  # at most; usual are 3 to 6

@@ -21,13 +21,14 @@ from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..objective import InitialTorque
+from ..prediction import nrmse, torque_errors
 from .asymmetric import fit_asymmetric
+from .beginning import common_torque
 from .bouc_wen import fit_bouc_wen
 from .certified import certified_fit
 from .hinged_stops import fit_hinged_stops
 from .linear import fit_prandtl_ishlinskii, fit_preisach
 from .rate import Rate, fit_beside_rate
-from .residuals import common_torque, nrmse, torque_errors
 
 
 class FitResult(Protocol):

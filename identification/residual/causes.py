@@ -13,8 +13,8 @@ import numpy as np
 from ...arrays import Array
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
-from ..fits.residuals import predicted
 from ..objective import InitialTorque
+from ..prediction import predicted
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 

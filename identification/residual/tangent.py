@@ -13,8 +13,8 @@ from ...errors import InputError
 from ...hysteresis.protocol import HysteresisModel
 from ...hysteresis.registry import MODELS, model_from_dict
 from ..curves import Curve
-from ..fits.residuals import predicted
 from ..objective import InitialTorque
+from ..prediction import predicted
 
 STEP = 1e-5  # of a coordinate, relative to its size
 SMALLEST = 1e-3  # size of a coordinate below which steps do not shrink further

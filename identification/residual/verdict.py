@@ -10,8 +10,8 @@ from ...errors import InputError
 from ...hysteresis.branches import spring, spring_with_friction, two_branches
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
-from ..fits.residuals import nrmse, torque_errors
 from ..objective import InitialTorque
+from ..prediction import nrmse, torque_errors
 from ..thinning import thinned
 from .causes import Cause, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, repeated_noise, smooth_columns

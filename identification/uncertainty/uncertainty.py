@@ -20,9 +20,9 @@ from ..curves import Curve, Curves
 from ..fits.certified import refined
 from ..fits.rate import rate_of
 from ..fits.registry import FITS, fit_model
-from ..fits.residuals import torque_errors
 from ..fits.search import MARGIN
 from ..objective import CurveObjective, InitialTorque, sample_weights
+from ..prediction import torque_errors
 from ..residual.noise import GRID, Noise, estimate_noise
 from ..residual.tangent import STEP, Coordinates, coordinates_of, tangent
 from ..thinning import thinned

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from activesuit.assets import Suit, SuitJoint
 from activesuit.envs import ArmEnv
 from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
+from activesuit.hysteresis import Viscoelastic
 
 SENSORS = ["encoders", "belief"]
 
@@ -67,3 +69,36 @@ def test_a_state_keeps_its_memory():
 def test_mistakes(options, message):
     with pytest.raises(InputError, match=message):
         ArmEnv(**options)
+
+
+@pytest.fixture
+def viscous_suit(elbow):
+    joint = Viscoelastic(model=elbow, damping=0.5, relaxation_stiffness=4, relaxation_time=0.3)
+    told = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
+    return Suit(
+        name="viscous",
+        description="A test.",
+        joints={"elbow_flexion": SuitJoint.from_model(joint, **told)},
+    )
+
+
+def test_it_follows_what_depends_on_the_rate(viscous_suit):
+    slow = viscous_suit.joints["elbow_flexion"]
+    slow = slow.model_copy(update={"model": slow.model.model})
+    beliefs = viscous_suit, viscous_suit.model_copy(update={"joints": {"elbow_flexion": slow}})
+    errors = []
+    for believed in beliefs:
+        env = ArmEnv(
+            suit=viscous_suit,
+            sensors=[*SENSORS, "privileged"],
+            belief={"suit": believed},
+            gravity="microgravity",
+        )
+        observation, _ = env.reset(seed=3)
+        wrong = []
+        for _ in range(300):
+            shown = observation[env.layout["belief"]][1]
+            wrong.append(shown + observation[env.layout["suit_torque"]][2])
+            observation, *_ = env.step(np.zeros(2))
+        errors.append(np.sqrt(np.mean(np.square(wrong[20:]))))
+    assert errors[0] < 0.25 * errors[1]  # the rest is the 0.02 s by which it looks ahead

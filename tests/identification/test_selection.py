@@ -9,8 +9,8 @@ from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisa
 from activesuit.identification import Curve, identify
 from activesuit.identification import selection as auto
 from activesuit.identification.fits import registry as own_fits
+from activesuit.identification.fits.beginning import common_torque
 from activesuit.identification.fits.registry import FITS
-from activesuit.identification.fits.residuals import common_torque
 from helpers import sweep
 
 START = 0.52

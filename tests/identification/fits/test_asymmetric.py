@@ -6,7 +6,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, Held
 from activesuit.identification import Curve, certified_fit
 from activesuit.identification.fits.asymmetric import fit_asymmetric
-from activesuit.identification.fits.residuals import common_torque, paper_model
+from activesuit.identification.fits.beginning import common_torque, paper_model
 from helpers import sweep
 
 START, TURNS, UNSEEN = 0.52, (0.87, 1.22, 1.57), (0.75, 1.05, 1.4)

@@ -111,5 +111,5 @@ def test_what_cannot_be_fitted_is_refused(viscous):
         identify([replace(curve, time=None) for curve in curves], rate="viscous")
     with pytest.raises(InputError, match="rate is 'viscous', which the method 'pso' does not fit"):
         identify(curves, rate="viscous", method="pso")
-    with pytest.raises(InputError, match="'visc'.*did you mean 'viscous'"):
+    with pytest.raises(InputError, match=r"'visc'.*did you mean 'viscous'"):
         identify(curves, rate="visc")

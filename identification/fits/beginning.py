@@ -1,7 +1,6 @@
-"""How far a fitted model is from measured curves, and the torque that it begins them with."""
+"""The torque with which a fitted model begins the curves, and the Jiles-Atherton model inside."""
 
 from collections.abc import Sequence
-from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,12 +9,10 @@ from scipy.optimize import least_squares
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.held import Held
-from ...hysteresis.around.viscoelastic import Viscoelastic
-from ...hysteresis.certificate import PoleError
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
-from ..objective import InitialTorque
+from ..prediction import torque_errors
 from .search import REJECTED
 
 BEGINNINGS = 1001  # tried in each direction, up to the peak of the curves
@@ -58,49 +55,6 @@ def _begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve
     except InputError:  # the model cannot hold that torque there
         return False
     return all(model.start_is_certified(state) for state in states)
-
-
-def torque_errors(
-    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
-) -> Array:
-    """Returns Tc - Tm [N·m] along all curves, end to end; infinite on a curve with a pole."""
-    return np.concatenate(
-        [predicted(model, initial_torque, curve) - curve.torque for curve in curves]
-    )
-
-
-def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curve) -> Array:
-    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there.
-
-    Raises:
-        InputError: The model depends on the rate, and the curve has no times.
-    """
-    start = curve.torque[0] if initial_torque == "measured" else initial_torque
-    try:
-        if isinstance(model, Viscoelastic):
-            return model.response(curve.angle, cast(float, start), times_of(curve))
-        return model.response(curve.angle, cast(float, start))
-    except PoleError:
-        return np.full(curve.angle.size, np.inf)
-
-
-def times_of(curve: Curve) -> Array:
-    """Returns the times of a curve [s].
-
-    Raises:
-        InputError: It has none.
-    """
-    if curve.time is None:
-        raise InputError(
-            f"curve {curve.name!r} has no times, and the model depends on the rate: add the column "
-            "time_s, or leave --rate out"
-        )
-    return curve.time
-
-
-def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
-    """Returns the NRMSE: the root mean square of errors [N·m] over the curves' largest |Tm|."""
-    return float(np.sqrt(np.mean(errors**2))) / Curves(curves).peak
 
 
 def bare(model: HysteresisModel) -> JilesAtherton:
