@@ -49,8 +49,6 @@ def diagnostics(
             f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
             f"{high:,g} N·m: check its unit"
         )
-    if not any(_turns_back(curve) for curve in curves):
-        found.append("no curve turns back, so the loss of the model is a guess: measure the return")
     inner = model.model if isinstance(model, Viscoelastic) else model
     inner = inner.model if isinstance(inner, Asymmetric) else inner
     if isinstance(inner, Held):
@@ -74,7 +72,8 @@ def _safety(model: Held) -> list[str]:
     return found
 
 
-def _turns_back(curve: Curve) -> bool:
+def turns_back(curve: Curve) -> bool:
+    """Returns whether a curve comes back by a good part of its range."""
     # The largest excursion, not the sum of steps: an encoder's jitter is no return.
     angle = curve.angle
     back = (np.maximum.accumulate(angle) - angle).max()

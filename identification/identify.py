@@ -16,7 +16,7 @@ from ..published import LI_BOUNDS
 from ._threads import run_threads
 from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
-from .diagnostics import diagnostics
+from .diagnostics import diagnostics, turns_back
 from .fits.rate import Rate
 from .fits.registry import FITS, fit_model
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
@@ -87,6 +87,11 @@ class Fit:
         """Model evaluations of all trials together; None where the fit does not count."""
         counts = [trial.evaluations for trial in self.trials]
         return None if None in counts else sum(cast(list[int], counts))
+
+    @property
+    def agreed(self) -> int | None:
+        """How many starts of the best trial ended at its model; None where it has one start."""
+        return min(self.trials, key=lambda trial: (trial.loss, trial.index)).agreed
 
     def predict(self, curve: Curve) -> Array:
         """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
@@ -190,6 +195,8 @@ def identify(
     refuse_driven(measured)
     name = model or DEFAULT_MODEL
     start: dict[str, Any] = {}
+    if method == "auto" and len(measured) == 1:
+        initial_torque = "identified"  # a record may begin anywhere, unlike first-order curves
     if initial_torque is not None and name == DEFAULT_MODEL:
         start["initial_torque"] = initial_torque
     beside: dict[str, Any] = {} if rate == "none" else {"rate": rate}
@@ -241,6 +248,11 @@ def _measured(curves: Curves) -> Curves:
     if samples < FEWEST_SAMPLES:
         raise InputError(
             f"the fitted curves have {samples} samples in all: give at least {FEWEST_SAMPLES}"
+        )
+    if not any(map(turns_back, measured)):
+        raise InputError(
+            "no curve turns back, and one way alone tells nothing of the loss: measure the return "
+            "of at least one curve too"
         )
     return measured
 
@@ -299,6 +311,9 @@ def _fit(
         beyond=beyond,
         searched=searched,
     )
+    if choice and choice.unneeded and judged:
+        remarks = (choice.unneeded, *judged.remarks)
+        judged = replace(judged, verdict=NOT, remarks=remarks)
     said = (*said, *(judged.remarks if judged else ()), *short)
     return Fit(
         model=best.model,

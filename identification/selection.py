@@ -11,11 +11,14 @@ from ..arrays import Array
 from ..errors import InputError
 from ..hysteresis.protocol import HysteresisModel
 from ._threads import run_threads
+from .baselines import predictions
 from .curves import Curve
 from .fits.registry import FITS, Fitted, fit_model
+from .left_out import Question, questions
 from .objective import InitialTorque
-from .prediction import nrmse, torque_errors
+from .prediction import nrmse, predicted, torque_errors
 
+WORTH_IT = 0.95  # of the error without memory: a memory that saves less is within chance
 AS_GOOD = 1.1  # times the best score: among those the model with fewest parameters is chosen
 
 
@@ -28,7 +31,7 @@ class Candidate:
         model: Model that is fitted to all curves; None where that failed.
         initial_torque: Torque with which the curves begin [N·m].
         parameters: Number of parameters that the fit chooses.
-        prediction_nrmse: NRMSE over curves left out of the fit; infinite where it failed.
+        prediction_nrmse: NRMSE over what was left out of the fit; infinite where it failed.
         prediction_errors: Errors of these predictions [N·m], of all left-out samples end to end,
             alike for all candidates; empty where it failed.
         fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
@@ -46,15 +49,34 @@ class Candidate:
 
 
 class Choice(NamedTuple):
-    """The chosen candidate, all that were tried, the best prediction first, and the reason.
+    """What was chosen, and from what.
 
-    `interrupted` tells whether Ctrl-C ended it before all were tried.
+    Attributes:
+        chosen: The chosen candidate.
+        candidates: All that were tried, the best prediction first.
+        why: The reason, as a sentence.
+        interrupted: Whether Ctrl-C ended it before all were tried.
+        baselines: NRMSE of the same predictions by models without memory, by name.
     """
 
     chosen: Candidate
     candidates: tuple[Candidate, ...]
     why: str
     interrupted: bool
+    baselines: dict[str, float]
+
+    @property
+    def unneeded(self) -> str:
+        """Why no hysteresis model is needed, as a sentence; empty if one is."""
+        name = min(self.baselines, key=lambda one: self.baselines[one], default="")
+        own = self.chosen.prediction_nrmse
+        if not name or own < WORTH_IT * self.baselines[name]:
+            return ""
+        return (
+            f"{name} predicts what was left out with NRMSE {self.baselines[name]:.2%}, and "
+            f"{self.chosen.name}, the best choice among models with a memory, with {own:.2%}: the "
+            "curves show no memory that one is needed for"
+        )
 
 
 def choose(
@@ -62,29 +84,24 @@ def choose(
 ) -> Choice:
     """Chooses the model that predicts best, or a simpler one that predicts nearly as well.
 
-    Each candidate is fitted to all curves but one and predicts that one, for each in turn but the
-    one that reaches farthest: no curve tells a model of many weights what lies beyond it, and a
-    score of such a guess would decide against it whatever it does inside. The NRMSE of all these
-    predictions is the score. Of the models within 10 % of the best score the one with fewest
-    parameters is chosen, and fitted to all curves. Everything a prediction uses, the torque at its
-    beginning too, comes from the other curves.
+    Each candidate is fitted to a part of the curves and predicts the rest, for each of the
+    `questions` of `left_out`. The NRMSE of all these predictions is the score. Of the models within
+    10 % of the best score the one with fewest parameters is chosen, and fitted to all curves.
+    Everything a prediction uses, the torque at its beginning too, comes from the part that is
+    fitted. Models without memory answer the same questions.
 
     Args:
-        curves: First-order curves to fit, at least 2, better 3, and 5 or more for the models of
-            many weights.
+        curves: First-order curves to fit, better 3 than 2, and 5 or more for the models of many
+            weights; or one record of several cycles.
         seed: Seed of all random numbers.
         workers: Number of threads, which share the candidates.
         options: Options of the candidates' fits, by model.
 
     Raises:
-        InputError: There are too few curves, or no candidate could be fitted.
+        InputError: There is too little to leave out, or no candidate could be fitted.
     """
-    if len(curves) < 2:
-        raise InputError(
-            f"the number of curves with role 'fit' is {len(curves)}: a choice among models needs "
-            "at least 2, better 3, so that one can be left out and predicted"
-        )
-    calls = [partial(_candidate, name, curves, seed, options.get(name, {})) for name in FITS]
+    asked = questions(curves)
+    calls = [partial(_candidate, name, curves, asked, seed, options.get(name, {})) for name in FITS]
     found, interrupted = run_threads(calls, workers)
     order = list(FITS)
     tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
@@ -97,20 +114,28 @@ def choose(
     good = [one for one in tried if one.prediction_nrmse <= AS_GOOD * best.prediction_nrmse]
     chosen = min(good, key=lambda candidate: candidate.parameters)
     why = _why(chosen, tried)
+    baselines = predictions(asked, curves)
     if interrupted:
         why += f"; interrupted after {len(tried)} of {len(FITS)} models"
-    return Choice(chosen, tuple(tried), why, interrupted)
+    return Choice(chosen, tuple(tried), why, interrupted, baselines)
 
 
-def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str, Any]) -> Candidate:
+def _candidate(
+    name: str,
+    curves: Sequence[Curve],
+    asked: Sequence[Question],
+    seed: int,
+    options: dict[str, Any],
+) -> Candidate:
     def fitted(some: Sequence[Curve]) -> Fitted:
         return fit_model(name, some, np.random.default_rng(seed), **options)
 
     try:
         errors = []
-        for left_out in _left_out(curves):
-            found = fitted([curve for curve in curves if curve is not left_out])
-            errors.append(torque_errors(found.model, found.initial_torque, [left_out]))
+        for question in asked:
+            found = fitted(question.known)
+            torque = predicted(found.model, found.initial_torque, question.curve)
+            errors.append(question.errors(torque))
         found = fitted(curves)
         on_fit = torque_errors(found.model, found.initial_torque, curves)
     except InputError as error:
@@ -124,13 +149,6 @@ def _candidate(name: str, curves: Sequence[Curve], seed: int, options: dict[str,
         prediction_errors=np.concatenate(errors),
         fit_nrmse=nrmse(on_fit, curves),
     )
-
-
-def _left_out(curves: Sequence[Curve]) -> list[Curve]:
-    """Returns the curves that the others can predict without extrapolation."""
-    reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]
-    farthest = int(np.argmax(reach))
-    return [*curves[:farthest], *curves[farthest + 1 :]]
 
 
 def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:

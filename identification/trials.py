@@ -31,6 +31,8 @@ class Trial:
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         loss: The objective that the method minimized: the NRMSE, or the one that was asked for.
         evaluations: How often the model ran on all curves; None where the fit does not count.
+        agreed: How many runs from different starts of a certified fit ended at this model; None
+            where it has one start.
         history: The smallest objective so far, per iteration of a swarm or of a library's
             optimizer.
     """
@@ -41,6 +43,7 @@ class Trial:
     nrmse: float
     loss: float
     evaluations: int | None
+    agreed: int | None = None
     history: tuple[float, ...] = field(default=(), repr=False)
 
 
@@ -60,6 +63,7 @@ def fit_trial(
         nrmse=nrmse(torque_errors(found.model, found.initial_torque, curves), curves),
         loss=found.loss,
         evaluations=found.evaluations,
+        agreed=found.agreed,
     )
 
 

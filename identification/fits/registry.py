@@ -94,12 +94,14 @@ class Fitted(NamedTuple):
             with its first sample.
         loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
         evaluations: How often the model ran on all curves; None where the fit does not count.
+        agreed: How many runs from different starts ended here; None where the fit has one start.
     """
 
     model: HysteresisModel
     initial_torque: InitialTorque
     loss: float
     evaluations: int | None = None
+    agreed: int | None = None
 
 
 def fit_model(
@@ -138,7 +140,13 @@ def fit_model(
     if isinstance(found, HysteresisModel):
         start = common_torque(found, curves)
         return Fitted(found, start, nrmse(torque_errors(found, start, curves), curves))
-    return Fitted(found.model, found.initial_torque, found.nrmse, found.evaluations)
+    return Fitted(
+        found.model,
+        found.initial_torque,
+        found.nrmse,
+        found.evaluations,
+        getattr(found, "agreed", None),
+    )
 
 
 def is_seeded(name: str) -> bool:

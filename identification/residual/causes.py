@@ -29,7 +29,7 @@ class Cause(NamedTuple):
     Attributes:
         name: tare, rate, play or drift.
         size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play, [1] a curve of
-            drift.
+            drift, or of one long record a cycle.
         explained: How surely.
         column: What a fault of size 1 adds to the torque, shape (samples,).
     """
@@ -59,8 +59,8 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
         "follows: there is play between encoder and joint; remove it, or measure the joint itself"
     ),
     "drift": lambda size: (
-        f"the torque changes by {100 * size:+.2g} % from curve to curve: the joint wears in, or "
-        "the sensor drifts; cycle the joint before, and fit only the last cycles"
+        f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
+        "joint wears in, or the sensor drifts; cycle the joint before, and fit only the last cycles"
     ),
 }
 
@@ -111,6 +111,15 @@ def _columns(
     yield "play", np.concatenate(late)
     if len(torque) > 1:
         yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
+    else:
+        (curve,), (here,) = curves, torque
+        yield "drift", _cycles(curve.angle) * here
+
+
+def _cycles(angle: Array) -> Array:
+    """Returns how many cycles over its range a motion has gone through at each sample."""
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))])
+    return way / (2 * np.ptp(angle))
 
 
 def played(angle: Array, gap: float) -> Array:

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.branches import spring, spring_with_friction, two_branches
 from ...hysteresis.protocol import HysteresisModel
+from ..baselines import baseline_errors
 from ..curves import Curve, Curves
 from ..objective import InitialTorque
 from ..prediction import nrmse, torque_errors
@@ -27,12 +27,10 @@ UNLIKELY = 0.005  # probability of a misfit by noise alone below which it is tol
 HARDLY = 1e-3  # of the strongest direction: models of many weights have many weak ones
 UNFINISHED = 1.05  # times the least error, beyond which a search has ended too early
 TIMES_NOISE = 1.3  # beyond it a misfit is one that matters
+HARDLY_BETTER = 0.9  # times the error of a constant torque: a model that leaves so much is none
+FAR = 6.0  # deviations from the neighbors, which normal noise reaches once in 500 million samples
+FEWEST_OUTLIERS = 2  # one may be a reversal
 WANDERS = 0.3  # correlation from sample to sample that may be noise or misfit
-BASELINES = {
-    "a spring": spring,
-    "a spring with friction": spring_with_friction,
-    "two branches without memory": two_branches,
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,9 +123,18 @@ def judge(
     times = misfit.times_noise
     unfinished = _unfinished(residual, slopes) if searched else 1.0
     matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
-    verdict = NOT if matters else NOT_BEYOND if beyond else DESCRIBES
-    baselines = _baselines(family)
+    torque = np.concatenate([curve.torque for curve in family])
+    constant = float(np.std(torque)) / family.peak
+    nothing = own >= HARDLY_BETTER * constant
+    verdict = NOT if matters or nothing else NOT_BEYOND if beyond else DESCRIBES
+    baselines = baseline_errors(family)
     remarks = list(_misfit_remarks(misfit, known, family) if surely else ())
+    if nothing:
+        remarks.append(
+            f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
+            f"{constant:.2%}): check the columns, or measure larger motions"
+        )
+    remarks += _outlier_remarks(residual, sizes)
     for i, cause in enumerate(found):
         both = np.column_stack([slopes, cause.column])
         rest = explained(residual, both, smooth, sizes, known).probability
@@ -175,6 +182,29 @@ def _unfinished(residual: Array, slopes: Array) -> float:
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
 
 
+def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[str]:
+    """Returns a remark about single samples far from their neighbors, if there are any.
+
+    The statistic is the residual less the mean of its two neighbors, which a smooth misfit leaves
+    small, over its deviation by the median, which outliers leave as it is.
+    """
+    parts = np.split(residual, np.cumsum(sizes)[:-1])
+    apart = np.concatenate([one[1:-1] - (one[:-2] + one[2:]) / 2 for one in parts])
+    scale = 1.4826 * float(np.median(np.abs(apart)))
+    if scale == 0:
+        return []  # without noise, or so coarse that most samples repeat the one before
+    size = np.pad(np.abs(apart), 1)
+    peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # not the neighbors of outliers
+    far = np.abs(apart[peaks & (np.abs(apart) > FAR * scale)])
+    if far.size < FEWEST_OUTLIERS:
+        return []
+    return [
+        f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
+        f"{FAR:g} times what is usual: remove these outliers, or fit against them with --objective "
+        "robust of a swarm (--method sa-pso)"
+    ]
+
+
 def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[str]:
     told = "of repeated curves" if known else "that is estimated beside it"
     share, seldom = misfit.noise.deviation / curves.peak, max(misfit.probability, 1e-9)
@@ -184,17 +214,3 @@ def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> l
         f"(told below {UNLIKELY:g}): check columns, order and begin of the curves, or choose "
         "another model (method 'auto')"
     ]
-
-
-def _baselines(curves: Curves) -> dict[str, float]:
-    """Returns the NRMSE of models without memory, fitted to the same curves."""
-    angle = np.concatenate([curve.angle for curve in curves])
-    torque = np.concatenate([curve.torque for curve in curves])
-    found = {}
-    for name, fit in BASELINES.items():
-        if fit is two_branches and not 1 <= np.sum(np.diff(angle) < 0) < angle.size - 1:
-            continue  # motions of one direction have no second branch
-        model = fit(angle, torque)
-        errors: list[Array] = [model.response(curve.angle) - curve.torque for curve in curves]
-        found[name] = nrmse(np.concatenate(errors), curves)
-    return found

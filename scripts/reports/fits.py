@@ -17,7 +17,7 @@ MOST_ROWS = 20  # of a table on the screen
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     """Returns one row per curve family and method: errors, certificate, cost and prediction."""
     header = ["curves", "method", "fitness,\neq. (7)", "NRMSE", "margin"]
-    header += ["model\nruns", "held-out\nmax [N·m]"]
+    header += ["model\nruns", "starts that\nagree", "held-out\nmax [N·m]"]
     rows = []
     for joint, methods in fits.items():
         for method, fit in methods.items():
@@ -31,6 +31,7 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
                     f"{fit.nrmse:.2%}",
                     f"{fit.model.certificate().margin:.3f}",
                     "-" if fit.evaluations is None else f"{fit.evaluations:,}",
+                    "-" if fit.agreed is None else str(fit.agreed),
                     "\n".join(held_out) or "-",
                 ]
             )
@@ -89,6 +90,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,
         "evaluations": fit.evaluations,
+        "agreed": fit.agreed,
         "trials": len(fit.trials),
         "interrupted": fit.interrupted,
         "diagnostics": fit.diagnostics,
@@ -134,6 +136,7 @@ def write_trials(folder: RunFolder, name: str, fits: Mapping[str, Mapping[str, F
             "trial": trial.index,
             "nrmse": trial.nrmse,
             "evaluations": trial.evaluations,
+            "agreed": trial.agreed,
             "initial_torque": trial.initial_torque,
             **dict(_numbers("", trial.model.to_dict())),
         }

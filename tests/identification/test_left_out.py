@@ -1,0 +1,140 @@
+"""What is left out of a fit: whole curves, or the end of one record; and what needs no memory."""
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import Curve, identify
+from activesuit.identification.baselines import baseline_errors, predictions
+from activesuit.identification.left_out import questions
+from helpers import sweep
+
+LONG = (0.52, *[1.57, 0.52] * 3, *[1.2, 0.7] * 3, *[1.57, 0.52] * 2)  # two amplitudes
+
+
+def record(model, *, turns=LONG, drift=0.0, offset=0.0, noise=0.01, seed=0):
+    """Returns one continuous record, with noise of 1 % of the peak."""
+    angle = sweep(*turns, samples=70)
+    cycles = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))]) / (2 * np.ptp(angle))
+    torque = model.response(angle) * (1 - drift * cycles) + offset
+    noisy = torque + noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(
+        angle.size
+    )
+    return Curve(angle, noisy, "record", time=np.linspace(0, 60, angle.size))
+
+
+def test_each_curve_but_the_farthest_is_left_out(elbow):
+    curves = [record(elbow, turns=(0.52, turn, 0.52)) for turn in (0.9, 1.57, 1.2)]
+    asked = questions(curves)
+    assert [one.curve is curves[i] for one, i in zip(asked, (0, 2), strict=True)] == [True, True]
+    assert all(len(one.known) == 2 and one.asked == slice(None) for one in asked)
+
+
+def test_the_end_of_a_record_is_left_out_block_by_block(elbow):
+    one = record(elbow)
+    asked = questions([one])
+    assert len(asked) == 3
+    for question in asked:
+        (known,) = question.known
+        np.testing.assert_array_equal(known.angle, one.angle[: question.asked.start])
+        assert known.time is not None
+        part = one.angle[question.asked]
+        assert known.angle.min() <= part.min() <= part.max() <= known.angle.max()
+        assert known.angle.size >= one.angle.size / 3
+    joined = [range(*question.asked.indices(one.angle.size)) for question in asked]
+    assert [*joined[0], *joined[1], *joined[2]] == list(range(joined[0].start, one.angle.size))
+
+
+@pytest.mark.parametrize("turns", [(0.52, 1.57, 0.52), (0.52, 0.8, 0.6, 1.0, 0.6, 1.57)])
+def test_a_record_that_reaches_its_range_at_the_end_leaves_nothing_out(elbow, turns):
+    with pytest.raises(InputError, match="a record of several cycles, or 2 curves, better 3"):
+        questions([record(elbow, turns=turns)])
+
+
+def test_auto_takes_one_record_with_two_amplitudes(elbow):
+    fit = identify([record(elbow)], method="auto")
+    assert fit.model_name == "jiles-atherton"
+    assert fit.fitted_start
+    assert fit.nrmse < 0.011
+    assert fit.verdict.startswith("describes the curves")
+
+
+def test_the_drift_of_one_record_is_named(elbow):
+    fit = identify([record(elbow, drift=0.02)], method="auto")
+    (drift,) = [one for one in fit.judgement.causes if one.name == "drift"]
+    assert drift.size == pytest.approx(-0.02, abs=0.006)
+    assert any(
+        "from cycle to cycle" in remark or "cycle to cycle" in remark for remark in fit.diagnostics
+    )
+    still = identify([record(elbow)], method="auto")
+    assert not [one for one in still.judgement.causes if one.name == "drift"]
+
+
+def test_auto_takes_a_record_with_an_offset(elbow):
+    fit = identify([record(elbow, offset=1.3)], method="auto")
+    assert fit.initial_torque == pytest.approx(1.3, abs=0.2)
+    assert fit.nrmse < 0.012
+
+
+def test_models_without_memory_answer_the_same_questions(elbow):
+    curves = [record(elbow, turns=(0.52, turn, 0.52)) for turn in (0.9, 1.2, 1.57)]
+    fitted, asked = baseline_errors(curves), predictions(questions(curves), curves)
+    assert set(fitted) == set(asked)
+    assert fitted["a spring with friction"] < fitted["a spring"]
+    assert min(fitted.values()) > 0.02
+
+
+def elastic(turn, seed):
+    angle = sweep(0.52, turn, 0.52, samples=80)
+    noise = 0.1 * np.random.default_rng(seed).standard_normal(angle.size)
+    return Curve(angle, 5 * (angle - 0.52) + noise, f"{turn}")
+
+
+def test_auto_says_that_a_spring_needs_no_memory():
+    fit = identify([elastic(turn, i) for i, turn in enumerate((0.9, 1.2, 1.57))], method="auto")
+    assert fit.verdict == "does not describe the curves"
+    assert any("show no memory that one is needed for" in remark for remark in fit.diagnostics)
+
+
+@pytest.mark.parametrize("method", ["certified", "auto"])
+def test_noise_alone_is_not_described(method):
+    rng, curves = np.random.default_rng(3), []
+    for turn in (0.9, 1.2, 1.57):
+        angle = sweep(0.52, turn, 0.52, samples=80)
+        curves.append(Curve(angle, rng.standard_normal(angle.size), f"{turn}"))
+    fit = identify(curves, method=method)
+    assert fit.verdict == "does not describe the curves"
+    assert any("explains next to nothing of the torque" in remark for remark in fit.diagnostics)
+
+
+@pytest.mark.parametrize("model", ["jiles-atherton", "bouc-wen", "preisach", "hinged-stops"])
+def test_one_way_alone_is_refused(elbow, model):
+    angle = np.linspace(0.52, 1.57, 200)
+    with pytest.raises(InputError, match="no curve turns back"):
+        identify([Curve(angle, elbow.response(angle), "up")], model=model)
+
+
+def with_outliers(elbow, count, seed=0):
+    curves, rng = [], np.random.default_rng(seed)
+    for turn in (0.9, 1.2, 1.57):
+        one = record(elbow, turns=(0.52, turn, 0.52), seed=rng.integers(1000))
+        torque = one.torque.copy()
+        torque[rng.choice(np.arange(5, torque.size - 5, 9), count, replace=False)] += 1.0
+        curves.append(Curve(one.angle, torque, f"{turn}"))
+    return curves
+
+
+def test_outliers_are_counted_and_noise_has_none(elbow):
+    fit = identify(with_outliers(elbow, 2))
+    said = [remark for remark in fit.diagnostics if "off their neighbors" in remark]
+    assert len(said) == 1
+    assert said[0].startswith("6 samples are up to")
+    for seed in range(20):
+        fit = identify(with_outliers(elbow, 0, seed))
+        assert not [remark for remark in fit.diagnostics if "off their neighbors" in remark]
+
+
+def test_the_starts_that_agree_are_told(elbow):
+    curves = with_outliers(elbow, 0)
+    fit = identify(curves)
+    assert fit.agreed >= 1
+    assert identify(curves, model="preisach").agreed is None
