@@ -30,6 +30,7 @@ from .uncertainty.uncertainty import refits
 
 NEARLY = 1.3  # times the least left-out error, up to which a model is a member
 NESTED = 2  # reversals within each other, from which on a curve tests loops inside loops
+SHARPNESS = 2  # power; 1 and 3 covered as much, 1 with wider bands in the class (see the docs)
 LEVEL = 0.9  # of a band, usually
 LIMIT = 0.95  # probability below the upper limit of the excess
 
@@ -44,7 +45,8 @@ class Member:
         initial_torque: Torque with which the curves begin [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         error: Root mean square error of its predictions of left-out curves [N·m].
-        weight: Share in the mean of the ensemble, the inverse of the squared error.
+        weight: Share in the mean of the ensemble: the inverse square of what its squared error may
+            be beyond the noise, which is that of the best one and the difference to it.
     """
 
     name: str
@@ -173,9 +175,12 @@ def ensemble(
     best = min(score, key=lambda name: score[name])
     kept = [one for one in tried if score.get(one.name, math.inf) <= NEARLY * score[best]]
     kept.sort(key=lambda one: score[one.name])
-    weight = np.array([max(score[one.name], np.finfo(float).tiny) ** -2.0 for one in kept])
     seen = beyond[best] if nested else tested[best]
     assert seen is not None  # `best` is among those tested
+    limit = excess(seen, noise)
+    far = np.array([score[one.name] ** 2 - score[best] ** 2 + limit**2 for one in kept])
+    far += np.finfo(float).tiny
+    weight = (far.min() / far) ** SHARPNESS
     return Ensemble(
         members=tuple(
             Member(
@@ -189,7 +194,7 @@ def ensemble(
             for one, share in zip(kept, (weight / weight.sum()).tolist(), strict=True)
             if one.model is not None
         ),
-        excess=excess(seen, noise),
+        excess=limit,
         nested=tuple(curve.name for curve in nested),
         noise=noise,
     )
