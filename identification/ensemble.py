@@ -30,7 +30,7 @@ from .uncertainty.uncertainty import refits
 
 NEARLY = 1.3  # times the least left-out error, up to which a model is a member
 NESTED = 2  # reversals within each other, from which on a curve tests loops inside loops
-SHARPNESS = 2  # power; 1 and 3 covered as much, 1 with wider bands in the class (see the docs)
+SHARPNESS = 2  # power of weights; with 1 bands are wider in the class, and cover hardly more
 LEVEL = 0.9  # of a band, usually
 LIMIT = 0.95  # probability below the upper limit of the excess
 
@@ -140,7 +140,7 @@ def ensemble(
     seed: int,
     options: Mapping[str, Mapping[str, Any]],
     fitted_start: Callable[[str], bool],
-) -> Ensemble:
+) -> Ensemble | None:
     """Joins the candidates that predict left-out curves nearly as well as the best.
 
     Curves with loops inside loops are the test of what lies beyond first-order curves: every
@@ -154,8 +154,13 @@ def ensemble(
         seed: Seed of all random numbers.
         options: Options of the candidates' fits, by model.
         fitted_start: Whether the fit of a model, by name, chooses the torque at the beginning.
+
+    Returns:
+        The ensemble; None where every candidate meets its pole on a left-out curve.
     """
-    tried = [one for one in candidates if one.model is not None]
+    tried = [one for one in candidates if one.model and np.isfinite(one.prediction_nrmse)]
+    if not tried:
+        return None
     nested = [curve for curve in curves if _nesting(curve) >= NESTED]
     others = [curve for curve in curves if curve not in nested]
     if not others:

@@ -17,7 +17,7 @@ from ._threads import run_threads
 from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
-from .ensemble import LEVEL, Ensemble, drawn, ensemble
+from .ensemble import LEVEL, NESTED, Ensemble, drawn, ensemble
 from .fits.registry import fit_model
 from .fits.residuals import nrmse, predicted, torque_errors
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
@@ -31,7 +31,6 @@ from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
-NESTED = 2  # reversals within each other, from which on loops are inside loops
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
@@ -55,7 +54,7 @@ class Fit:
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         ensemble: Candidates that predict left-out curves nearly as well as the best, of which
-            `band` is made; None unless the method is "auto".
+            `band` is made; None unless the method is "auto", or where all meet a pole.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
         coverage: What the fitted curves have in them.

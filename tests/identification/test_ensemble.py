@@ -9,7 +9,7 @@ from activesuit.assets import Suit
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Held
 from activesuit.identification import Curve, first_order_motions, identify, nested_motion
-from activesuit.identification.ensemble import NEARLY, excess, shared
+from activesuit.identification.ensemble import NEARLY, ensemble, excess, shared
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.residual.noise import estimate_noise, slow_noise
 
@@ -166,3 +166,10 @@ def test_a_candidate_that_cannot_predict_nested_loops_is_no_member(elbow, monkey
     monkeypatch.setitem(FITS, "bouc-wen", needs_all)
     fit = identify([replace(one) for one in curves], method="auto")
     assert "bouc-wen" not in {one.name for one in fit.ensemble.members}
+
+
+def test_candidates_that_meet_their_pole_make_no_ensemble(fit):
+    poles = [replace(one, prediction_nrmse=np.inf) for one in fit.candidates]
+    options = {"seed": 0, "options": {}, "fitted_start": lambda name: True}
+    assert ensemble(poles, fit.curves, fit.ensemble.noise, **options) is None
+    assert ensemble(fit.candidates, fit.curves, fit.ensemble.noise, **options) is not None
