@@ -165,24 +165,20 @@ def ensemble(
     others = [curve for curve in curves if curve not in nested]
     if not others:
         nested = []  # then the left-out curves are of that kind themselves
-    beyond = {
-        one.name: _errors(one.name, others, nested, seed, options.get(one.name, {}))
-        for one in tried
-    }
-    if nested and all(found is None for found in beyond.values()):
-        nested, beyond = [], {one.name: np.empty(0) for one in tried}
-    tested: dict[str, Array] = {}
+    beyond: dict[str, Array] = {}
     for one in tried:
-        errors = beyond[one.name]
+        errors = _errors(one.name, others, nested, seed, options.get(one.name, {}))
         if errors is not None:
-            tested[one.name] = np.concatenate([one.prediction_errors, errors])
+            beyond[one.name] = errors
+    if not beyond:
+        nested, beyond = [], {one.name: np.empty(0) for one in tried}
+    left_out = {one.name: one.prediction_errors for one in tried}
+    tested = {name: np.concatenate([left_out[name], errors]) for name, errors in beyond.items()}
     score = {name: _rms(errors) for name, errors in tested.items()}
     best = min(score, key=lambda name: score[name])
     kept = [one for one in tried if score.get(one.name, math.inf) <= NEARLY * score[best]]
     kept.sort(key=lambda one: score[one.name])
-    seen = beyond[best] if nested else tested[best]
-    assert seen is not None  # `best` is among those tested
-    limit = excess(seen, noise)
+    limit = excess(beyond[best] if nested else tested[best], noise)
     far = np.array([score[one.name] ** 2 - score[best] ** 2 + limit**2 for one in kept])
     far += np.finfo(float).tiny
     weight = (far.min() / far) ** SHARPNESS

@@ -218,9 +218,12 @@ def _start_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
 
 def _band_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
     for (family, record), rows in _by_cell(results, "bands"):
-        inside = _percent(np.mean([row["inside"] for row in rows])) if rows else "-"
-        width, error = (np.median([row[name] for row in rows]) for name in ("width", "error"))
-        yield [family, record, str(len(rows)), inside, f"{width:.2f}", f"{error:.2f}"]
+        cells = ["-"] * 3
+        if rows:
+            inside = _percent(np.mean([row["inside"] for row in rows]))
+            sizes = (np.median([row[name] for row in rows]) for name in ("width", "error"))
+            cells = [inside, *(f"{size:.2f}" for size in sizes)]
+        yield [family, record, str(len(rows)), *cells]
 
 
 def _by_cell(
