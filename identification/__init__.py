@@ -4,6 +4,7 @@ from .coverage import Coverage, coverage, motion_coverage, shortfalls
 from .curve_files import load_curves, save_curves
 from .curves import Curve, Curves
 from .design import Design, nested_motion
+from .ensemble import Ensemble, Member
 from .fits.asymmetric import fit_asymmetric
 from .fits.beginning import bare
 from .fits.bouc_wen import fit_bouc_wen
@@ -41,7 +42,9 @@ __all__ = [
     "CurveObjective",
     "Curves",
     "Design",
+    "Ensemble",
     "Fit",
+    "Member",
     "Motion",
     "RankDistanceMPSO",
     "Trial",

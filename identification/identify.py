@@ -17,6 +17,7 @@ from ._threads import run_threads
 from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics, turns_back
+from .ensemble import LEVEL, NESTED, Ensemble, drawn, ensemble
 from .fits.rate import Rate
 from .fits.registry import FITS, fit_model
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
@@ -31,7 +32,6 @@ from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
-NESTED = 2  # reversals within each other, from which on loops are inside loops
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
@@ -54,6 +54,8 @@ class Fit:
         diagnostics: What speaks against trusting the model, as sentences; empty if nothing does.
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
+        ensemble: Candidates that predict left-out curves nearly as well as the best, of which
+            `band` is made; None unless the method is "auto", or where all meet a pole.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
         coverage: What the fitted curves have in them.
@@ -75,6 +77,7 @@ class Fit:
     diagnostics: tuple[str, ...] = ()
     why: str = ""
     candidates: tuple[Candidate, ...] = ()
+    ensemble: Ensemble | None = None
     interrupted: bool = False
     fitted_start: bool = False
     judgement: Judgement | None = field(default=None, compare=False)
@@ -97,6 +100,26 @@ class Fit:
         """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
         return predicted(self.model, self.initial_torque, curve)
 
+    def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
+        """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
+
+        The band of `uncertainty` holds if the model is right in kind; this one is about what the
+        fitted curves leave open between kinds of model too, see `Ensemble.band`.
+
+        Args:
+            curve: Motion; its torque only counts where the fit began with the measured one.
+            level: Share of the samples that the band shall hold, between 0 and 1.
+
+        Raises:
+            InputError: The method is not "auto", or see `Ensemble.band`.
+        """
+        if self.ensemble is None:
+            raise InputError(
+                f"the method is {self.method!r}, which tried one model: a band over models needs "
+                "method 'auto'; use uncertainty().band(curve) for that of the parameters"
+            )
+        return self.ensemble.band(curve, level)
+
     @property
     def verdict(self) -> str:
         """Whether the model describes the curves, as a phrase; see `residual.verdict`."""
@@ -106,20 +129,25 @@ class Fit:
         """Returns how sure the parameters and the torque of the model are.
 
         Args:
-            samples: Number of models to draw that noisy repetitions of the curves would have given.
+            samples: Number of models to draw that noisy repetitions of the curves would have given;
+                with method "auto" of all kinds in the ensemble, by their weight.
             seed: Seed of their noise.
 
         Raises:
             InputError: See `identification.uncertainty`.
         """
-        return uncertainty(
+        found = uncertainty(
             self.model,
             self.curves,
             initial_torque=self.initial_torque,
             fitted_start=self.fitted_start,
-            samples=samples,
+            samples=0 if self.ensemble else samples,
             seed=seed,
         )
+        if self.ensemble is None:
+            return found
+        models = drawn(self.ensemble, self.curves, self.initial_torque, samples, seed)
+        return replace(found, samples=models)
 
 
 def identify(
@@ -217,7 +245,19 @@ def identify(
         chosen = choice.chosen.name
         fitted = chosen != DEFAULT_MODEL or initial_torque == "identified"
         found = _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
-        return replace(found, tare=offset)
+        return replace(
+            found,
+            tare=offset,
+            ensemble=found.judgement
+            and ensemble(
+                choice.candidates,
+                measured,
+                found.judgement.noise,
+                seed=seed,
+                options=ways,
+                fitted_start=lambda name: name != DEFAULT_MODEL or initial_torque == "identified",
+            ),
+        )
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start | beside)
     else:

@@ -152,9 +152,14 @@ def uncertainty(
             *_open_ends(coordinates, intervals),
         ),
         intervals=intervals,
-        samples=tuple(
-            _refitted(model, repetition, initial_torque, fitted_start, seed)
-            for repetition in _repetitions(model, initial_torque, measured, noise, samples, seed)
+        samples=refits(
+            model,
+            measured,
+            noise,
+            initial_torque=initial_torque,
+            fitted_start=fitted_start,
+            samples=samples,
+            seed=seed,
         ),
         noise=noise,
         _coordinates=coordinates,
@@ -280,6 +285,36 @@ def _directions(
     units = np.array([1.0, unit, unit, 1.0, unit, 1.0])[: row.size]
     unit_names = ("", "", f"{inner.angle_unit}/(N·m)", "", "", "N·m")
     yield from sloppy_directions(likelihood, units, unit_names)
+
+
+def refits(
+    model: HysteresisModel,
+    curves: Sequence[Curve],
+    noise: Noise,
+    *,
+    initial_torque: InitialTorque,
+    fitted_start: bool,
+    samples: int,
+    seed: int,
+) -> tuple[HysteresisModel, ...]:
+    """Returns the models that fits to noisy repetitions of a model's own curves find.
+
+    Args:
+        model: Model that makes the curves.
+        curves: Curves whose motions are repeated.
+        noise: Noise of the torque.
+        initial_torque: Torque with which every curve begins [N·m]; or "measured".
+        fitted_start: Whether the fit chooses that torque.
+        samples: Number of models.
+        seed: Seed of the noise.
+
+    Raises:
+        InputError: The kind of model has no fit.
+    """
+    return tuple(
+        _refitted(model, repetition, initial_torque, fitted_start, seed)
+        for repetition in _repetitions(model, initial_torque, curves, noise, samples, seed)
+    )
 
 
 def _repetitions(

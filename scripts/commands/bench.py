@@ -49,8 +49,8 @@ def bench(
             which halves and doubles assumed numbers (about ten minutes); or honesty, which counts
             how often intervals, verdicts and searches of identify are right on random truths.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
-            each cell, 200 by default.
-        quick: Take 25 cases of each cell (honesty).
+            each cell, 200 by default; of bands, which take long, a third of it.
+        quick: Take 25 cases of each cell, of bands 8 (honesty).
         seed: Seed of the first case (honesty).
         out: Folder that keeps each case as it is finished, so that the same command goes on where
             it was stopped (honesty).

@@ -24,6 +24,8 @@ from ..intended import needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
+    band_table,
+    bands_summary,
     candidate_table,
     fit_summary,
     quality_table,
@@ -87,7 +89,8 @@ def identify(
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
         samples: Number of further models in suit.json that the curves allow too, to randomize the
-            simulation with; the uncertainty of the parameters is shown as well.
+            simulation with; the uncertainty of the parameters is shown as well. With the method
+            auto they are of all models that predict nearly as well as the best.
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
@@ -171,6 +174,8 @@ def _print(fit: Fit, curves: Path, use: str | None, found: Uncertainty | None) -
         rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
     table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
+    if fit.ensemble and (bands := bands_summary(fit)):
+        table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     why = ": they hold no loops inside loops, and no intended motion is named (--for)"

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from ...hysteresis.around import Wrapper
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Candidate, Fit
@@ -40,14 +42,46 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
 
 def candidate_table(fit: Fit) -> Rows:
     """Returns one row per model that method "auto" tried, the best prediction first."""
-    header = ["model", "parameters", "predicts:\nNRMSE", "fits:\nNRMSE", "note"]
+    header = ["model", "parameters", "predicts:\nNRMSE", "fits:\nNRMSE", "weight\nin band", "note"]
+    members = fit.ensemble.members if fit.ensemble else ()
+    weight = {member.name: f"{member.weight:.0%}" for member in members}
     rows = []
     for one in fit.candidates:
         scores = ["-"] * 3
         if one.model:
             scores = [str(one.parameters), f"{one.prediction_nrmse:.2%}", f"{one.fit_nrmse:.2%}"]
-        rows.append([one.name, *scores, "chosen" if one.name == fit.model_name else one.reason])
+        note = "chosen" if one.name == fit.model_name else one.reason
+        rows.append([one.name, *scores, weight.get(one.name, "-"), note])
     return header, rows
+
+
+def band_table(bands: Mapping[str, Mapping[str, float]]) -> Rows:
+    """Returns one row per curve that was kept out of the fit, see `bands_summary`."""
+    header = ["curve", "half width\n[N·m]", "measured samples inside,\nnoise added"]
+    rows = [
+        [name, f"{band['half_width']:.3g}", f"{band['inside']:.1%}"] for name, band in bands.items()
+    ]
+    return header, rows
+
+
+def bands_summary(fit: Fit) -> dict[str, dict[str, float]]:
+    """Returns what the band of an ensemble says along the curves kept out of its fit, by name.
+
+    The half width is the mean of that of the torque without noise; what was measured has noise, so
+    that it is compared with the band of measured torque.
+    """
+    found = {}
+    if fit.ensemble is None:
+        return found
+    for curve in fit.curves.held_out():
+        low, high = fit.ensemble.band(curve)
+        least, most = fit.ensemble.measured_band(curve)
+        inside = (least <= curve.torque) & (curve.torque <= most)
+        found[curve.name] = {
+            "half_width": float(np.mean(high - low)) / 2,
+            "inside": float(np.mean(inside)),
+        }
+    return found
 
 
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
@@ -99,6 +133,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "certificate": {**asdict(certificate), "certified": certificate.certified},
         "why": fit.why,
         "candidates": [_candidate_summary(one) for one in fit.candidates],
+        "ensemble": fit.ensemble and {**fit.ensemble.to_dict(), "bands": bands_summary(fit)},
     }
 
 

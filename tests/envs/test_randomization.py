@@ -9,7 +9,7 @@ from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held, JilesAtherton, PrandtlIshlinskii
+from activesuit.hysteresis import BoucWen, Held, JilesAtherton, PrandtlIshlinskii
 
 ELBOW = JOINTS.index("elbow_flexion")
 ENTRY = load_suit("mock-suit").joints["elbow_flexion"]
@@ -52,6 +52,34 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(sampled):
         assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
         worn.add(int(np.argmin(errors)))
     assert worn == {0, 1, 2, 3}
+
+
+def test_samples_of_several_kinds_are_worn_at_one_joint(tmp_path):
+    """As an ensemble of `identify` with method "auto" draws them."""
+    low = ENTRY.range[0]
+    kinds = (
+        PrandtlIshlinskii(stiffness=40.0, thresholds=[0.2], weights=[9.0], rest_angle=low),
+        BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=low),
+    )
+    joint = ENTRY.model_copy(update={"samples": kinds})
+    path = tmp_path / "kinds.json"
+    Suit(name="kinds", description="of a test", joints={"elbow_flexion": joint}).save(path)
+    arms = ArmEnv(suit=str(path), randomize={"suit": "samples"}).rows(24, info="full")
+    _, info = arms.reset(seed=0)
+    angles, torques = [info["angle"][:, ELBOW]], [info["suit_torque"][:, ELBOW]]
+    for _ in range(40):
+        *_, info = arms.step(np.zeros((24, 2)))
+        angles.append(info["angle"][:, ELBOW])
+        torques.append(info["suit_torque"][:, ELBOW])
+    worn = set()
+    for angle, torque in zip(np.array(angles).T, np.array(torques).T, strict=True):
+        errors = [
+            np.abs(torque + model.response(np.append(ENTRY.start_angle, angle))[1:]).max()
+            for model in (MODEL, *kinds)
+        ]
+        assert min(errors) < 0.02
+        worn.add(int(np.argmin(errors)))
+    assert worn == {0, 1, 2}
 
 
 def test_pressure_scales_the_whole_torque():

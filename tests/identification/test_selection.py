@@ -201,7 +201,7 @@ def test_curves_that_begin_with_some_torque(truths):
 
 def test_bad_input(truths):
     curves = family(truths["bouc-wen"], THREE)
-    with pytest.raises(InputError, match="there is one curve with role 'fit'.*or 2 curves"):
+    with pytest.raises(InputError, match=r"there is one curve with role 'fit'.*or 2 curves"):
         identify(curves[:1], method="auto")
     with pytest.raises(InputError, match="seed is -1"):
         identify(curves, method="auto", seed=-1)

@@ -4,18 +4,20 @@ import json
 
 import numpy as np
 import pytest
+from activesuit.hysteresis import BoucWen
 from activesuit.scripts.benchmarks import honesty
+from activesuit.scripts.benchmarks.honesty import bands, truths
 from activesuit.scripts.main import main
 
 
-@pytest.mark.parametrize("kind", honesty.KINDS)
+@pytest.mark.parametrize("kind", truths.KINDS)
 def test_truths_are_drawn_by_seed(kind):
-    draw = honesty.KINDS[kind]
+    draw = truths.KINDS[kind]
     one, same, other = (draw(np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert (one.low, one.high) == (same.low, same.high) != (other.low, other.high)
     angle = np.linspace(one.low, one.high, 50)
     np.testing.assert_array_equal(one.torque(angle), same.torque(angle))
-    assert np.abs(one.torque(angle)).max() == pytest.approx(honesty.PEAK, rel=0.02)
+    assert np.abs(one.torque(angle)).max() == pytest.approx(truths.PEAK, rel=0.02)
 
 
 def test_cases_are_kept_and_not_run_again(tmp_path, monkeypatch):
@@ -39,6 +41,33 @@ def test_each_part_has_its_case():
     off = honesty.misfit_case("white", 1, 1)  # Jiles-Atherton for a Bouc-Wen truth
     assert off["times"] > 1.3
     assert off["told"]
+    band = honesty.band_case("Jiles-Atherton", "and a nested record", 0)
+    assert band["inside"] > 0.5
+    assert band["error"] < band["width"]
+
+
+@pytest.mark.parametrize("family", bands.FAMILIES)
+def test_truths_of_bands_follow_from_angle_and_time(family):
+    truth, same = (bands.FAMILIES[family](np.random.default_rng(1)) for _ in range(2))
+    angle = np.concatenate([np.linspace(truth.low, truth.high, 90), np.linspace(1.3, 1.0, 30)])
+    slow, fast = (np.arange(angle.size) / rate for rate in (10.0, 40.0))
+    np.testing.assert_array_equal(truth.torque(angle, slow), same.torque(angle, slow))
+    depends = not np.array_equal(truth.torque(angle, slow), truth.torque(angle, fast))
+    assert depends == (family == "viscous")
+
+
+def test_a_contact_that_only_pushes_dissipates_and_rests():
+    model = BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=0.5)
+    up, down = np.linspace(0.5, 1.5, 400), np.linspace(1.5, 0.5, 400)
+    angle = np.concatenate([up, down[1:], up[1:], down[1:]])
+    torque = bands.behind_gap(model, angle, 0.05)
+    np.testing.assert_allclose(torque[:400], model.response(up), atol=1e-12)
+    free = np.flatnonzero(torque[400:799] == 0)
+    assert angle[400 + free[0]] - angle[400 + free[-1]] == pytest.approx(0.05, abs=0.006)
+    assert torque[798] < 0
+    cycle = slice(798, None)  # up and down again
+    work = np.trapezoid(torque[cycle], angle[cycle])
+    assert work > 0
 
 
 def test_options_of_honesty_are_refused_elsewhere(capsys):

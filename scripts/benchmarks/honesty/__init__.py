@@ -7,26 +7,23 @@ seed gives other truths and should give the same rates.
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
-from ...errors import InputError
-from ...files import write_text
-from ...hysteresis import BoucWen, JilesAtherton, PrandtlIshlinskii
-from ...hysteresis.certificate import PoleError
-from ...hysteresis.jiles_atherton.margins import margin_in_range
-from ...identification import Curve, first_order_motions, identify, multi_order_motion
-from ...identification.fits.search import MARGIN, NOISE_MARGIN
-from ...identification.residual.causes import played
-from ...identification.residual.noise import slow_noise
-from ...identification.residual.verdict import UNLIKELY
-from ...json_files import read_json
-from ..backends import run_all
-from ..output import Rows, progress, to_json
+from ....arrays import Array
+from ....errors import InputError
+from ....files import write_text
+from ....identification import Curve, identify, multi_order_motion
+from ....identification.fits.search import NOISE_MARGIN
+from ....identification.residual.causes import played
+from ....identification.residual.verdict import UNLIKELY
+from ....json_files import read_json
+from ...backends import run_all
+from ...output import Rows, progress, to_json
+from .bands import FAMILIES, RECORDS, band_case
+from .truths import KINDS, NOISE, STEP, jiles_atherton, measured
 
-PEAK, NOISE, TURNS, STEP = 10.0, 0.1, 5, 0.015  # N·m, N·m, curves, rad
 NOISES = {
     "white": (0.0, 0.0),
     "AR(1) 0.5": (0.5, 0.0),
@@ -37,91 +34,12 @@ NOISES = {
 FAULTS = ("none", "tare 0.2 N·m", "play 0.3 degrees", "drift 2 %", "rate 0.2 N·m·s/rad")
 SURE, FAR = 1.15, 1.3  # times the noise, from which on a misfit shall be told
 
-Torque = Callable[[Array], Array]
-
-
-class Truth(NamedTuple):
-    """A joint that is measured: its torque along angles, and the range of the rig [rad]."""
-
-    torque: Torque
-    low: float
-    high: float
-
-
-def jiles_atherton(rng: np.random.Generator, kind: str = "certified") -> Truth:
-    """Draws a Jiles-Atherton model: certified, safe in its range only, or near saturation."""
-    while True:
-        low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
-        c = 1 + math.exp(rng.uniform(-1, 2))
-        a = math.exp(rng.uniform(4, 7))
-        if kind == "saturating":
-            a = math.degrees(high) * rng.uniform(0.15, 0.5)
-        k = math.exp(rng.uniform(math.log(1.1 * math.degrees(low)), 7)) / (c - 1)
-        steep = rng.uniform(1.0, 1.4) if kind == "uncertified" else rng.uniform(-0.8, 0.95)
-        alpha = steep * 3 * a / (2 * c - 1)
-        ends = math.degrees(low), math.degrees(high)
-        if margin_in_range(*ends, 1.0, a, alpha, c, k)[0] < MARGIN:
-            continue  # no fit could return it
-        model = JilesAtherton(Ms=1.0, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
-        try:
-            return _scaled(model.response, low, high)
-        except PoleError:
-            continue
-
-
-def bouc_wen(rng: np.random.Generator) -> Truth:
-    """Draws a Bouc-Wen model with A = 1 that dissipates."""
-    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
-    n = rng.uniform(1, 3)
-    beta = math.exp(rng.uniform(1, 3) * n)
-    gamma, elastic = rng.uniform(-0.9, 0.9) * beta, rng.uniform(0.05, 0.8)
-    model = BoucWen(elastic=elastic, hysteretic=1.0, beta=beta, gamma=gamma, n=n, rest_angle=low)
-    return _scaled(model.response, low, high)
-
-
-def dead_zone(rng: np.random.Generator) -> Truth:
-    """Draws stops behind two dead zones, which may stiffen or soften (Kuhnen 2003)."""
-    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
-    radii = (high - low) * np.linspace(0.03, 0.8, 8)
-    stops = PrandtlIshlinskii(
-        stiffness=rng.uniform(0.05, 0.8),
-        thresholds=radii.tolist(),
-        weights=rng.dirichlet(np.ones(8)).tolist(),
-        rest_angle=low,
-    )
-    top = float(stops.response(np.array([low, high]))[-1])
-    depth, gain = rng.uniform(0.1, 0.6, 2), rng.uniform(-0.4, 0.8, 2)
-
-    def torque(angle: Array) -> Array:
-        straight = stops.response(angle)
-        return straight + np.maximum(straight[:, None] - depth * top, 0) @ gain
-
-    return _scaled(torque, low, high)
-
-
-def cubic(rng: np.random.Generator) -> Truth:
-    """Draws a Bouc-Wen model with a cubic spring beside it."""
-    truth, bend = bouc_wen(rng), rng.uniform(0.2, 1.0)
-
-    def torque(angle: Array) -> Array:
-        return truth.torque(angle) + PEAK * bend * (angle - truth.low) ** 3
-
-    return _scaled(torque, truth.low, truth.high)
-
-
-KINDS: dict[str, Callable[[np.random.Generator], Truth]] = {
-    "Jiles-Atherton": jiles_atherton,
-    "Bouc-Wen": bouc_wen,
-    "dead zones": dead_zone,
-    "cubic": cubic,
-}
-
 
 def interval_case(noise: str, seed: int) -> dict[str, Any]:
     """Returns which share of the parameters, and of a random motion, intervals cover."""
     rng = np.random.default_rng([seed, 1])
     truth = jiles_atherton(rng)
-    fit = identify(_measured(truth, NOISES[noise], rng), seed=seed, workers=1)
+    fit = identify(measured(truth, NOISES[noise], rng), seed=seed, workers=1)
     sure = fit.uncertainty()
     probe = multi_order_motion(truth.low, truth.high, turns=8, angle_step=STEP, rng=rng)
     right = truth.torque(probe)
@@ -129,7 +47,7 @@ def interval_case(noise: str, seed: int) -> dict[str, Any]:
     moved = np.abs(probe - probe[0]) > 5 * STEP
     inside = (low <= right) & (right <= high)
     # Parameters of the truth as the fit tells them follow from the exact fit of exact curves.
-    exact = identify(_measured(truth, (0.0, 0.0), rng, size=1e-6), seed=seed, workers=1)
+    exact = identify(measured(truth, (0.0, 0.0), rng, size=1e-6), seed=seed, workers=1)
     values = exact.uncertainty().values
     covered = (sure.intervals[:, 0] <= values) & (values <= sure.intervals[:, 1])
     return {
@@ -145,7 +63,7 @@ def misfit_case(noise: str, repeats: int, seed: int) -> dict[str, Any]:
     kind = [*KINDS][seed % len(KINDS)]
     model = ("jiles-atherton", "bouc-wen", "prandtl-ishlinskii")[seed // len(KINDS) % 3]
     truth = KINDS[kind](rng)
-    curves = _measured(truth, NOISES[noise], rng, repeats=repeats)
+    curves = measured(truth, NOISES[noise], rng, repeats=repeats)
     fit = identify(curves, model=model, seed=seed, workers=1)
     off = np.concatenate([fit.predict(one) - truth.torque(one.angle) for one in curves])
     told = fit.judgement is not None and fit.judgement.misfit.probability < UNLIKELY
@@ -157,7 +75,7 @@ def fault_case(fault: str, seed: int) -> dict[str, Any]:
     """Returns which fault of a measurement is named first."""
     rng = np.random.default_rng([seed, 3])
     truth, curves = jiles_atherton(rng), []
-    for i, curve in enumerate(_measured(truth, (0.0, 0.0), rng, size=0.0)):
+    for i, curve in enumerate(measured(truth, (0.0, 0.0), rng, size=0.0)):
         time: Array = 0.5 * (1 + i) * STEP * np.arange(curve.angle.size, dtype=np.float64)
         angle, torque = curve.angle, curve.torque
         if fault.startswith("tare"):
@@ -178,7 +96,7 @@ def start_case(kind: str, seed: int) -> dict[str, Any]:
     """Returns whether the search of a drawn truth ends at the noise, and after how many runs."""
     rng = np.random.default_rng([seed, 4])
     truth = jiles_atherton(rng, kind)
-    curves = _measured(truth, (0.0, 0.0), rng)
+    curves = measured(truth, (0.0, 0.0), rng)
     fit = identify(curves, seed=seed, workers=1)
     left, noise = (
         np.concatenate([torque(one) - one.torque for one in curves])
@@ -193,20 +111,25 @@ CASES: dict[str, Callable[..., dict[str, Any]]] = {
     "misfit": misfit_case,
     "faults": fault_case,
     "starts": start_case,
+    "bands": band_case,
 }
 CELLS: dict[str, list[tuple]] = {
     "intervals": [(noise,) for noise in NOISES],
     "misfit": [("white", 1), ("AR(1) 0.9", 1), ("AR(1) 0.9", 2), ("slow and white", 2)],
     "faults": [(fault,) for fault in FAULTS],
     "starts": [("certified",), ("uncertified",), ("saturating",)],
+    "bands": [(family, record) for family in FAMILIES for record in RECORDS],
 }
+
+
+SELDOM = {"bands": 3}  # parts whose cases take long: one case for so many of the others
 
 
 def honesty(repeats: int, first_seed: int, folder: Path | None, workers: int = -1) -> list[dict]:
     """Runs all cases; those that a folder holds already are not run again.
 
     Args:
-        repeats: Number of cases of each cell.
+        repeats: Number of cases of each cell; of bands a third of it.
         first_seed: Seed of the first case.
         folder: Folder that keeps each case as it is finished; None keeps none.
         workers: Number of processes; -1 uses all cores.
@@ -215,7 +138,7 @@ def honesty(repeats: int, first_seed: int, folder: Path | None, workers: int = -
         (part, cell, seed)
         for part, cells in CELLS.items()
         for cell in cells
-        for seed in range(first_seed, first_seed + repeats)
+        for seed in range(first_seed, first_seed + max(repeats // SELDOM.get(part, 1), 1))
     ]
     found: dict[tuple, dict] = {}
     if folder is not None:
@@ -255,6 +178,10 @@ def tables(results: Sequence[Mapping[str, Any]]) -> dict[str, Rows]:
             ["truth", "reached", "model runs,\nmedian", "most"],
             list(_start_rows(results)),
         ),
+        "nominal 90 % bands on random motions": (
+            ["truth", "fitted to", "repeats", "inside", "half width,\nnoises", "error,\nnoises"],
+            list(_band_rows(results)),
+        ),
     }
 
 
@@ -289,6 +216,16 @@ def _start_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
         yield [kind, _share(reached), f"{np.median(runs):.0f}", str(max(runs))]
 
 
+def _band_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for (family, record), rows in _by_cell(results, "bands"):
+        cells = ["-"] * 3
+        if rows:
+            inside = _percent(np.mean([row["inside"] for row in rows]))
+            sizes = (np.median([row[name] for row in rows]) for name in ("width", "error"))
+            cells = [inside, *(f"{size:.2f}" for size in sizes)]
+        yield [family, record, str(len(rows)), *cells]
+
+
 def _by_cell(
     results: Sequence[Mapping[str, Any]], part: str
 ) -> Iterator[tuple[tuple, list[Mapping[str, Any]]]]:
@@ -317,29 +254,3 @@ def _file(case: tuple[str, tuple, int]) -> str:
     part, cell, seed = case
     name = "".join(c if c.isalnum() else "-" for c in " ".join(map(str, cell)))
     return f"{part}.{name}.{seed}.json"
-
-
-def _scaled(torque: Torque, low: float, high: float) -> Truth:
-    way = next(iter(first_order_motions([high], start_angle=low, angle_step=STEP).values()))
-    size = PEAK / np.abs(torque(way)).max()
-    return Truth(lambda angle: size * torque(angle), low, high)
-
-
-def _measured(
-    truth: Truth,
-    noise: tuple[float, float],
-    rng: np.random.Generator,
-    *,
-    size: float = NOISE,
-    repeats: int = 1,
-) -> list[Curve]:
-    turns = np.linspace(truth.low, truth.high, TURNS + 1)[1:].tolist()
-    motions = first_order_motions(turns, start_angle=truth.low, angle_step=STEP)
-    memory, white = noise
-    curves = []
-    for i in range(repeats):
-        for name, angle in motions.items():
-            slow = math.sqrt(1 - white) * slow_noise(angle.size, memory, rng)
-            drawn = slow + math.sqrt(white) * rng.standard_normal(angle.size)
-            curves.append(Curve(angle, truth.torque(angle) + size * drawn, f"{name}-{i}"))
-    return curves

@@ -1,0 +1,310 @@
+"""The models that the curves do not tell apart, and how far the torque may be from all of them.
+
+Models that agree on the curves part beyond them, and one that fits at the noise may be of another
+kind than the joint. So a band of the torque rests on two things: how far the models that predict
+left-out curves nearly as well are from each other, and how much larger than the noise the error of
+these predictions may be. The spread alone is no measure of the error: what no model has is in none.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..checks import at_least, number
+from ..errors import InputError, shown
+from ..hysteresis.protocol import HysteresisModel
+from .coverage import motion_coverage
+from .curves import Curve, Curves
+from .fits.registry import fit_model
+from .motion_files import Motion
+from .objective import InitialTorque
+from .prediction import predicted, torque_errors
+from .residual.noise import GRID, Noise
+from .selection import Candidate
+from .thinning import thinned
+from .uncertainty.uncertainty import refits
+
+NEARLY = 1.3  # times the least left-out error, up to which a model is a member
+NESTED = 2  # reversals within each other, from which on a curve tests loops inside loops
+SHARPNESS = 2  # power of weights; with 1 bands are wider in the class, and cover hardly more
+LEVEL = 0.9  # of a band, usually
+LIMIT = 0.95  # probability below the upper limit of the excess
+
+
+@dataclass(frozen=True, kw_only=True)
+class Member:
+    """A model of an ensemble.
+
+    Attributes:
+        name: Name of the model.
+        model: Model that is fitted to all curves.
+        initial_torque: Torque with which the curves begin [N·m]; or "measured".
+        fitted_start: Whether the fit chose that torque.
+        error: Root mean square error of its predictions of left-out curves [N·m].
+        weight: Share in the mean of the ensemble: the inverse square of what its squared error may
+            be beyond the noise, which is that of the best one and the difference to it.
+    """
+
+    name: str
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    fitted_start: bool
+    error: float
+    weight: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ensemble:
+    """The models whose left-out error is at most 1.3 times the least, the best one first.
+
+    Attributes:
+        members: Models with their weights, whose sum is 1.
+        excess: Deviation that the best member may have from the joint [N·m]: the root of the upper
+            95 % limit of its squared error less that of the noise.
+        nested: Names of the curves with loops inside loops that fits to the others predicted. With
+            any, the excess is that of their prediction, and without one that of all left-out
+            curves, which say less about other motions.
+        noise: Noise of the measured torque.
+    """
+
+    members: tuple[Member, ...]
+    excess: float
+    nested: tuple[str, ...]
+    noise: Noise = field(repr=False, compare=False)
+
+    def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
+        """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
+
+        The band is about the mean of the members. Half its width is the normal quantile times the
+        root of their variance and the squared excess. It is about the torque without noise, at the
+        angles and rates of the fitted curves; where a member meets its pole it is infinite.
+
+        Args:
+            curve: Motion; its torque only counts where the fit began with the measured one.
+            level: Share of the samples that the band shall hold, between 0 and 1.
+
+        Raises:
+            InputError: The level is out of its range, or a member cannot begin there.
+        """
+        if not isinstance(curve, Curve):
+            raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")
+        if not 0 < number("level", level) < 1:
+            raise InputError(f"level is {level:g}: give a share between 0 and 1, such as 0.9")
+        torque = np.array([predicted(one.model, one.initial_torque, curve) for one in self.members])
+        if not np.isfinite(torque).all():
+            endless = np.full(curve.angle.size, np.inf)
+            return -endless, endless
+        weight = np.array([one.weight for one in self.members])
+        mean = weight @ torque
+        variance = weight @ (torque - mean) ** 2
+        if len(weight) > 1:
+            variance = variance * len(weight) / (len(weight) - 1)
+        half = _quantile((1 + level) / 2) * np.sqrt(variance + self.excess**2)
+        return mean - half, mean + half
+
+    def measured_band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
+        """Returns the ends of a band of measured torque, wider by the noise; see `band`."""
+        low, high = self.band(curve, level)
+        noise = _quantile((1 + level) / 2) * self.noise.deviation
+        half = np.hypot((high - low) / 2, noise)
+        return (low + high) / 2 - half, (low + high) / 2 + half
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns everything as plain values."""
+        return {
+            "members": [
+                {
+                    "name": one.name,
+                    "weight": one.weight,
+                    "prediction_error": one.error,
+                    "initial_torque": one.initial_torque,
+                    "model": one.model.to_dict(),
+                }
+                for one in self.members
+            ],
+            "excess": self.excess,
+            "nested": self.nested,
+            "noise": self.noise.deviation,
+        }
+
+
+def ensemble(
+    candidates: Sequence[Candidate],
+    curves: Sequence[Curve],
+    noise: Noise,
+    *,
+    seed: int,
+    options: Mapping[str, Mapping[str, Any]],
+    fitted_start: Callable[[str], bool],
+) -> Ensemble | None:
+    """Joins the candidates that predict left-out curves nearly as well as the best.
+
+    Curves with loops inside loops are the test of what lies beyond first-order curves: every
+    candidate is fitted to all curves but these and predicts them, which counts beside its other
+    left-out errors.
+
+    Args:
+        candidates: Models that were tried; those that could not be fitted are left out.
+        curves: Curves that they were fitted to.
+        noise: Noise of the torque.
+        seed: Seed of all random numbers.
+        options: Options of the candidates' fits, by model.
+        fitted_start: Whether the fit of a model, by name, chooses the torque at the beginning.
+
+    Returns:
+        The ensemble; None where every candidate meets its pole on a left-out curve.
+    """
+    tried = [one for one in candidates if one.model and np.isfinite(one.prediction_nrmse)]
+    if not tried:
+        return None
+    nested = [curve for curve in curves if _nesting(curve) >= NESTED]
+    others = [curve for curve in curves if curve not in nested]
+    if not others:
+        nested = []  # then the left-out curves are of that kind themselves
+    beyond: dict[str, Array] = {}
+    for one in tried:
+        errors = _errors(one.name, others, nested, seed, options.get(one.name, {}))
+        if errors is not None:
+            beyond[one.name] = errors
+    if not beyond:
+        nested, beyond = [], {one.name: np.empty(0) for one in tried}
+    left_out = {one.name: one.prediction_errors for one in tried}
+    tested = {name: np.concatenate([left_out[name], errors]) for name, errors in beyond.items()}
+    score = {name: _rms(errors) for name, errors in tested.items()}
+    best = min(score, key=lambda name: score[name])
+    kept = [one for one in tried if score.get(one.name, math.inf) <= NEARLY * score[best]]
+    kept.sort(key=lambda one: score[one.name])
+    limit = excess(beyond[best] if nested else tested[best], noise)
+    far = np.array([score[one.name] ** 2 - score[best] ** 2 + limit**2 for one in kept])
+    far += np.finfo(float).tiny
+    weight = (far.min() / far) ** SHARPNESS
+    return Ensemble(
+        members=tuple(
+            Member(
+                name=one.name,
+                model=one.model,
+                initial_torque=one.initial_torque,
+                fitted_start=fitted_start(one.name),
+                error=score[one.name],
+                weight=share,
+            )
+            for one, share in zip(kept, (weight / weight.sum()).tolist(), strict=True)
+            if one.model is not None
+        ),
+        excess=limit,
+        nested=tuple(curve.name for curve in nested),
+        noise=noise,
+    )
+
+
+def drawn(
+    found: Ensemble,
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    samples: int,
+    seed: int,
+) -> tuple[HysteresisModel, ...]:
+    """Returns models of an ensemble to randomize with, the better members more often.
+
+    Each is a refit of a member to its own curves with new noise. Members share the number in
+    proportion to their weight; a model that cannot begin as the joint does is left out.
+
+    Args:
+        found: Ensemble.
+        curves: Curves that it was fitted to; those with role "fit" are used.
+        initial_torque: Torque with which the joint begins [N·m]; or "measured".
+        samples: Number of models.
+        seed: Seed of the noise.
+
+    Raises:
+        InputError: A number is below 0, or the kind of a member has no fit.
+    """
+    at_least("samples", samples, 0)
+    at_least("seed", seed, 0)
+    measured = thinned(Curves(curves).fitted())
+    start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
+    can_begin = [one for one in found.members if _begins(one.model, measured.start_angle, start)]
+    counts = shared([one.weight for one in can_begin], samples)
+    groups = (
+        refits(
+            one.model,
+            measured,
+            found.noise,
+            initial_torque=one.initial_torque,
+            fitted_start=one.fitted_start,
+            samples=count,
+            seed=seed + i,
+        )
+        for i, (one, count) in enumerate(zip(can_begin, counts, strict=True))
+    )
+    return tuple(model for group in groups for model in group)
+
+
+def shared(weights: Sequence[float], count: int) -> list[int]:
+    """Returns whole numbers in proportion to weights, whose sum is `count` (largest remainder)."""
+    wanted = count * np.array(weights) / sum(weights) if weights else np.empty(0)
+    found = np.floor(wanted).astype(int)
+    rest = np.argsort(found - wanted, kind="stable")[: count - found.sum()]
+    found[rest] += 1
+    return found.tolist()
+
+
+def _begins(model: HysteresisModel, angle: float, torque: float) -> bool:
+    try:
+        return model.start_is_certified(model.start(angle, torque))
+    except InputError:  # the model cannot hold that torque there
+        return False
+
+
+def excess(errors: Array, noise: Noise) -> float:
+    """Returns the root of the upper limit of the mean squared error less that of the noise [N·m].
+
+    The mean square of n samples of noise has the variance 2 (sum of squared correlations) / n of
+    the squared variance; slow noise has few independent samples.
+
+    Args:
+        errors: Predicted less measured torque [N·m].
+        noise: Noise of the measured torque.
+    """
+    memory, white = GRID.T
+    alike = 1 + 2 * ((1 - white) * memory) ** 2 / (1 - memory**2)
+    count = min(errors.size, noise.freedom)  # as many samples as the noise was estimated from
+    lower = 1 - _quantile(LIMIT) * np.sqrt(2 * alike / count)
+    least = float(noise.weight @ (noise.variance * np.maximum(lower, 0)))
+    return math.sqrt(max(float(np.mean(errors**2)) - least, 0))
+
+
+def _quantile(probability: float) -> float:
+    from scipy.special import ndtri  # slow to import
+
+    return float(ndtri(probability))
+
+
+def _nesting(curve: Curve) -> int:
+    return motion_coverage([Motion(curve.time, curve.angle)]).nesting
+
+
+def _errors(
+    name: str,
+    others: Sequence[Curve],
+    nested: Sequence[Curve],
+    seed: int,
+    options: Mapping[str, Any],
+) -> Array | None:
+    """Returns what a model misses curves by that its fit has not seen; None where that fails."""
+    if not nested:
+        return np.empty(0)
+    try:
+        found = fit_model(name, others, np.random.default_rng(seed), **options)
+        errors = torque_errors(found.model, found.initial_torque, nested)
+    except InputError:
+        return None
+    return errors if np.isfinite(errors).all() else None
+
+
+def _rms(errors: Array) -> float:
+    return float(np.sqrt(np.mean(errors**2)))

@@ -1,0 +1,175 @@
+"""The band over kinds of model: who is a member, how wide it is, and the models drawn of it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.assets import Suit
+from activesuit.errors import InputError
+from activesuit.hysteresis import BoucWen, Held
+from activesuit.identification import Curve, first_order_motions, identify, nested_motion
+from activesuit.identification.ensemble import NEARLY, ensemble, excess, shared
+from activesuit.identification.fits.registry import FITS
+from activesuit.identification.residual.noise import estimate_noise, slow_noise
+
+START, END, NOISE = 0.52, 1.57, 0.1
+TURNS = (0.73, 0.94, 1.15, 1.36, 1.57)
+
+
+def measured(torque, *, nested=False, seed=0):
+    rng = np.random.default_rng(seed)
+    motions = first_order_motions(TURNS, start_angle=START, angle_step=0.015)
+    if nested:
+        points = np.array(nested_motion(START, END).points)
+        motions["nested"] = np.interp(np.arange(0, 10.001, 0.025), np.arange(11), points)
+    return [
+        Curve(angle, torque(angle) + NOISE * rng.standard_normal(angle.size), name)
+        for name, angle in motions.items()
+    ]
+
+
+@pytest.fixture(scope="module")
+def unseen():
+    return np.concatenate(
+        [np.linspace(*leg, 50) for leg in ((0.52, 1.4), (1.4, 0.8), (0.8, 1.2), (1.2, 0.9))]
+    )
+
+
+@pytest.fixture(scope="module")
+def fit(elbow):
+    return identify(measured(elbow.response), method="auto")
+
+
+def test_members_are_the_candidates_that_predict_nearly_as_well(fit):
+    members = {one.name: one for one in fit.ensemble.members}
+    least = min(one.error for one in members.values())
+    for one in fit.candidates:
+        error = np.sqrt(np.mean(one.prediction_errors**2))
+        assert (one.name in members) == (error <= NEARLY * least)
+        if one.name in members:
+            assert members[one.name].model == one.model
+            assert members[one.name].error == pytest.approx(error)
+    assert len(members) > 1
+    assert fit.model_name in members
+    assert sum(one.weight for one in members.values()) == pytest.approx(1)
+    limits = [one.error**2 - least**2 + fit.ensemble.excess**2 for one in members.values()]
+    shares = [one.weight * limit**2 for one, limit in zip(members.values(), limits, strict=True)]
+    assert shares == pytest.approx([shares[0]] * len(shares))
+
+
+def test_the_band_holds_a_truth_in_the_class_and_is_narrow(fit, elbow, unseen):
+    right = elbow.response(unseen)
+    low, high = fit.band(Curve(unseen, 0 * unseen, "unseen"))
+    assert np.mean((low <= right) & (right <= high)) >= 0.9
+    assert np.mean(high - low) / 2 < 1.5 * NOISE
+    wide = fit.band(Curve(unseen, 0 * unseen, "unseen"), level=0.99)
+    assert (wide[0] < low).all()
+    assert (wide[1] > high).all()
+
+
+def test_the_band_is_about_the_weighted_mean(fit, unseen):
+    curve = Curve(unseen, 0 * unseen, "unseen")
+    low, high = fit.band(curve)
+    members = fit.ensemble.members
+    mean = sum(one.weight * one.model.response(unseen, one.initial_torque) for one in members)
+    np.testing.assert_allclose((low + high) / 2, mean, atol=1e-12)
+    assert ((high - low) / 2 >= 1.644 * fit.ensemble.excess).all()
+    wider = fit.ensemble.measured_band(curve)
+    half = (wider[1] - wider[0]) / 2
+    noise = 1.6449 * fit.ensemble.noise.deviation
+    np.testing.assert_allclose(half, np.hypot((high - low) / 2, noise), rtol=1e-3)
+
+
+def test_a_nested_record_widens_the_band_where_models_fail_beyond(unseen):
+    soft = BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=START)
+
+    def torque(angle):  # a damper, which no model has: faster branches where they are longer
+        turned = np.cumsum(np.concatenate([[0], np.diff(np.sign(np.diff(angle))) != 0, [0]]))
+        rate = np.array([1.0, 1.0, 0.1, 3.0, 0.3, 2.0, 0.2, 1.5, 0.5, 2.5, 0.4])[turned]
+        return soft.response(angle) + rate * np.sign(np.gradient(angle))
+
+    right, curve = torque(unseen), Curve(unseen, 0 * unseen, "unseen")
+    inside = {}
+    for nested in (False, True):
+        fit = identify(measured(torque, nested=nested), method="auto")
+        assert fit.ensemble.nested == (("nested",) if nested else ())
+        low, high = fit.band(curve)
+        inside[nested] = np.mean((low <= right) & (right <= high))
+    assert inside[False] < 0.7
+    assert inside[True] > 0.85
+
+
+def test_excess_is_what_noise_does_not_explain():
+    rng = np.random.default_rng(0)
+    white = 0.1 * rng.standard_normal(400)
+    noise = estimate_noise(np.ones((400, 1)), white, [400])
+    assert excess(white, noise) < 0.06
+    assert excess(3 * white, noise) == pytest.approx(np.sqrt(8) * 0.1, rel=0.1)
+    slow = 0.1 * slow_noise(400, 0.9, rng)
+    # Slow noise has few independent samples: less is known about what is left.
+    known = estimate_noise(np.ones((400, 1)), slow, [400])
+    assert excess(slow, known) > 1.3 * excess(white, noise)
+    assert excess(np.zeros(400), noise) == 0
+
+
+def test_drawn_models_are_of_all_kinds_by_weight(fit, elbow):
+    models = fit.uncertainty(samples=9, seed=3).samples
+    kinds = [(one.model if isinstance(one, Held) else one).name for one in models]
+    counts = {one.name: 0 for one in fit.ensemble.members} | {k: kinds.count(k) for k in kinds}
+    assert len(models) == 9
+    for one in fit.ensemble.members:
+        assert abs(counts[one.name] - 9 * one.weight) < 1
+    assert all(one.certificate().certified for one in models)
+    assert models == fit.uncertainty(samples=9, seed=3).samples
+    suit = Suit.from_fits({"elbow_flexion": fit}, samples={"elbow_flexion": models})
+    assert len({type(one) for one in suit.joints["elbow_flexion"].samples}) > 1
+
+
+def test_numbers_are_shared_by_weight():
+    assert shared([0.5, 0.3, 0.2], 10) == [5, 3, 2]
+    assert shared([0.5, 0.3, 0.2], 1) == [1, 0, 0]
+    assert shared([0.4, 0.35, 0.25], 2) == [1, 1, 0]
+    assert shared([0.6, 0.4], 0) == [0, 0]
+
+
+def test_it_is_plain_in_json(fit):
+    told = json.loads(json.dumps(fit.ensemble.to_dict()))
+    assert [one["name"] for one in told["members"]] == [one.name for one in fit.ensemble.members]
+    assert told["excess"] == fit.ensemble.excess
+    assert told["nested"] == []
+
+
+def test_bad_input(fit, elbow):
+    curve = fit.curves[0]
+    for level in (0, 1, 90, -0.1):
+        with pytest.raises(InputError, match=rf"level is {level}: give a share between 0 and 1"):
+            fit.band(curve, level)
+    with pytest.raises(InputError, match=r"curve is .*: give a Curve"):
+        fit.band(curve.angle)
+    one = identify(measured(elbow.response))
+    assert one.ensemble is None
+    with pytest.raises(InputError, match=r"method is 'certified'.* needs method 'auto'"):
+        one.band(curve)
+
+
+def test_a_candidate_that_cannot_predict_nested_loops_is_no_member(elbow, monkeypatch):
+    fit_bouc_wen = FITS["bouc-wen"]
+
+    def needs_all(curves, rng):
+        if not any(curve.name == "nested" for curve in curves):
+            raise InputError("nothing fits: measure again")
+        return fit_bouc_wen(curves, rng=rng)
+
+    curves = measured(elbow.response, nested=True)
+    assert "bouc-wen" in {one.name for one in identify(curves, method="auto").ensemble.members}
+    monkeypatch.setitem(FITS, "bouc-wen", needs_all)
+    fit = identify([replace(one) for one in curves], method="auto")
+    assert "bouc-wen" not in {one.name for one in fit.ensemble.members}
+
+
+def test_candidates_that_meet_their_pole_make_no_ensemble(fit):
+    poles = [replace(one, prediction_nrmse=np.inf) for one in fit.candidates]
+    options = {"seed": 0, "options": {}, "fitted_start": lambda name: True}
+    assert ensemble(poles, fit.curves, fit.ensemble.noise, **options) is None
+    assert ensemble(fit.candidates, fit.curves, fit.ensemble.noise, **options) is not None
