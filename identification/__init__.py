@@ -3,6 +3,7 @@
 from .coverage import Coverage, coverage, motion_coverage, shortfalls
 from .curve_files import load_curves, save_curves
 from .curves import Curve, Curves
+from .cycles import averaged_cycles
 from .design import Design, nested_motion
 from .ensemble import Ensemble, Member
 from .fits.asymmetric import fit_asymmetric
@@ -49,6 +50,7 @@ __all__ = [
     "RankDistanceMPSO",
     "Trial",
     "Uncertainty",
+    "averaged_cycles",
     "bare",
     "certified_fit",
     "coverage",

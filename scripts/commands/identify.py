@@ -9,8 +9,9 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Curve, Fit, Trial, load_curves
+from ...identification import Curve, Fit, Trial, averaged_cycles, load_curves
 from ...identification import identify as identify_curves
+from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
 from ...identification.fits.rate import Rate
 from ...identification.fits.registry import FITS
@@ -47,6 +48,7 @@ def identify(
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
     tare: Tare = 0.0,
+    average_cycles: bool = False,
     rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
     trials: int | None = None,
     seed: Seed = 0,
@@ -83,6 +85,8 @@ def identify(
         tare: Offset of the torque sensor in N·m, which is taken off all curves; zero takes the mean
             torque with which they begin, noise included, fitted the offset that the certified fit
             prefers.
+        average_cycles: Replace all cycles of each record but the first by their mean; the cycles
+            of a record must turn at the same two angles.
         rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
             (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
@@ -98,6 +102,11 @@ def identify(
             empty one, or that of an earlier identify.
     """
     family = load_curves(curves)
+    if average_cycles:
+        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+        family = averaged_cycles(family)
+        if not json:
+            say(f"mean of the cycles after the first: {counts}")
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
