@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import unknown_name
 from .suit_files import AnySuit, load_suit, save_suit, suit_names
-from .suit_joints import GRADES, JOINTS, SuitJoint
+from .suit_joints import GRADES, JOINTS, Softening, SuitJoint
 from .suits import Suit
 
 FOLDER = Path(__file__).parent
@@ -32,6 +32,7 @@ __all__ = [
     "JOINTS",
     "SCENE",
     "AnySuit",
+    "Softening",
     "Suit",
     "SuitJoint",
     "curves_path",

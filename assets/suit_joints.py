@@ -10,6 +10,7 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Field,
     FiniteFloat,
     InstanceOf,
     PlainSerializer,
@@ -53,6 +54,27 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+class Softening(Strict):
+    """How the torque of a joint changes over its cycles of motion, relative to its model's.
+
+    After n cycles the torque is steady + (first - steady) exp(-n / cycles) times that of the model:
+    it settles like fabric and bladders that wear in (softening, first > steady) or creep (drift).
+
+    Attributes:
+        first: Torque of the first cycle over that of the model, > 0.
+        steady: Torque after many cycles over that of the model, > 0.
+        cycles: Number of cycles in which the difference falls to 1/e, > 0.
+    """
+
+    first: Annotated[FiniteFloat, Field(gt=0)]
+    steady: Annotated[FiniteFloat, Field(gt=0)] = 1.0
+    cycles: Annotated[FiniteFloat, Field(gt=0)]
+
+    def factor(self, cycles: float) -> float:
+        """Returns the torque after some cycles, which may be infinite, over that of the model."""
+        return self.steady + (self.first - self.steady) * math.exp(-cycles / self.cycles)
+
+
 class SuitJoint(Strict):
     """The resistance of one joint and its provenance.
 
@@ -68,6 +90,8 @@ class SuitJoint(Strict):
             that alone changes with the pressure; `source` says what it rests on. None means that
             it is not known: the whole torque is then taken to be proportional to the pressure,
             which is assumed and not measured.
+        softening: How the torque changes over the cycles of motion; None if it does not, or if
+            nobody knows. A suit begins with its first cycle, or if it is preconditioned after many.
         grade: Grade of the numbers: published (printed in a paper), identified (fitted to curves)
             or assumed.
         source: Source of the numbers, in words.
@@ -83,6 +107,7 @@ class SuitJoint(Strict):
     start_torque: FiniteFloat = 0.0
     start_path: tuple[FiniteFloat, ...] = ()
     volume_share: FiniteFloat | None = None
+    softening: Softening | None = None
     grade: Grade
     source: str
     data_sha256: str | None = None
@@ -238,6 +263,35 @@ class SuitJoint(Strict):
         cycles = max(self.steady_cycle(model).cycles for model in models)
         path = (*self.range * cycles, self.range[0], self.start_angle)
         return self.model_copy(update={"start_path": path})
+
+    def after(self, cycles: float) -> "SuitJoint":
+        """Returns the joint with the torque that it has after some cycles of motion.
+
+        Its model is scaled, which keeps the certificate, and its softening counts from there: a
+        joint after 10 cycles that is then put after 20 is one after 20.
+
+        Args:
+            cycles: Number of cycles since the joint was new, 0 or more; it may be infinite.
+
+        Raises:
+            InputError: `cycles` is negative or no number.
+        """
+        if not cycles >= 0:
+            raise InputError(f"cycles is {cycles}: give a number of cycles, 0 or more")
+        if self.softening is None:
+            return self
+        factor = self.softening.factor(cycles)
+        if factor == 1:
+            return self
+        first, steady = self.softening.first / factor, self.softening.steady / factor
+        changes = {
+            "model": self.model.scaled(torque=factor),
+            "samples": tuple(sample.scaled(torque=factor) for sample in self.samples),
+            "start_torque": factor * self.start_torque,
+            "softening": Softening(first=first, steady=steady, cycles=self.softening.cycles),
+            "source": f"{self.source}; after {cycles:g} cycles, {factor:.3g} times that torque",
+        }
+        return self.model_copy(update=changes)
 
     def at_pressure_ratio(self, ratio: float) -> "SuitJoint":
         """Returns the joint at `ratio` times the pressure at which its torque was measured.

@@ -154,6 +154,15 @@ class Suit(Strict):
             },
         )
 
+    def after(self, cycles: float) -> "Suit":
+        """Returns the suit with the torque that it has after some cycles of motion.
+
+        Raises:
+            InputError: `cycles` is negative or no number; see `SuitJoint.after`.
+        """
+        joints = {joint: entry.after(cycles) for joint, entry in self.joints.items()}
+        return self.model_copy(update={"joints": joints})
+
     def preconditioned(self) -> "Suit":
         """Returns the suit in which the memory of every joint begins in its steady cycle.
 

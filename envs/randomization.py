@@ -18,6 +18,7 @@ from .simulation.plan import Plan
 SuitChoice = Literal["nominal", "samples"]
 LARGEST_SHARE = 0.5
 LARGEST_OFFSET = 0.2  # rad
+MOST_CYCLES = 1e6
 LOUDEST = 100.0  # times the usual noise of sensors
 
 Streams = Callable[[str], np.random.Generator]
@@ -38,6 +39,9 @@ class Randomization:
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
             the gas's part of it where `volume_share` tells it, is multiplied by a number between
             1 - pressure and 1 + pressure.
+        cycles: Least and greatest number of cycles that the suit has gone through, up to a million,
+            for joints whose file tells their softening; None is the first one, or many of a suit
+            that is preconditioned. The torque stays what it is within an episode.
         load: Share by which the masses and forces of a task's plan differ, up to 0.5; tools that
             belong to its model stay what they are.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
@@ -58,6 +62,7 @@ class Randomization:
     suit: SuitChoice = "nominal"
     suits: tuple[str, ...] = ()
     pressure: float = 0.0
+    cycles: tuple[float, float] | None = None
     load: float = 0.0
     payload: tuple[float, float] | None = None
     gravity: tuple[str, ...] = ()
@@ -74,6 +79,7 @@ class Randomization:
         for name, most, unit in (
             ("payload", HEAVIEST_PAYLOAD, " kg"),
             ("sensor_noise", LOUDEST, ""),
+            ("cycles", MOST_CYCLES, ""),
         ):
             given = getattr(self, name)
             if given is not None:
@@ -109,7 +115,8 @@ class Randomization:
     @property
     def changes_suit(self) -> bool:
         """Whether rows may wear other suits than the compiled one."""
-        return self.suit != "nominal" or self.pressure > 0 or bool(self.suits)
+        drawn = self.suit != "nominal" or bool(self.suits)
+        return drawn or self.pressure > 0 or self.cycles is not None
 
     def wardrobe(self, config: ArmConfig) -> tuple[Suit, ...]:
         """Returns the suits of which one is drawn in each episode, at their pressures.
@@ -131,7 +138,7 @@ class Randomization:
             return ()
         if config.suit == NO_SUIT:
             raise InputError(
-                "randomize has a suit or its pressure, and suit is 'none': name a suit"
+                "randomize has a suit, its pressure or cycles, and suit is 'none': name a suit"
             )
         worn = [worn_suit(replace(config, suit=suit)) for suit in self.suits or (config.suit,)]
         suits = tuple(suit for suit in worn if suit is not None)
@@ -140,6 +147,11 @@ class Randomization:
             raise InputError(
                 "randomize.suit is 'samples', and the suit has none: make a suit file with "
                 "`activesuit identify --samples`, or use 'nominal'"
+            )
+        if self.cycles is not None and not any(entry.softening for entry in entries):
+            raise InputError(
+                f"randomize.cycles is {list(self.cycles)}, and no joint of the suit has a "
+                "softening: add it to the suit file, or leave cycles out"
             )
         return suits
 
@@ -163,6 +175,9 @@ class Randomization:
                     models = (entry.model, *entry.samples)
                     model = models[int(draw * len(models))]
                     found[joint] = entry.model_copy(update={"model": model})
+        if self.cycles is not None:
+            count = float(streams("cycles").uniform(*self.cycles))
+            found = {joint: entry.after(count) for joint, entry in found.items()}
         if self.pressure > 0:
             factor = 1 + self.pressure * streams("pressure").uniform(-1, 1)
             found = {joint: _scaled(entry, factor) for joint, entry in found.items()}

@@ -165,7 +165,7 @@ class Suite:
             "tasks": {name: [type(task).__name__, asdict(task)] for name, task in _TASKS.items()},
             "levels": LEVELS,
             "suits": {
-                name: load_suit(name).model_dump(mode="json")
+                name: load_suit(name).model_dump(mode="json", exclude_none=True)
                 for name in dict.fromkeys((*BELIEVED, *self.believed))
             },
             "arm": ArmConfig(coupling=self.coupling).to_dict(),

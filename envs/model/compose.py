@@ -76,6 +76,9 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
 def worn_suit(config: ArmConfig) -> Suit | None:
     """Returns the suit at the pressure at which it is worn, with the memory that it begins with.
 
+    A suit whose torque changes over its cycles is in the first of them, or after many if it is
+    preconditioned.
+
     It is None if there is no suit.
 
     Raises:
@@ -93,7 +96,7 @@ def worn_suit(config: ArmConfig) -> Suit | None:
         if entry.volume_share is not None
     }
     suit = suit.model_copy(update={"joints": {**suit.joints, **shares}}) if shares else suit
-    return suit.preconditioned() if config.preconditioned else suit
+    return suit.after(math.inf).preconditioned() if config.preconditioned else suit.after(0)
 
 
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:

@@ -93,7 +93,8 @@ class ArmConfig:
         pressure: Operating pressure of the suit [kPa], to which its torque, or what of it the gas
             makes, is proportional; by default that of the suit file.
         preconditioned: Whether the suit's memory begins in the steady cycle over the range of each
-            joint, as in a suit that was moved before, and not with the virgin curve of a new one.
+            joint, as in a suit that was moved before, and not with the virgin curve of a new one;
+            where the suit file tells a softening, the torque is then that after many cycles.
         gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.

@@ -147,11 +147,19 @@ def _pressure(suit: Suit) -> str:
     return "unknown" if suit.pressure_kpa is None else f"{suit.pressure_kpa:g} kPa"
 
 
+def _softening(entry: SuitJoint) -> str:
+    if entry.softening is None:
+        return "-"
+    told = entry.softening
+    return f"{told.first:.3g}, {told.steady:.3g},\n{told.cycles:.3g} cycles"
+
+
 def _column(entry: SuitJoint) -> dict[str, str]:
     low, high = entry.range
     torques = sorted(_end_torque(entry, sample) for sample in entry.samples)
     return {
         "grade": entry.grade,
+        "torque of the first cycle,\nof many, falls to 1/e in": _softening(entry),
         "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
         "torque at its end [N·m]": f"{_end_torque(entry, entry.model):.2f}",

@@ -8,6 +8,7 @@ from activesuit import hysteresis
 from activesuit.assets import (
     CURVES,
     JOINTS,
+    Softening,
     Suit,
     SuitJoint,
     curves_path,
@@ -481,3 +482,38 @@ def test_damaged_json(tmp_path, content):
         load(tmp_path, text.replace('"mock-suit"', "[" * 10_000 + "]" * 10_000, 1))
     with pytest.raises(InputError, match="has a number of 5,000 digits"):
         load(tmp_path, text.replace('"schema_version": 2', f'"schema_version": {"2" * 5000}'))
+
+
+def softened(**numbers):
+    entry = load_suit("mock-suit").joints["elbow_flexion"]
+    wearing_in = Softening(**{"first": 1.2, "steady": 0.9, "cycles": 5.0} | numbers)
+    return entry.model_copy(update={"softening": wearing_in})
+
+
+def test_a_joint_softens_over_its_cycles():
+    joint, angle = softened(), np.linspace(*load_suit("mock-suit").joints["elbow_flexion"].range)
+    torque = joint.response(angle)
+    for cycles in (0, 3, np.inf):
+        factor = 0.9 + 0.3 * np.exp(-cycles / 5)
+        later = joint.after(cycles)
+        np.testing.assert_allclose(later.response(angle), factor * torque, rtol=1e-9)
+        assert later.model.certificate().certified
+        np.testing.assert_allclose(  # counts from when the joint was new
+            later.after(8).response(angle), joint.after(8).response(angle), rtol=1e-9
+        )
+    assert "after 3 cycles" in joint.after(3).source
+    still = load_suit("mock-suit").joints["elbow_flexion"]
+    assert still.after(100) is still
+
+
+def test_a_softening_survives_its_file(tmp_path):
+    suit = Suit(name="s", description="of a test", joints={"elbow_flexion": softened()})
+    suit.save(tmp_path / "s.json")
+    loaded = load_suit(str(tmp_path / "s.json")).joints["elbow_flexion"]
+    assert loaded.softening == softened().softening
+    with pytest.raises(InputError, match="cycles is -1"):
+        suit.after(-1)
+    wrong = (tmp_path / "s.json").read_text().replace('"first": 1.2', '"first": -1')
+    (tmp_path / "s.json").write_text(wrong)
+    with pytest.raises(InputError, match=r"softening\.first"):
+        load_suit(str(tmp_path / "s.json"))

@@ -5,8 +5,9 @@ import json
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS, Suit, SuitJoint, load_suit
+from activesuit.assets import JOINTS, Softening, Suit, SuitJoint, load_suit
 from activesuit.envs import ArmEnv
+from activesuit.envs.model import ArmConfig, worn_suit
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Held, JilesAtherton, PrandtlIshlinskii
@@ -352,3 +353,44 @@ def test_any_row_continues_from_a_state_of_another_load_and_place(sampled):
     again = [arms.step(np.full((4, 2), 0.1))[0] for _ in range(10)]
     for one, other in zip(first, again, strict=True):
         np.testing.assert_array_equal(one, other[::-1])
+
+
+def test_cycles_change_the_torque_of_a_suit_that_softens():
+    wearing_in = ENTRY.model_copy(
+        update={"softening": Softening(first=1.5, steady=1.0, cycles=2.0)}
+    )
+    suit = Suit(name="s", description="of a test", joints={"elbow_flexion": wearing_in})
+
+    def torques(**options):
+        arms = ArmEnv(suit=suit, sensors=["encoders", "privileged"], **options).rows(
+            16, info="full"
+        )
+        _, info = arms.reset(seed=0)
+        return -info["suit_torque"][:, ELBOW]
+
+    plain = Suit(name="p", description="of a test", joints={"elbow_flexion": ENTRY})
+    own = ArmEnv(suit=plain, sensors=["encoders", "privileged"]).rows(16, info="full")
+    _, info = own.reset(seed=0)
+    model = -info["suit_torque"][:, ELBOW]
+    drawn = torques(randomize={"cycles": [0, 4]}) / model
+    assert drawn.min() > 1.0
+    assert drawn.max() < 1.52
+    assert np.ptp(drawn) > 0.1
+    with pytest.raises(InputError, match=r"randomize\.cycles is \[0.0, 4.0\], and no joint"):
+        ArmEnv(suit=plain, randomize={"cycles": [0, 4]})
+    with pytest.raises(InputError, match=r"randomize\.cycles"):
+        ArmEnv(suit=suit, randomize={"cycles": [4, 0]})
+
+
+def test_a_suit_begins_with_its_first_cycle_or_after_many():
+    wearing_in = ENTRY.model_copy(
+        update={"softening": Softening(first=1.5, steady=0.8, cycles=2.0)}
+    )
+    suit = Suit(name="s", description="of a test", joints={"elbow_flexion": wearing_in})
+    fresh, many = (
+        worn_suit(ArmConfig(suit=suit, preconditioned=moved)).joints["elbow_flexion"]
+        for moved in (False, True)
+    )
+    torque = ENTRY.model.certificate().torque_bound
+    assert fresh.model.certificate().torque_bound == pytest.approx(1.5 * torque)
+    assert many.model.certificate().torque_bound == pytest.approx(0.8 * torque)
