@@ -32,6 +32,7 @@ from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
+SURELY, NEAR = 5.0, 0.02  # deviations of the noise, and share of the peak, that are no difference
 TRIALS = 30  # of an optimizer, as in Li et al. 2022
 
 
@@ -318,6 +319,17 @@ def _chosen_trial(chosen: Candidate) -> Trial:
     )
 
 
+def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> list[str]:
+    """Returns a remark if the curves begin at another torque than the model."""
+    first = curves.start_torque
+    if isinstance(start, str) or abs(first - start) <= max(SURELY * noise, NEAR * curves.peak):
+        return []
+    return [
+        f"the curves begin at {first:.3g} N·m, and the model at {start:.3g} N·m: let it begin "
+        "where they do (--initial-torque identified), or take the sensor's offset off (--tare)"
+    ]
+
+
 def _fit(
     curves: Curves,
     name: str,
@@ -351,6 +363,8 @@ def _fit(
         beyond=beyond,
         searched=searched,
     )
+    if judged and not fitted_start:
+        said = (*said, *_begins_elsewhere(best.initial_torque, measured, judged.noise.deviation))
     if choice and choice.unneeded and judged:
         remarks = (choice.unneeded, *judged.remarks)
         judged = replace(judged, verdict=NOT, remarks=remarks)

@@ -138,3 +138,15 @@ def test_the_starts_that_agree_are_told(elbow):
     fit = identify(curves)
     assert fit.agreed >= 1
     assert identify(curves, model="preisach").agreed is None
+
+
+def test_a_record_that_begins_elsewhere_than_the_model_gets_a_remark(elbow):
+    angle = sweep(0.9, 1.57, 0.52, 1.57, 0.52, samples=70)
+    noise = 0.05 * np.random.default_rng(0).standard_normal(angle.size)
+    curves = [Curve(angle, elbow.response(angle, 2.0) + noise, "bench")]
+    said = " ".join(identify(curves).diagnostics)
+    assert "begin at 2" in said
+    assert "--initial-torque identified" in said
+    fit = identify(curves, initial_torque="identified")
+    assert fit.initial_torque == pytest.approx(2.0, abs=0.1)
+    assert "begin at" not in " ".join(fit.diagnostics)
