@@ -1,7 +1,7 @@
 """`activesuit validate`: a believed suit against a worn one, first its torque and then relief."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -51,6 +51,7 @@ def validate(
     /,
     plant: tuple[SuitName, ...] = (SUIT,),
     policy: Annotated[str, choice(lambda: POLICIES)] = "feedforward",
+    samples: bool = False,
     held_out: tuple[Path, ...] = (),
     joint: Annotated[str | None, choice(joints)] = None,
     env: Env = None,
@@ -73,6 +74,8 @@ def validate(
         suits: Suits that the controller believes: names of shipped ones, or paths of suit files.
         plant: Suits that are simulated: names of shipped ones, or paths of suit files.
         policy: Policy that believes.
+        samples: Wear PLANT's own model or one of its samples, which its curves allow too, drawn
+            anew for each motion; `activesuit identify --samples` writes them.
         held_out: CSV files of measured curves: predict their torque, and simulate nothing.
         joint: Joint on which these curves were measured; by default the file name tells it
             (elbow.csv).
@@ -85,6 +88,10 @@ def validate(
         raise InputError("no suit is given: name one that the controller believes")
     for suit in (*suits, *plant):
         load_suit(suit)
+    if held_out and samples:
+        raise InputError(
+            "--samples draws suits to wear, and --held-out simulates nothing: leave one out"
+        )
     if held_out:
         result, tables, remarks = _predicted(suits, held_out, joint)
         folder = RunFolder(out, "validate", force=force) if out else None
@@ -102,6 +109,12 @@ def validate(
     }
     for chosen in scenes.values():
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
+    if samples:
+        drawn = {"randomize": {"suit": "samples"}}
+        scenes = {
+            worn: replace(chosen, options={**chosen.options, **drawn})
+            for worn, chosen in scenes.items()
+        }
     folder = RunFolder(out, "validate", force=force) if out else None
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
     _conclude(cells, evaluations, scenes, policy, episodes, seed, folder=folder, json=json)

@@ -100,6 +100,10 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     )
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
     assert set(result["cells"][0]["torque"]["joints"]) == {"elbow_flexion"}
+    run(capsys, "identify", ELBOW, "--samples", 3, "--out", tmp_path / "three")
+    drawn = tmp_path / "three" / "suit.json"
+    result = json.loads(run(capsys, "validate", suit, "--plant", drawn, "--samples", *arguments))
+    assert 0 < result["cells"][0]["torque"]["joints"]["elbow_flexion"]["nrmse"]["value"] < 0.05
     run(capsys, "identify", ELBOW, "--base", "mock-suit", "--out", tmp_path / "all")
     whole = load_suit(str(tmp_path / "all" / "suit.json"))
     assert set(whole.joints) == set(load_suit("mock-suit").joints)
@@ -280,6 +284,8 @@ MISTAKES = [
     (["validate", "{bad}/cut.json"], "not complete JSON"),
     (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
     (["validate"], "no suit is given"),
+    (["validate", "mock-suit", "--samples", "--held-out", ELBOW], "leave one out"),
+    (["validate", "mock-suit", "--samples"], "the suit has none"),
     (["validate", "mock-suit", "--policy", "gravity"], "unknown policy that believes a suit"),
     (["validate", "mock-suit", "--joint", "elbow_flexion"], "add --held-out"),
     (["validate", "mock-suit", "--held-out", "{bad}/other.csv"], "give --joint"),
