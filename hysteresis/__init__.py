@@ -4,7 +4,7 @@ Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJ
 """
 
 from . import first_use  # noqa: F401  (speaks when kernels compile)
-from .around import Asymmetric, Held, Viscoelastic
+from .around import Asymmetric, Backlash, Held, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
 from .config import ConfigKey
@@ -20,6 +20,7 @@ __all__ = [
     "MODELS",
     "TABLE_2",
     "Asymmetric",
+    "Backlash",
     "BoucWen",
     "Certificate",
     "ConfigKey",

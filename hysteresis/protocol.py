@@ -343,7 +343,7 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
     if missing == 0:
         return state.angle
     direction = math.copysign(1.0, missing)
-    if model.tangent(state, direction) <= 0:
+    if model.tangent(state, direction) < 0:
         direction = -direction
     # Bracket: walk on, ever faster, until the torque has passed the target.
     here, reach = state.angle, FIRST_REACH

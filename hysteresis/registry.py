@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, unknown_name
-from .around import Asymmetric, Held, Viscoelastic, Wrapper
+from .around import Asymmetric, Backlash, Held, Viscoelastic, Wrapper
 from .bouc_wen import BoucWen
 from .hinged_stops import HingedStops
 from .jiles_atherton import JilesAtherton
@@ -22,6 +22,7 @@ MODELS: dict[str, type[HysteresisModel]] = {
         HingedStops,
         Asymmetric,
         Held,
+        Backlash,
         Viscoelastic,
     )
 }

@@ -15,7 +15,6 @@ from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
 from ..reference import Example, Reference
 from .held import Held
-from .viscoelastic import Viscoelastic
 from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
@@ -166,12 +165,12 @@ def sprung(model: HysteresisModel, offset: float, stiffness: float) -> Hysteresi
 
     Args:
         model: Any hysteresis model; an asymmetric one gets the line added to its polynomial, also
-            where it is the part of a viscoelastic one.
+            where it is behind play or the part of a viscoelastic one.
         offset: Torque of the line at angle 0 [N·m].
         stiffness: Its slope [N·m/rad].
     """
     line = [offset, stiffness]
-    if isinstance(model, Viscoelastic):
+    if isinstance(model, Wrapper) and not isinstance(model, Asymmetric | Held):
         return replace(model, model=sprung(model.model, offset, stiffness))
     if not isinstance(model, Asymmetric):
         return Asymmetric(model=model, polynomial=line)

@@ -24,10 +24,11 @@ Python, with `attach`, or from MJCF:
 
 Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `start_path`* (angles that
 the memory goes through before the first step), `polynomial`* (coefficients of an elastic torque),
-`angle_range`* (outside which the torque is held), `allow_uncertified`* ("true") and `taken_off`*
-("true" for one that gives no torque until `replace_model` puts one of its kind on). Lists are
-numbers with blanks between them; `density` has its rows one after the other. The name of a sensor
-ends in `torque`, `stiffness` or `energy`, which is what it measures.
+`angle_range`* (outside which the torque is held), `viscoelastic`* (damping, relaxation stiffness
+and relaxation time), `gap`* (of the play between joint and model), `allow_uncertified`* ("true")
+and `taken_off`* ("true" for one that gives no torque until `replace_model` puts one of its kind
+on). Lists are numbers with blanks between them; `density` has its rows one after the other. The
+name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
 MuJoCo finds the plugin's code in the process, not in the file.

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Asymmetric, Held, Viscoelastic
+from ..around import Asymmetric, Backlash, Held, Viscoelastic
+from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..certificate import UncertifiedModelError
 from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
@@ -20,6 +21,7 @@ from ..protocol import HysteresisModel, State, follow
 from ..registry import MODELS
 from ._faults import (
     ANGLE_RANGE,
+    GAP,
     POLYNOMIAL,
     START_ANGLE,
     START_PATH,
@@ -215,8 +217,11 @@ def replace_model(
     if not allow_uncertified:
         _require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
-    bare, *around = _parts(model)
-    content = ([0.0], begun.memory, bare.parameter_vector, *around)
+    bare, *around, play = _parts(model)
+    if play.size:
+        play[backlash.END] = begun.memory[-1]
+    memory = begun.memory[: bare.memory_size]
+    content = ([0.0], memory, bare.parameter_vector, *around, play)
     take_off(mj_model, plugin_state, joint)
     begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
     plugin_state[begin : begin + size] = np.concatenate(content)
@@ -246,7 +251,7 @@ def same_layout(model: HysteresisModel, other: HysteresisModel) -> bool:
 def _layout(model: HysteresisModel) -> tuple[int, ...]:
     """Returns the slot of a model's plugin and the sizes of the parts of its state."""
     bare, *around = _parts(model)
-    own = model.memory_size + bare.parameter_vector.size
+    own = bare.memory_size + bare.parameter_vector.size
     return register()[plugin_name(type(bare))], own, *(part.size for part in around)
 
 
@@ -254,7 +259,8 @@ def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]
     """Returns the same of an instance, where the parts around the model are in its config."""
     values = _compiled_config(mj_model, instance)
     polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
-    around = polynomial, limits, viscoelastic.SIZE if values[VISCOELASTIC] else 0
+    rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
+    around = polynomial, limits, rate, backlash.SIZE if values[GAP] else 0
     own = int(mj_model.plugin_statenum[instance]) - MEMORY - sum(around)
     return int(mj_model.plugin[instance]), own, *around
 
@@ -307,23 +313,26 @@ class _Parts(NamedTuple):
     polynomial: Array
     limits: Array
     rate: Array
+    play: Array
 
 
 def _parts(model: HysteresisModel) -> _Parts:
     """Takes a model's wrappers off."""
-    rate, polynomial, limits = np.empty(0), np.empty(0), np.empty(0)
+    rate, play, polynomial, limits = (np.empty(0) for _ in range(4))
     if isinstance(model, Viscoelastic):
         model, rate = model.model, model.begun()
+    if isinstance(model, Backlash):
+        model, play = model.model, np.array([model.gap, 0.0])
     if isinstance(model, Asymmetric):
         model, polynomial = model.model, np.array(model.polynomial)
     if isinstance(model, Held):
         model, limits = model.model, np.array(model.angle_range)
-    return _Parts(model, polynomial, limits, rate)
+    return _Parts(model, polynomial, limits, rate, play)
 
 
 def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
     """Returns the name of the model's plugin and its parameters as MJCF config."""
-    bare, polynomial, limits, rate = _parts(model)
+    bare, polynomial, limits, rate, play = _parts(model)
     config = {key: _text(value) for key, value in bare.config().items()}
     if polynomial.size:
         config["polynomial"] = _text(polynomial.tolist())
@@ -331,6 +340,8 @@ def _config(model: HysteresisModel) -> tuple[str, dict[str, str]]:
         config["angle_range"] = _text(limits.tolist())
     if rate.size:
         config["viscoelastic"] = _text(rate[: viscoelastic.NUMBERS].tolist())
+    if play.size:
+        config["gap"] = _text(float(play[backlash.GAP]))
     return plugin_name(type(bare)), config
 
 

@@ -17,8 +17,10 @@ from typing import Any
 
 from numba import njit
 
+from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ._configuration import configure, connect, required_size, slope_of, value_of
+from ..around.backlash_kernels import value_of, within
+from ._configuration import configure, connect, required_size, slope_of
 from ._faults import FINE, JOINT, POLE, complain_of
 from ._layout import Layout
 from ._state import (
@@ -52,11 +54,20 @@ def angle_of(m, d, joint, at):
 
 
 @njit(inline="always")
-def within(limits, angle):
-    """Returns the angle, clipped to the range outside which the torque is held, if there is one."""
-    if limits.size == 0 or math.isnan(angle):
-        return angle
-    return min(max(angle, limits[0]), limits[1])
+def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
+    """Returns the angle of the suit's side of a gap at a trial angle, or where it has been."""
+    sound = backlash.is_sound(play) and kernels.is_sound(p)
+    if fault != 0 or not sound or not math.isfinite(angle):
+        return play[backlash.END]
+    return backlash.end_at(kernels, p, memory, polynomial, limits, play, angle)
+
+
+@njit(inline="always")
+def is_loose(polynomial, play, end, torque, angle, delta):
+    """Returns whether there is play in which a motion that goes on meets no torque at first."""
+    if play.size == 0:
+        return False
+    return backlash.is_free(torque + value_of(polynomial, end), play, end, angle, delta)
 
 
 @njit(inline="always")
@@ -86,12 +97,14 @@ def evaluate(kernels, m, d, instance, capability, at):
         return
     joint = joint_of(ids)
     address, size = state_of(m, d, instance, at), state_size(m, instance, at)
-    fault, memory, p, polynomial, limits, rate = parts(kernels, ids, address, size)
+    fault, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     if fault[0] == OFF:
         if capability != at.mjPLUGIN_PASSIVE:
             clear(m, d, ids, at)
         return
-    position = angle_of(m, d, joint, at)
+    joint_angle = position = angle_of(m, d, joint, at)
+    if play.size:
+        position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
     inside = within(limits, position)
     angle, torque, loss = reached(kernels, p, memory, fault[0], inside)
     if angle != inside:  # there is no torque at the position
@@ -100,7 +113,7 @@ def evaluate(kernels, m, d, instance, capability, at):
     dof = int32_at(pointer_at(m + at.m_jnt_dofadr), joint)
     if rate.size and viscoelastic.is_sound(rate):
         velocity = doubles(pointer_at(d + at.d_qvel), dof + 1)[dof]
-        total += viscoelastic.torque_at(rate, angle_of(m, d, joint, at), velocity)
+        total += viscoelastic.torque_at(rate, joint_angle, velocity)
     if capability == at.mjPLUGIN_PASSIVE:
         doubles(pointer_at(d + at.d_qfrc_passive), dof + 1)[dof] -= total
         return
@@ -114,6 +127,8 @@ def evaluate(kernels, m, d, instance, capability, at):
         slope = slope_of(polynomial, position)
         if limits.size == 0 or limits[0] < position < limits[1]:
             slope += kernels.stiffness(p, memory, angle, torque, delta)
+        if is_loose(polynomial, play, position, torque, joint_angle, delta):
+            slope = 0.0
         sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = slope
     if sensor_of(ids, ENERGY_SENSOR) >= 0:
         lost = kernels.dissipated(p, memory, angle, torque, loss)
@@ -169,7 +184,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
     def advance(m, d, instance):
         ids = word_of(d, instance, at)
         address, size = state_of(m, d, instance, at), state_size(m, instance, at)
-        fault, memory, p, _, limits, rate = parts(kernels, ids, address, size)
+        fault, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
         position = angle_of(m, d, joint_of(ids), at)
         if rate.size and fault[0] != OFF and math.isfinite(position):
             if viscoelastic.is_sound(rate):
@@ -177,12 +192,21 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
             elif fault[0] == 0:
                 fault[0] = 1.0
                 complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+        if play.size:
+            if fault[0] == 0 and not backlash.is_sound(play):
+                fault[0] = 1.0
+                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+            position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
         angle = within(limits, position)
-        if fault[0] != 0 or angle == memory[0] or not math.isfinite(angle):
+        if fault[0] != 0 or not math.isfinite(angle):
             return
-        # At a pole the torque is held where it was, and the flag tells so until a reset.
-        if not kernels.is_sound(p) or math.isnan(kernels.commit(p, memory, angle)):
-            fault[0] = 1.0
-            complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+        if angle != memory[0]:
+            # At a pole the torque is held where it was, and the flag tells so until a reset.
+            if not kernels.is_sound(p) or math.isnan(kernels.commit(p, memory, angle)):
+                fault[0] = 1.0
+                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+                return
+        if play.size:
+            play[backlash.END] = position
 
     return nstate, nsensordata, init, copy, reset, compute, advance

@@ -11,8 +11,11 @@ import math
 import numpy as np
 from numba import njit
 
+from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
+from ..around.backlash_kernels import value_of
 from ._faults import (
+    ABOVE_0,
     ALLOW,
     ANGLE_RANGE,
     COMMON_KEYS,
@@ -20,6 +23,7 @@ from ._faults import (
     FINE,
     FIRST_KEY,
     FLAG,
+    GAP,
     JOINT,
     JOINT_TWICE,
     JOINT_TYPE,
@@ -50,6 +54,7 @@ from ._state import (
     LARGEST,
     MEMORY,
     OFF,
+    PLAY_SHIFT,
     POLYNOMIAL_LIMIT,
     POLYNOMIAL_SHIFT,
     STIFFNESS_SENSOR,
@@ -122,6 +127,12 @@ def is_viscoelastic(m, instance, at):
 
 
 @njit(cache=True)
+def has_play(m, instance, at):
+    """Returns 1 if an instance is behind play, else 0."""
+    return 1 if count_words(config(m, instance, GAP, at)) > 0 else 0
+
+
+@njit(cache=True)
 def connect(m, instance, at):
     """Returns (fault, packed ids of the joint and of this instance's sensors)."""
     if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
@@ -140,6 +151,7 @@ def connect(m, instance, at):
     ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
     ids |= is_held(m, instance, at) << HELD_SHIFT
     ids |= is_viscoelastic(m, instance, at) << VISCOELASTIC_SHIFT
+    ids |= has_play(m, instance, at) << PLAY_SHIFT
     for sensor in range(pointer_at(m + at.m_nsensor)):
         if is_sensor_of(m, sensor, instance, at):
             kind = sensor_kind(sensor_name(m, sensor, at))
@@ -166,7 +178,8 @@ def required_size(kernels, kinds, m, instance, at):
     count_values(m, instance, kinds, counts, at)
     more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
     rate = viscoelastic.SIZE * is_viscoelastic(m, instance, at)
-    return MEMORY + kernels.size(counts) + more + rate
+    play = backlash.SIZE * has_play(m, instance, at)
+    return MEMORY + kernels.size(counts) + more + rate + play
 
 
 @njit(cache=True)
@@ -192,7 +205,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
 @njit(inline="always")
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault."""
-    flag, memory, p, polynomial, limits, rate = parts(kernels, ids, address, size)
+    flag, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     flag[0] = 1.0
     counts = np.empty(len(kinds), np.int64)
     count_values(m, instance, kinds, counts, at)
@@ -209,7 +222,9 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     if fault[0] == FINE:
         fault = read_viscoelastic(m, instance, rate, at)
     if fault[0] == FINE:
-        fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, at)
+        fault = read_gap(m, instance, play, at)
+    if fault[0] == FINE:
+        fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, play, at)
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
         fault = (FLAG, TAKEN_OFF)
     flag[0] = fault[0] != FINE
@@ -249,6 +264,16 @@ def read_viscoelastic(m, instance, rate, at):
 
 
 @njit(cache=True)
+def read_gap(m, instance, play, at):
+    """Reads the gap of the play, if there is one; returns a fault."""
+    if play.size == 0:
+        return FINE, JOINT
+    play[:] = 0.0
+    count = parse_numbers(config(m, instance, GAP, at), play[: backlash.END])
+    return FINE if count == 1 and backlash.is_sound(play) else ABOVE_0, GAP
+
+
+@njit(cache=True)
 def read_start(m, instance, joint, at):
     """Reads the start; returns (fault, angle, torque), by default qpos0 of the joint and 0."""
     qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
@@ -269,7 +294,7 @@ def flag_of(m, instance, key, at):
 
 
 @njit(inline="always")
-def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
+def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
     From there it follows `start_path`. Returns a fault: also for a model without a certificate and
@@ -281,6 +306,9 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
         return fault
     if allowed < 0:
         return FLAG, ALLOW
+    if play.size > 0:
+        angle = backlash.begun(play[backlash.GAP], angle, torque)
+        play[backlash.END] = angle
     torque -= value_of(polynomial, angle)
     low, high = -math.inf, math.inf
     if limits.size > 0:
@@ -299,18 +327,12 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, at):
         return NUMBERS, START_PATH
     for end in path:
         turn = min(max(end, low), high)
+        if play.size > 0:
+            side = backlash.end_at(kernels, p, memory, polynomial, limits, play, end)
+            play[backlash.END], turn = side, min(max(side, low), high)
         if turn != memory[0] and math.isnan(kernels.commit(p, memory, turn)):
             return NO_PATH, START_PATH
     return FINE, JOINT
-
-
-@njit(inline="always")
-def value_of(polynomial, angle):
-    """Returns the elastic torque of the polynomial."""
-    value = 0.0
-    for power in range(polynomial.size - 1, -1, -1):
-        value = value * angle + polynomial[power]
-    return value
 
 
 @njit(inline="always")

@@ -19,6 +19,7 @@ COMMON_KEYS = (
     "polynomial",
     "angle_range",
     "viscoelastic",
+    "gap",
     "allow_uncertified",
     "taken_off",
 )
@@ -30,10 +31,11 @@ COMMON_KEYS = (
     POLYNOMIAL,
     ANGLE_RANGE,
     VISCOELASTIC,
+    GAP,
     ALLOW,
     TAKEN_OFF,
     FIRST_KEY,
-) = range(10)
+) = range(11)
 
 (
     FINE,
@@ -46,6 +48,7 @@ COMMON_KEYS = (
     TOO_MANY,
     RANGE,
     THREE,
+    ABOVE_0,
     FLAG,
     UNCERTIFIED,
     FAR_START,
@@ -55,7 +58,7 @@ COMMON_KEYS = (
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(19)
+) = range(20)
 SENTENCES = (  # in the order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
@@ -69,6 +72,7 @@ SENTENCES = (  # in the order of the names above
     b"give lowest and highest angle, two ascending numbers",
     b"give damping, relaxation stiffness and relaxation time, three numbers of at least 0, the "
     b"time above 0 where there is a stiffness",
+    b"give one number above 0, the angle by which the joint moves freely",
     b"use true or false",
     b"its parameters have no certificate (a motion could meet infinite torque, or "
     b"gain energy); set allow_uncertified to true to run anyway",

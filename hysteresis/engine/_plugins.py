@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from ..around import Wrapper, viscoelastic_kernels
+from ..around import Wrapper, backlash_kernels, viscoelastic_kernels
 from ..protocol import HysteresisModel
 from ..registry import MODELS
 from ._callbacks import build
@@ -56,6 +56,7 @@ def _stamp(kernels: ModuleType) -> int:
     """
     own = Path(str(kernels.__file__)).parent.glob("*.py")
     engine = Path(__file__).parent.rglob("*.py")
-    files = [*sorted(own), *sorted(engine), Path(str(viscoelastic_kernels.__file__))]
+    around = [Path(str(module.__file__)) for module in (backlash_kernels, viscoelastic_kernels)]
+    files = [*sorted(own), *sorted(engine), *around]
     stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
     return zlib.crc32(repr(stats).encode())

@@ -1,15 +1,16 @@
 """Where an instance keeps its state and its ids in mjData.
 
 `mjData.plugin_state` holds the physical state: fault flag, memory, parameters (radians), the
-elastic polynomial, the range and the viscoelastic part. They are saved, copied and batched with the
-rest of the state, and may differ between simulations. `mjData.plugin_data` holds what follows from
-the MuJoCo model: the ids of the joint and of the sensors, packed into one integer. A state may be
-set on any MuJoCo model: the ids always fit the model at hand, and so do the sizes, which come from
-mjModel.
+elastic polynomial, the range, the viscoelastic part and the play. They are saved, copied and
+batched with the rest of the state, and may differ between simulations. `mjData.plugin_data` holds
+what follows from the MuJoCo model: the ids of the joint and of the sensors, packed into one
+integer. A state may be set on any MuJoCo model: the ids always fit the model at hand, and so do the
+sizes, which come from mjModel.
 """
 
 from numba import njit
 
+from ..around.backlash_kernels import SIZE as PLAY_SIZE
 from ..around.viscoelastic_kernels import SIZE
 from .native import doubles
 
@@ -18,22 +19,23 @@ OFF = 2.0  # flag of an instance that is taken off: it gives no torque
 POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
 
 # A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits), whether the
-# torque is held outside a range and whether there is a viscoelastic part (1 bit each). Sensors
-# count from 1; 0 is none.
+# torque is held outside a range, whether there is a viscoelastic part and whether there is play
+# (1 bit each). Sensors count from 1; 0 is none.
 BITS, LARGEST = 14, 2**14 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
 POLYNOMIAL_SHIFT, HELD_SHIFT, VISCOELASTIC_SHIFT = 4 * BITS, 4 * BITS + 3, 4 * BITS + 4
+PLAY_SHIFT = 4 * BITS + 5
 
 
 @njit(inline="always")
 def parts(kernels, ids, address, size):
     """Returns views of the parts of a state.
 
-    They are fault flag, memory, parameters, polynomial, range, viscoelastic part.
+    They are fault flag, memory, parameters, polynomial, range, viscoelastic part, play.
     """
     polynomial, limits = (ids >> POLYNOMIAL_SHIFT) & 7, 2 * ((ids >> HELD_SHIFT) & 1)
-    rate = SIZE * (ids >> VISCOELASTIC_SHIFT)
-    own = size - MEMORY - polynomial - limits - rate
+    rate, play = SIZE * ((ids >> VISCOELASTIC_SHIFT) & 1), PLAY_SIZE * (ids >> PLAY_SHIFT)
+    own = size - MEMORY - polynomial - limits - rate - play
     memory = kernels.memory_size(own)
     start = address + 8 * MEMORY
     end = start + 8 * own
@@ -44,6 +46,7 @@ def parts(kernels, ids, address, size):
         doubles(end, polynomial),
         doubles(end + 8 * polynomial, limits),
         doubles(end + 8 * (polynomial + limits), rate),
+        doubles(end + 8 * (polynomial + limits + rate), play),
     )
 
 

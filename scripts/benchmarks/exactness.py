@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from ...arrays import Array
-from ...hysteresis import MODELS, Asymmetric
+from ...hysteresis import MODELS, Asymmetric, Backlash
 from ...hysteresis.engine import attach
 from ...hysteresis.reference import Example, integrate, turn_indices
 from ..output import table, to_json
@@ -95,7 +95,7 @@ def examine(case: Example) -> Comparison:
         reference=float(np.abs(kernel - stepped).max()),
         dop853=float(np.abs(kernel - solved).max()),
         engine=float(np.abs(kernel - engine).max()),
-        engine_tolerance=SUM_TOLERANCE if isinstance(case.model, Asymmetric) else 0.0,
+        engine_tolerance=SUM_TOLERANCE if isinstance(case.model, Asymmetric | Backlash) else 0.0,
     )
 
 

@@ -107,7 +107,9 @@ def test_work_is_stored_plus_dissipated(model):
 def test_inverse_takes_the_response_back(model):
     angle = sweep(0.5, 1.1, 0.4, 0.9, samples=12)
     torque = model.response(angle)
-    np.testing.assert_allclose(model.inverse(torque, angle[0]), angle, atol=1e-9)
+    # In a gap all angles give no torque, and the inverse is where contact opens.
+    loaded = (np.abs(torque) > 1e-8) | (model.name != "backlash")
+    np.testing.assert_allclose(model.inverse(torque, angle[0])[loaded], angle[loaded], atol=1e-9)
     np.testing.assert_allclose(model.response(model.inverse(torque, angle[0])), torque, atol=1e-9)
 
 

@@ -1,0 +1,137 @@
+"""Contact across a gap, which `Backlash` and the engine share.
+
+A model around which there is play has its kernels, its memory s and parameters p, the coefficients
+of an elastic polynomial and the range outside which its torque is held, each empty where there is
+none. The array `play` holds the gap [rad], and the angle of the suit's side [rad].
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
+
+import math
+from collections.abc import Callable
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+GAP, END, SIZE = range(3)
+ZERO = 1e-9  # N·m, largest torque that counts as none
+OPEN = ZERO / 10  # of the root at which contact opens, so that it counts as none
+TRIALS = 100  # of that root, at most; usual are 5 to 10
+
+
+@njit(inline="always")
+def is_sound(play):
+    """Returns whether the numbers, which a user can overwrite, are a gap and an angle."""
+    return math.isfinite(play[GAP]) and play[GAP] > 0 and math.isfinite(play[END])
+
+
+@njit(inline="always")
+def within(limits, angle):
+    """Returns the angle, clipped to the range outside which the torque is held, if there is one."""
+    if limits.size == 0 or math.isnan(angle):
+        return angle
+    return min(max(angle, limits[0]), limits[1])
+
+
+@njit(inline="always")
+def value_of(polynomial, angle):
+    """Returns the elastic torque of the polynomial."""
+    value = 0.0
+    for power in range(polynomial.size - 1, -1, -1):
+        value = value * angle + polynomial[power]
+    return value
+
+
+@njit(inline="always")
+def begun(gap, angle, torque):
+    """Returns the angle of the suit's side where a motion begins, in contact if there is torque."""
+    if abs(torque) <= ZERO:
+        return angle
+    return angle - math.copysign(gap / 2, torque)
+
+
+@njit(inline="always")
+def torque_at(kernels, p, s, polynomial, limits, end):
+    """Returns the torque after a monotone motion of the suit's side; s unchanged."""
+    inside, torque = within(limits, end), s[1]
+    if inside != s[0]:
+        torque = kernels.move(p, s, inside)[0]
+    return torque + value_of(polynomial, end)
+
+
+@njit(inline="always")
+def opening(kernels, p, s, polynomial, limits, near, torque, far):
+    """Returns where the torque vanishes on the way from `near` to `far`, or `far`.
+
+    It brackets the root by the rule of Illinois (Dowell and Jarratt 1971).
+    """
+    last = torque_at(kernels, p, s, polynomial, limits, far)
+    if not last * torque < 0:
+        return far
+    for _ in range(TRIALS):
+        middle = far - last * (far - near) / (last - torque)
+        if not min(near, far) < middle < max(near, far):
+            middle = (near + far) / 2
+        if middle in (near, far):
+            break
+        now = torque_at(kernels, p, s, polynomial, limits, middle)
+        if now * last < 0:
+            near, torque = far, last
+        else:
+            torque /= 2
+        far, last = middle, now
+        if abs(last) <= OPEN:
+            break
+    return far
+
+
+@njit(inline="always")
+def end_at(kernels, p, s, polynomial, limits, play, angle):
+    """Returns the angle of the suit's side after a monotone motion of the joint; s unchanged."""
+    here, half = play[END], play[GAP] / 2
+    torque = s[1] + value_of(polynomial, here)
+    if abs(torque) <= ZERO:
+        return min(max(here, angle - half), angle + half)
+    half = math.copysign(half, torque)
+    face, other = angle - half, angle + half
+    if half * (here - face) <= 0:
+        return face
+    rest = opening(kernels, p, s, polynomial, limits, here, torque, face)
+    return min(rest, other) if half > 0 else max(rest, other)
+
+
+@njit(inline="always")
+def is_free(torque, play, end, angle, delta):
+    """Returns whether a motion that goes on with sign `delta` meets no torque at first.
+
+    The suit's side is at the angle `end`, with a torque, and the joint at `angle`.
+    """
+    return abs(torque) <= ZERO and delta * (end - (angle - delta * play[GAP] / 2)) > 0
+
+
+@cache
+def follower(kernels: ModuleType) -> Callable[..., Any]:
+    """Compiles the motion of a model behind play, once for each module of kernels.
+
+    The function fills `torques` with the torque along `angles` from the second one on, and moves s
+    and `play` with it; both stay where they were, and the torque is NaN from there on, at a pole.
+    """
+
+    @njit(cache=True)
+    def follow(p, s, polynomial, limits, play, angles, torques):
+        for i in range(1, angles.size):
+            if angles[i] == angles[i - 1]:
+                torques[i] = torques[i - 1]
+                continue
+            end = end_at(kernels, p, s, polynomial, limits, play, angles[i])
+            inside = within(limits, end)
+            if inside != s[0] and math.isnan(kernels.commit(p, s, inside)):
+                torques[i:] = np.nan
+                return
+            play[END] = end
+            torques[i] = s[1] + value_of(polynomial, end)
+
+    return follow
