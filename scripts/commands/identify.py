@@ -12,6 +12,7 @@ from ...errors import InputError
 from ...identification import Curve, Fit, Trial, load_curves
 from ...identification import identify as identify_curves
 from ...identification.figures import loops_figure
+from ...identification.fits.play import Play
 from ...identification.fits.rate import Rate
 from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
@@ -48,6 +49,7 @@ def identify(
     initial_torque: InitialTorque | None = None,
     tare: Tare = 0.0,
     rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
+    play: Annotated[Play, choice(lambda: get_args(Play))] = "none",
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -85,6 +87,7 @@ def identify(
             prefers.
         rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
             (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
+        play: Play in the transmission, whose gap is fitted before the model (fitted), or none.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -121,6 +124,7 @@ def identify(
             initial_torque=initial_torque,
             tare=tare,
             rate=rate,
+            play=play,
             trials=trials,
             seed=seed,
             workers=workers,
