@@ -90,7 +90,7 @@ def _behind(
         return _Behind(slow.model, slow.initial_torque, error)
     slow = fit([replace(one, angle=_suit_angles(one, gap)) for one in curves])
     behind = Backlash(model=slow.model, gap=gap)
-    starts = [slow.initial_torque]
+    starts: list[InitialTorque] = [slow.initial_torque]
     # A start within the noise counts as one in the gap where that is nearer to the curves.
     if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
         starts.append(0.0)
