@@ -11,6 +11,7 @@ from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves
 from .fits.certified import EXCESS, SHAPE
+from .fits.play import without_play
 from .fits.search import MARGIN
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
@@ -50,6 +51,7 @@ def diagnostics(
             f"{high:,g} N·m: check its unit"
         )
     inner = model.model if isinstance(model, Viscoelastic) else model
+    inner = without_play(inner)
     inner = inner.model if isinstance(inner, Asymmetric) else inner
     if isinstance(inner, Held):
         found += _safety(inner)

@@ -18,6 +18,7 @@ from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics, turns_back
 from .ensemble import LEVEL, NESTED, Ensemble, drawn, ensemble
+from .fits.play import Play
 from .fits.rate import Rate
 from .fits.registry import FITS, fit_model
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
@@ -166,6 +167,7 @@ def identify(
     needed: Coverage | None = None,
     tare: Tare = 0.0,
     rate: Rate = "none",
+    play: Play = "none",
     **options: Any,
 ) -> Fit:
     """Identifies a hysteresis model from first-order transition curves.
@@ -203,6 +205,9 @@ def identify(
         rate: What of the torque depends on the rate and is fitted beside the certified model:
             nothing ("none"), a dashpot ("viscous"), or a dashpot and a Maxwell element
             ("relaxing"); the model is then `Viscoelastic`, and the curves need times.
+        play: Whether the certified model is fitted behind a gap in the transmission ("fitted"), at
+            which contact opens at zero torque, or without one ("none"); the model is then
+            `Backlash`, if a gap was found.
         needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
             the diagnostics then say where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
@@ -216,7 +221,7 @@ def identify(
             fit, or a number out of its range.
     """
     check_method(model, method)
-    check_options(model, method, objective, normalize, initial_torque, trials, rate, options)
+    check_options(model, method, objective, normalize, initial_torque, trials, rate, play, options)
     at_least("seed", seed, 0)
     check_workers(workers)
     family = Curves(curves)
@@ -229,6 +234,7 @@ def identify(
     if initial_torque is not None and name == DEFAULT_MODEL:
         start["initial_torque"] = initial_torque
     beside: dict[str, Any] = {} if rate == "none" else {"rate": rate}
+    beside |= {} if play == "none" else {"play": play}
 
     def error(curves: Curves) -> float:
         return fit_model(name, curves, np.random.default_rng(seed), **start, **beside).loss

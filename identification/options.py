@@ -6,6 +6,7 @@ from typing import Any, get_args
 from ..checks import at_least
 from ..errors import InputError, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
+from .fits.play import Play
 from .fits.rate import Rate
 from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
@@ -43,6 +44,7 @@ def check_options(
     initial_torque: InitialTorque | None,
     trials: int | None,
     rate: Rate,
+    play: Play,
     options: dict[str, Any],
 ) -> None:
     """Refuses options that the method would ignore; None stands for one that is left out.
@@ -56,13 +58,14 @@ def check_options(
                 f"{option} is {given!r}: method {method!r} always minimizes the NRMSE over the "
                 "family; leave it out, or use a swarm or a baseline"
             )
-    if rate not in get_args(Rate):
-        raise unknown_name("rate", rate, get_args(Rate))
-    if rate != "none" and method in OPTIMIZERS:
-        raise InputError(
-            f"rate is {rate!r}, which the method {method!r} does not fit: use the method "
-            "'certified' or 'auto', or rate 'none'"
-        )
+    for option, given, known in (("rate", rate, Rate), ("play", play, Play)):
+        if given not in get_args(known):
+            raise unknown_name(option, given, get_args(known))
+        if given != "none" and method in OPTIMIZERS:
+            raise InputError(
+                f"{option} is {given!r}, which the method {method!r} does not fit: use the method "
+                f"'certified' or 'auto', or {option} 'none'"
+            )
     name = model or DEFAULT_MODEL
     identifies = method == "auto" or name != DEFAULT_MODEL
     if identifies and initial_torque not in (None, "identified"):
@@ -75,10 +78,10 @@ def check_options(
         if trials > 1 and (method == "auto" or not is_seeded(name)):
             what = "method 'auto' chooses" if method == "auto" else f"the fit of {name!r} is made"
             raise InputError(f"trials is {trials}: {what} once; leave it out")
-    known = _own_options(name, method)
+    names = _own_options(name, method)
     for option in options:
-        if option not in known:
-            raise unknown_name(f"{method} option", option, known or ["none"])
+        if option not in names:
+            raise unknown_name(f"{method} option", option, names or ["none"])
 
 
 def _own_options(model: str, method: str) -> list[str]:

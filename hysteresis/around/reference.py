@@ -70,6 +70,7 @@ class BacklashReference(Reference):
         # The suit's side may turn on either face of the gap, and where contact opens.
         reached = np.concatenate([[self.end], angles - self.half, angles + self.half])
         self.range = float(reached.min()), float(reached.max())
+        self.ways: dict[float, tuple[float, float]] = {}  # by direction, of the present branch
         self.inner = model.model.reference(reached, torque)
 
     def _ahead(self, end: float) -> float:
@@ -86,6 +87,7 @@ class BacklashReference(Reference):
         return float(brentq(self._ahead, self.end, farthest, xtol=1e-14))  # type: ignore[arg-type]
 
     def _torque_after(self, angle: float) -> float:
+        self.ways.clear()
         push = math.copysign(1.0, self.torque)
         face = angle - push * self.half
         away = push * (self.end - face) > 0
@@ -97,7 +99,7 @@ class BacklashReference(Reference):
 
     def slope(self, angle: float, torque: float, delta: float) -> float:
         """Returns dT/dtheta [N·m/rad] on the present branch; see `Reference.slope`."""
-        opens, closes = self._free(delta)
+        opens, closes = self._way(delta)
         if opens < delta * angle < closes:
             return 0.0
         face = delta if delta * angle >= closes else -delta
@@ -108,7 +110,12 @@ class BacklashReference(Reference):
         delta = math.copysign(1.0, end - self.angle)
         inner = self.inner.knots(end - delta * self.half)
         faces = [knot + side * self.half for knot in inner for side in (1, -1)]
-        return [*(delta * knot for knot in self._free(delta)), *faces]
+        return [*(delta * knot for knot in self._way(delta)), *faces]
+
+    def _way(self, delta: float) -> tuple[float, float]:
+        if delta not in self.ways:
+            self.ways[delta] = self._free(delta)
+        return self.ways[delta]
 
     def _free(self, delta: float) -> tuple[float, float]:
         """Returns the ends of the free way, as angles times `delta`; the first may be behind."""

@@ -55,7 +55,12 @@ def angle_of(m, d, joint, at):
 
 @njit(inline="always")
 def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
-    """Returns the angle of the suit's side of a gap at a trial angle, or where it has been."""
+    """Returns the angle of the suit's side of a gap, if there is one, at a trial angle.
+
+    Where the state is not sound, that is where it has been.
+    """
+    if play.size == 0:
+        return angle
     sound = backlash.is_sound(play) and kernels.is_sound(p)
     if fault != 0 or not sound or not math.isfinite(angle):
         return play[backlash.END]
@@ -102,9 +107,8 @@ def evaluate(kernels, m, d, instance, capability, at):
         if capability != at.mjPLUGIN_PASSIVE:
             clear(m, d, ids, at)
         return
-    joint_angle = position = angle_of(m, d, joint, at)
-    if play.size:
-        position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
+    joint_angle = angle_of(m, d, joint, at)
+    position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], joint_angle)
     inside = within(limits, position)
     angle, torque, loss = reached(kernels, p, memory, fault[0], inside)
     if angle != inside:  # there is no torque at the position
@@ -127,9 +131,8 @@ def evaluate(kernels, m, d, instance, capability, at):
         slope = slope_of(polynomial, position)
         if limits.size == 0 or limits[0] < position < limits[1]:
             slope += kernels.stiffness(p, memory, angle, torque, delta)
-        if is_loose(polynomial, play, position, torque, joint_angle, delta):
-            slope = 0.0
-        sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = slope
+        loose = is_loose(polynomial, play, position, torque, joint_angle, delta)
+        sensor_values(m, d, sensor_of(ids, STIFFNESS_SENSOR), 1, at)[0] = 0.0 if loose else slope
     if sensor_of(ids, ENERGY_SENSOR) >= 0:
         lost = kernels.dissipated(p, memory, angle, torque, loss)
         if rate.size:
@@ -192,11 +195,10 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
             elif fault[0] == 0:
                 fault[0] = 1.0
                 complain_of(kernels, words, m, instance, (POLE, JOINT), at)
-        if play.size:
-            if fault[0] == 0 and not backlash.is_sound(play):
-                fault[0] = 1.0
-                complain_of(kernels, words, m, instance, (POLE, JOINT), at)
-            position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
+        if play.size and fault[0] == 0 and not backlash.is_sound(play):
+            fault[0] = 1.0
+            complain_of(kernels, words, m, instance, (POLE, JOINT), at)
+        position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
         angle = within(limits, position)
         if fault[0] != 0 or not math.isfinite(angle):
             return

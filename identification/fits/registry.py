@@ -28,6 +28,7 @@ from .bouc_wen import fit_bouc_wen
 from .certified import certified_fit
 from .hinged_stops import fit_hinged_stops
 from .linear import fit_prandtl_ishlinskii, fit_preisach
+from .play import Play, fit_behind_play
 from .rate import Rate, fit_beside_rate
 
 
@@ -110,6 +111,7 @@ def fit_model(
     rng: np.random.Generator,
     *,
     rate: Rate = "none",
+    play: Play = "none",
     **options: Any,
 ) -> Fitted:
     """Fits the model `name` of `FITS` to curves.
@@ -122,6 +124,7 @@ def fit_model(
         rng: The generator that a seeded fit uses.
         rate: What is fitted beside it: a dashpot ("viscous"), or a Maxwell element too
             ("relaxing").
+        play: Whether a gap before it is fitted too ("fitted"), or there is none ("none").
         **options: The options of the fit.
 
     Raises:
@@ -130,9 +133,16 @@ def fit_model(
     if rate != "none":
 
         def slow(some: Sequence[Curve]) -> Fitted:
-            return fit_model(name, some, rng, **options)
+            return fit_model(name, some, rng, play=play, **options)
 
         model, start = fit_beside_rate(curves, rate, slow)
+        return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
+    if play != "none":
+
+        def tight(some: Sequence[Curve]) -> Fitted:
+            return fit_model(name, some, rng, **options)
+
+        model, start = fit_behind_play(curves, tight)
         return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
     if is_seeded(name):
         options["rng"] = rng

@@ -18,6 +18,7 @@ from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, Jile
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
 from ..fits.certified import refined
+from ..fits.play import play_of, without_play
 from ..fits.rate import rate_of
 from ..fits.registry import FITS, fit_model
 from ..fits.search import MARGIN
@@ -352,10 +353,11 @@ def _refitted(
             row = np.append(row, float(initial_torque))
             initial_torque = "identified"
         return refined(curves, row, initial_torque=initial_torque).model
-    rate = rate_of(model)
+    rate, play = rate_of(model), play_of(model)
     if isinstance(model, Viscoelastic):
         model = model.model
+    model = without_play(model)
     name = model.model.name if isinstance(model, Held) else model.name
     if name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
-    return fit_model(name, curves, np.random.default_rng(seed), rate=rate).model
+    return fit_model(name, curves, np.random.default_rng(seed), rate=rate, play=play).model

@@ -13,6 +13,7 @@ from ...identification import Curve, Fit, Trial, averaged_cycles, load_curves
 from ...identification import identify as identify_curves
 from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
+from ...identification.fits.play import Play
 from ...identification.fits.rate import Rate
 from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
@@ -50,6 +51,7 @@ def identify(
     tare: Tare = 0.0,
     average_cycles: bool = False,
     rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
+    play: Annotated[Play, choice(lambda: get_args(Play))] = "none",
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -89,6 +91,7 @@ def identify(
             of a record must turn at the same two angles.
         rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
             (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
+        play: Play in the transmission, whose gap is fitted before the model (fitted), or none.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -130,6 +133,7 @@ def identify(
             initial_torque=initial_torque,
             tare=tare,
             rate=rate,
+            play=play,
             trials=trials,
             seed=seed,
             workers=workers,

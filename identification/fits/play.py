@@ -1,0 +1,119 @@
+"""Fits of a hysteresis model behind play in the transmission."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ...arrays import Array
+from ...hysteresis.around.backlash import Backlash
+from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.protocol import HysteresisModel
+from ..curves import Curve
+from ..objective import InitialTorque
+from ..prediction import nrmse, torque_errors
+from .rate import SlowFit
+
+Play = Literal["none", "fitted"]
+LARGEST = 0.1  # of the range of angles, the widest gap that is looked for
+GAPS = 6  # on the grid, the first of them none
+CLOSE = 1e-3  # of the widest gap, how exactly the best is found
+CERTAIN = 4.0  # deviations of the noise by which a torque tells the face that is touched
+WHITE = 1.4826 / np.sqrt(6)  # from the median of |second differences| to the deviation of noise
+
+
+class _Behind(NamedTuple):
+    model: HysteresisModel
+    initial_torque: InitialTorque
+    loss: float
+
+
+def play_of(model: HysteresisModel) -> Play:
+    """Returns whether a fitted model is behind play."""
+    inner = model.model if isinstance(model, Viscoelastic) else model
+    return "fitted" if isinstance(inner, Backlash) else "none"
+
+
+def without_play(model: HysteresisModel) -> HysteresisModel:
+    """Returns the model behind the play, or the model itself where there is none."""
+    return model.model if isinstance(model, Backlash) else model
+
+
+def fit_behind_play(
+    curves: Sequence[Curve], fit: Callable[[Sequence[Curve]], SlowFit]
+) -> tuple[HysteresisModel, InitialTorque]:
+    """Fits a hysteresis model and the gap before it.
+
+    For a given gap, the sign of the torque tells the face that is touched, and so the angle of the
+    suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
+    side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
+    which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
+    bounded search. A gap that lowers the error by less than its number costs (the Bayesian
+    information criterion) is none, and the model comes back as it is.
+
+    Args:
+        curves: Measured curves.
+        fit: Fit of the hysteresis model to curves.
+    """
+    found: dict[float, _Behind] = {}
+
+    def loss(gap: float) -> float:
+        if gap not in found:
+            found[gap] = _behind(curves, gap, fit)
+        return found[gap].loss
+
+    widest = LARGEST * max(float(np.ptp(curve.angle)) for curve in curves)
+    grid = np.linspace(0.0, widest, GAPS)
+    best = int(np.argmin([loss(float(gap)) for gap in grid]))
+    near = grid[max(best - 1, 0)], grid[min(best + 1, GAPS - 1)]
+    minimize_scalar(
+        lambda gap: loss(float(gap)),
+        bounds=near,
+        method="bounded",
+        options={"xatol": CLOSE * widest},
+    )
+    chosen, samples = min(found.values(), key=lambda one: one.loss), _samples(curves)
+    if found[0.0].loss <= chosen.loss * samples ** (1 / (2 * samples)):
+        chosen = found[0.0]
+    return chosen.model, chosen.initial_torque
+
+
+def _behind(
+    curves: Sequence[Curve], gap: float, fit: Callable[[Sequence[Curve]], SlowFit]
+) -> _Behind:
+    """Returns the fit of a model behind a known gap, with its error along the curves."""
+    if gap == 0:
+        slow = fit(curves)
+        error = _error(slow.model, slow.initial_torque, curves)
+        return _Behind(slow.model, slow.initial_torque, error)
+    slow = fit([replace(one, angle=_suit_angles(one, gap)) for one in curves])
+    behind = Backlash(model=slow.model, gap=gap)
+    starts: list[InitialTorque] = [slow.initial_torque]
+    # A start within the noise counts as one in the gap where that is nearer to the curves.
+    if not isinstance(slow.initial_torque, str) and slow.initial_torque != 0:
+        starts.append(0.0)
+    tried = [_Behind(behind, one, _error(behind, one, curves)) for one in starts]
+    return min(tried, key=lambda one: one.loss)
+
+
+def _samples(curves: Sequence[Curve]) -> int:
+    return sum(curve.angle.size for curve in curves)
+
+
+def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]) -> float:
+    return nrmse(torque_errors(model, start, curves), curves)
+
+
+def _suit_angles(curve: Curve, gap: float) -> Array:
+    """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
+    second = np.diff(curve.torque, 2)
+    noise = WHITE * float(np.median(np.abs(second))) if second.size else 0.0
+    side = np.where(np.abs(curve.torque) > CERTAIN * noise, np.sign(curve.torque), 0.0)
+    end, found = float(curve.angle[0]), np.empty_like(curve.angle)
+    for i, (angle, face) in enumerate(zip(curve.angle.tolist(), side.tolist(), strict=True)):
+        low, high = angle - gap / 2, angle + gap / 2
+        end = angle - face * gap / 2 if face else min(max(end, low), high)
+        found[i] = end
+    return found
