@@ -241,7 +241,7 @@ def identify(
 
     offset = found_tare(measured, tare, error)
     family, measured = tared(family, offset), tared(measured, offset)
-    if method == "auto" or name != DEFAULT_MODEL:
+    if method == "auto" or name != DEFAULT_MODEL or beside:
         _refuse_weights(measured)
     if method == "auto":
         ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
@@ -309,7 +309,7 @@ def _refuse_weights(curves: Sequence[Curve]) -> None:
     if min(weights) < max(weights):
         raise InputError(
             f"the curves have weights from {min(weights):g} to {max(weights):g}: only fits of the "
-            "model 'jiles-atherton' weigh curves; remove the weights"
+            "model 'jiles-atherton' without rate and play weigh curves; remove the weights"
         )
 
 

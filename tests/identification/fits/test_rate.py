@@ -109,6 +109,8 @@ def test_what_cannot_be_fitted_is_refused(viscous):
     curves = measured(viscous)
     with pytest.raises(InputError, match="no times, and the model depends on the rate: add the"):
         identify([replace(curve, time=None) for curve in curves], rate="viscous")
+    with pytest.raises(InputError, match=r"weights from 1 to 2: only fits .* without rate"):
+        identify([replace(curves[0], weight=2.0), *curves[1:]], rate="viscous")
     with pytest.raises(InputError, match="rate is 'viscous', which the method 'pso' does not fit"):
         identify(curves, rate="viscous", method="pso")
     with pytest.raises(InputError, match=r"'visc'.*did you mean 'viscous'"):
