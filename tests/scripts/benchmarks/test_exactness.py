@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.hysteresis import MODELS, TABLE_2
+from activesuit.hysteresis import MODELS, TABLE_2, Viscoelastic
 from activesuit.hysteresis.reference import integrate, turn_indices
 from activesuit.scripts.benchmarks import exactness
 from activesuit.scripts.main import main
@@ -31,7 +31,7 @@ def test_every_way_gives_the_same_torque(capsys):
     names = [row["model"] for row in result["rows"]]
     assert names == list(CASES)
     assert {f"J-A {name}" for name in TABLE_2} < set(names)
-    assert {type(case.model) for case in CASES.values()} == set(MODELS.values())
+    assert {type(case.model) for case in CASES.values()} == set(MODELS.values()) - {Viscoelastic}
     for row in result["rows"]:
         assert row["within"] == {"reference": True, "dop853": True, "engine": True}
         assert row["passed"]
