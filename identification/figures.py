@@ -19,16 +19,20 @@ def loops_figure(
     """Draws the measured loops of each joint and what each fit makes of them.
 
     Args:
-        families: Curves by joint name; fitted and predicted ones get a column each.
+        families: Curves by joint name; fitted and predicted ones get a column each, if there are
+            any.
         fits: Joint name -> label -> fit.
 
     Returns:
         One row per joint: fitted curves on the left, predicted ones on the right.
     """
-    figure = Figure(figsize=(10, 3.8 * len(families)), layout="constrained")
-    grid = figure.subplots(len(families), 2, squeeze=False, sharey="row")
+    columns = 2 if any(Curves(curves).held_out() for curves in families.values()) else 1
+    figure = Figure(figsize=(5 * columns, 3.8 * len(families)), layout="constrained")
+    grid = figure.subplots(len(families), columns, squeeze=False, sharey="row")
     for axes, (joint, curves) in zip(grid, families.items(), strict=True):
-        parts = {"fitted": Curves(curves).fitted(), "predicted": Curves(curves).held_out()}
+        parts = {"fitted": Curves(curves).fitted()}
+        if columns == 2:
+            parts["predicted"] = Curves(curves).held_out()
         for ax, (title, drawn) in zip(axes, parts.items(), strict=True):
             _draw_loops(ax, drawn, fits[joint])
             ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")

@@ -1,6 +1,5 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, get_args
 
@@ -9,7 +8,7 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Curve, Fit, Trial, averaged_cycles, load_curves
+from ...identification import Fit, Trial, averaged_cycles, load_curves
 from ...identification import identify as identify_curves
 from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
@@ -166,7 +165,7 @@ def identify(
         with folder.together() as new:
             suit.save(new / "suit.json")
             new.json("result.json", summary)
-            _write(new, joint_name, family, fit)
+            _write(new, joint_name, fit)
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
@@ -210,6 +209,6 @@ def _finished(fit: Fit) -> str:
     return f"{len(fit.trials)} finished trials"
 
 
-def _write(folder: RunFolder, joint: str, family: Sequence[Curve], fit: Fit) -> None:
+def _write(folder: RunFolder, joint: str, fit: Fit) -> None:
     write_trials(folder, "trials.csv", {joint: {fit.method: fit}})
-    folder.figure("loops", loops_figure({joint: family}, {joint: {fit.model_name: fit}}))
+    folder.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification import Curve, identify
+from activesuit.identification.figures import loops_figure
 from helpers import sweep
 
 OFFSET, NOISE = 1.3, 0.05
@@ -52,3 +53,13 @@ def test_bad_input(elbow):
         identify(family(elbow), tare=float("nan"))
     with pytest.raises(InputError, match="change its sign"):
         identify([replace(one, torque=-one.torque) for one in family(elbow)], tare="fitted")
+
+
+def test_the_figure_shows_the_curves_that_were_fitted(elbow):
+    angle = sweep(0.52, 1.57, 0.52, samples=60)
+    curves = [Curve(angle, elbow.response(angle) + 1.3, "A")]
+    fit = identify(curves, tare=1.3)
+    figure = loops_figure({"elbow": fit.curves}, {"elbow": {"certified": fit}})
+    (ax,) = figure.axes  # nothing was kept out of the fit, so there is no panel for it
+    measured, modeled = (line.get_ydata() for line in ax.lines[:2])
+    np.testing.assert_allclose(measured, modeled, atol=0.01)
