@@ -276,7 +276,7 @@ class SuitJoint(Strict):
         Raises:
             InputError: `cycles` is negative or no number.
         """
-        if not cycles >= 0:
+        if not isinstance(cycles, int | float) or not cycles >= 0:
             raise InputError(f"cycles is {cycles}: give a number of cycles, 0 or more")
         if self.softening is None:
             return self

@@ -90,7 +90,9 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
 def save_curves(
     path: str | os.PathLike[str], curves: Sequence[Curve], comments: Sequence[str] = ()
 ) -> None:
-    """Writes curves so that `load_curves` reads them back (to 1e-6 rad and 1e-6 N·m).
+    """Writes curves so that `load_curves` reads them back.
+
+    Angles are kept to 1e-6 rad and torques to 1e-6 N·m, or to 9 digits where all are below 1 N·m.
 
     There is a column `time_s` if any of them has its time.
 
@@ -109,12 +111,13 @@ def save_curves(
     timed = any(curve.time is not None for curve in curves)
     optional = [*["weight"] * weighted, *["time_s"] * timed]
     writer.writerow(["curve", "role", *optional, "angle_rad", "torque_nm"])
+    digits = ".6f" if Curves(curves).peak >= 1 else ".9g"
     for curve in curves:
         label = [curve.name, curve.role, *[curve.weight] * weighted]
         known = repeat(None) if curve.time is None else curve.time
         for time, angle, torque in zip(known, curve.angle, curve.torque, strict=False):
-            now = ["" if time is None else f"{time:.12g}"] * timed
-            writer.writerow([*label, *now, f"{angle:.6f}", f"{torque:.6f}"])
+            now = ["" if time is None else f"{time:.15g}"] * timed
+            writer.writerow([*label, *now, f"{angle:.6f}", f"{torque:{digits}}"])
     write_text(path, text.getvalue())
 
 

@@ -39,9 +39,11 @@ def cycles_of(curve: Curve) -> int:
 def _averaged(curve: Curve) -> Curve:
     ends, count = _ends(curve), cycles_of(curve)
     if count < FEWEST:
+        branches = reversals(curve.angle).size + 1
         raise InputError(
-            f"curve {curve.name!r} has {len(ends) // 2} whole cycles: an average needs at least "
-            f"{FEWEST + 1}, of which the first is kept; measure more, or leave --average-cycles out"
+            f"curve {curve.name!r} has {branches} branches: an average needs at least "
+            f"{2 * FEWEST + 2} between the same two angles, of which the first two are kept; "
+            "measure more cycles, or leave --average-cycles out"
         )
     turns = ends[2 : 3 + 2 * count]
     _refuse_uneven(curve, turns)

@@ -5,13 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..hysteresis.around.asymmetric import Asymmetric
+from ..hysteresis.around.backlash import Backlash
 from ..hysteresis.around.held import Held
 from ..hysteresis.around.viscoelastic import Viscoelastic
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves
 from .fits.certified import EXCESS, SHAPE
-from .fits.play import without_play
+from .fits.play import LARGEST, without_play
 from .fits.search import MARGIN
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
@@ -51,6 +52,8 @@ def diagnostics(
             f"{high:,g} N·m: check its unit"
         )
     inner = model.model if isinstance(model, Viscoelastic) else model
+    if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
+        found.append(f"gap = {inner.gap:.5g} is at the limit of the search: it may be wider")
     inner = without_play(inner)
     inner = inner.model if isinstance(inner, Asymmetric) else inner
     if isinstance(inner, Held):

@@ -332,7 +332,8 @@ def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> lis
         return []
     return [
         f"the curves begin at {first:.3g} N·m, and the model at {start:.3g} N·m: let it begin "
-        "where they do (--initial-torque identified), or take the sensor's offset off (--tare)"
+        "where they do (--initial-torque identified); or, if the sensor has an offset, take it off "
+        "(--tare fitted)"
     ]
 
 
@@ -369,12 +370,12 @@ def _fit(
         beyond=beyond,
         searched=searched,
     )
-    if judged and not fitted_start:
-        said = (*said, *_begins_elsewhere(best.initial_torque, measured, judged.noise.deviation))
     if choice and choice.unneeded and judged:
         remarks = (choice.unneeded, *judged.remarks)
         judged = replace(judged, verdict=NOT, remarks=remarks)
     said = (*said, *(judged.remarks if judged else ()), *short)
+    if judged and not fitted_start:
+        said = (*said, *_begins_elsewhere(best.initial_torque, measured, judged.noise.deviation))
     return Fit(
         model=best.model,
         model_name=name,

@@ -156,11 +156,11 @@ def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:
     score = f"with NRMSE {chosen.prediction_nrmse:.2%}"
     if chosen is not best:
         return (
-            f"{chosen.name} predicts curves left out of its fit {score}, within 10 % of the best "
+            f"{chosen.name} predicts what was left out of its fit {score}, within 10 % of the best "
             f"({best.name}, {best.prediction_nrmse:.2%}), and has fewer parameters "
             f"({chosen.parameters} instead of {best.parameters})"
         )
-    text = f"{chosen.name} predicts curves left out of its fit best, {score}"
+    text = f"{chosen.name} predicts what was left out of its fit best, {score}"
     if len(tried) == 1 or tried[1].model is None:
         return f"{text}; no other model was fitted"
     return (

@@ -53,6 +53,9 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
     "rate": lambda size: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
         "lags; measure slower, or fit the rate too with --rate viscous"
+        if size > 0
+        else f"the torque falls by {-size:.2g} N·m with each rad/s, as no joint's does: angle and "
+        "torque are not measured at the same time; measure slower, or shift one of them"
     ),
     "play": lambda size: (
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "

@@ -126,7 +126,9 @@ def judge(
     torque = np.concatenate([curve.torque for curve in family])
     constant = float(np.std(torque)) / family.peak
     nothing = own >= HARDLY_BETTER * constant
-    verdict = NOT if matters or nothing else NOT_BEYOND if beyond else DESCRIBES
+    explains = max((_saved(residual, slopes, one.column) for one in found), default=1.0)
+    wrong = matters or nothing or explains >= TIMES_NOISE
+    verdict = NOT if wrong else NOT_BEYOND if beyond else DESCRIBES
     baselines = baseline_errors(family)
     remarks = list(_misfit_remarks(misfit, known, family) if surely else ())
     if nothing:
@@ -180,6 +182,13 @@ def _unfinished(residual: Array, slopes: Array) -> float:
     basis = independent(slopes)
     least = residual - basis @ (basis.T @ residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
+
+
+def _saved(residual: Array, slopes: Array, column: Array) -> float:
+    """Returns the residual over what is left of it where a column of a fault is fitted too."""
+    basis = independent(np.column_stack([slopes, column]))
+    rest = residual - basis @ (basis.T @ residual)
+    return float(np.linalg.norm(residual) / max(np.linalg.norm(rest), np.finfo(float).tiny))
 
 
 def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[str]:

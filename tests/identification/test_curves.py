@@ -208,3 +208,12 @@ def test_files_that_cannot_be_read(tmp_path):
         load_curves("a\0b.csv")
     with pytest.raises(InputError, match=r"cannot read the curves .* is longer than 256 MiB"):
         load_curves("/dev/zero")
+
+
+def test_small_torques_and_clock_times_survive_the_file(tmp_path):
+    time = 1.7e9 + np.linspace(0, 2, 50)
+    angle, torque = np.linspace(0.5, 1.5, 50), 1e-6 * np.sin(np.linspace(0, 3, 50))
+    save_curves(tmp_path / "a.csv", [Curve(angle, torque, "A", time=time)])
+    (back,) = load_curves(tmp_path / "a.csv")
+    np.testing.assert_allclose(back.torque, torque, rtol=1e-8)
+    np.testing.assert_allclose(back.time - time[0], time - time[0], atol=1e-5)

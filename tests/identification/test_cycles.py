@@ -60,7 +60,7 @@ def test_a_branch_that_is_not_whole_is_dropped(elbow):
 
 
 def test_what_is_no_repeated_cycle_is_refused(elbow):
-    with pytest.raises(InputError, match="has 2 whole cycles: an average needs at least 3"):
+    with pytest.raises(InputError, match="has 4 branches: an average needs at least 6"):
         averaged_cycles([record(elbow, 2)])
     angle = sweep(0.52, 1.57, 0.52, 1.57, 0.52, 1.2, 0.52, 1.57, 0.52)
     with pytest.raises(InputError, match=r"turns between 1\.2 and 1\.57 rad on one side"):

@@ -115,3 +115,15 @@ def test_what_cannot_be_fitted_is_refused(viscous):
         identify(curves, rate="viscous", method="pso")
     with pytest.raises(InputError, match=r"'visc'.*did you mean 'viscous'"):
         identify(curves, rate="visc")
+
+
+def test_torque_that_falls_with_the_rate_is_no_dashpot(elbow):
+    curves = measured(Viscoelastic(model=elbow))
+    late = [
+        replace(one, torque=one.torque - 0.3 * np.gradient(one.angle, one.time)) for one in curves
+    ]
+    fit = identify(late, rate="viscous")
+    assert fit.verdict == "does not describe the curves"
+    said = " ".join(fit.diagnostics)
+    assert "not measured at the same time" in said
+    assert "--rate viscous" not in said

@@ -1,6 +1,7 @@
 """`activesuit identify`: rates, long records, and curves that it cannot take."""
 
 import json
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -13,8 +14,10 @@ from helpers import sweep
 ELBOW = curves_path("elbow")
 
 
-def run(capsys, *arguments) -> str:
-    main(["identify", *map(str, arguments)])
+def run(capsys, *arguments, code=0) -> str:
+    with pytest.raises(SystemExit) if code else nullcontext() as stop:
+        main(["identify", *map(str, arguments)])
+    assert not code or stop.value.code == code
     return capsys.readouterr().out
 
 
@@ -42,7 +45,7 @@ def fast(tmp_path, elbow):
 
 
 def test_the_rate_goes_into_the_suit_file(capsys, tmp_path, fast, undrawn):
-    out = run(capsys, fast)
+    out = run(capsys, fast, code=3)
     assert "fit the rate too with --rate viscous" in " ".join(out.split())
     out = run(capsys, fast, "--rate", "viscous", "--samples", 2, "--out", tmp_path / "fit")
     assert "damping [N·m·s/rad]" in out
@@ -59,7 +62,7 @@ def test_cycles_are_averaged_on_request(capsys, tmp_path, elbow):
     assert "mean of the cycles after the first: 4 of bench" in run(capsys, file, "--average-cycles")
     result = json.loads(run(capsys, file, "--average-cycles", "--json"))
     assert result["nrmse"] < 0.015
-    assert "curve '0.87' has 1 whole cycles" in fails(capsys, ELBOW, "--average-cycles")
+    assert "curve '0.87' has 2 branches" in fails(capsys, ELBOW, "--average-cycles")
 
 
 def written(tmp_path, *rows, header="curve,angle_rad,torque_nm,time_s"):
