@@ -61,7 +61,12 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     name = parameters.pop("model", None)
     if not isinstance(name, str) or name not in MODELS:
         raise unknown_name("model", str(name), MODELS)
-    if issubclass(MODELS[name], Wrapper) and "hysteresis" in parameters:
+    if issubclass(MODELS[name], Wrapper):
+        if "hysteresis" not in parameters:
+            raise InputError(
+                f"model {name!r} has no 'hysteresis': give the model around which it is, as a "
+                "dictionary of its own"
+            )
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))
     try:
         return MODELS[name](**parameters)

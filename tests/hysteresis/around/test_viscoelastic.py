@@ -223,3 +223,8 @@ def test_wrong_times_are_refused(joint):
         joint.response([0.5, 0.6], time=[1.0, 0.0])
     with pytest.raises(InputError, match="not viscoelastic itself"):
         Viscoelastic(model=joint)
+
+
+def test_a_dictionary_without_the_model_inside_is_refused():
+    with pytest.raises(InputError, match="'viscoelastic' has no 'hysteresis': give the model"):
+        model_from_dict({"model": "viscoelastic", "damping": 0.1})
