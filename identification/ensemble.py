@@ -19,6 +19,7 @@ from ..errors import InputError, shown
 from ..hysteresis.protocol import HysteresisModel
 from .coverage import motion_coverage
 from .curves import Curve, Curves
+from .fits.beginning import begins_safely
 from .fits.registry import fit_model
 from .motion_files import Motion
 from .objective import InitialTorque
@@ -227,7 +228,7 @@ def drawn(
     at_least("seed", seed, 0)
     measured = thinned(Curves(curves).fitted())
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
-    can_begin = [one for one in found.members if _begins(one.model, measured.start_angle, start)]
+    can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]
     counts = shared([one.weight for one in can_begin], samples)
     groups = (
         refits(
@@ -251,13 +252,6 @@ def shared(weights: Sequence[float], count: int) -> list[int]:
     rest = np.argsort(found - wanted, kind="stable")[: count - found.sum()]
     found[rest] += 1
     return found.tolist()
-
-
-def _begins(model: HysteresisModel, angle: float, torque: float) -> bool:
-    try:
-        return model.start_is_certified(model.start(angle, torque))
-    except InputError:  # the model cannot hold that torque there
-        return False
 
 
 def excess(errors: Array, noise: Noise) -> float:

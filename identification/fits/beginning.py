@@ -41,7 +41,7 @@ def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
     best = float(least_squares(residual, [guess], x_scale=size).x[0])
     for distance in np.linspace(0, size, BEGINNINGS).tolist():
         for torque in (best - distance, best + distance):
-            if _begins_safely(model, torque, curves):
+            if begins_safely(model, torque, curves):
                 return torque
     raise InputError(
         f"the fitted {model.name} model cannot begin as the curves do, at {best:.3g} N·m: check "
@@ -49,7 +49,8 @@ def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
     )
 
 
-def _begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]) -> bool:
+def begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]) -> bool:
+    """Returns whether a model can begin all curves with a torque [N·m], within its certificate."""
     try:
         states = [model.start(float(curve.angle[0]), torque) for curve in curves]
     except InputError:  # the model cannot hold that torque there

@@ -11,7 +11,7 @@ from ...arrays import Array
 from ...hysteresis.around.backlash import Backlash
 from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
-from ..curves import Curve
+from ..curves import Curve, noise_floor
 from ..objective import InitialTorque
 from ..prediction import nrmse, torque_errors
 from .rate import SlowFit
@@ -21,7 +21,6 @@ LARGEST = 0.1  # of the range of angles, the widest gap that is looked for
 GAPS = 6  # on the grid, the first of them none
 CLOSE = 1e-3  # of the widest gap, how exactly the best is found
 CERTAIN = 4.0  # deviations of the noise by which a torque tells the face that is touched
-WHITE = 1.4826 / np.sqrt(6)  # from the median of |second differences| to the deviation of noise
 
 
 class _Behind(NamedTuple):
@@ -108,9 +107,9 @@ def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
 
 def _suit_angles(curve: Curve, gap: float) -> Array:
     """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
-    second = np.diff(curve.torque, 2)
-    noise = WHITE * float(np.median(np.abs(second))) if second.size else 0.0
-    side = np.where(np.abs(curve.torque) > CERTAIN * noise, np.sign(curve.torque), 0.0)
+    side = np.where(
+        np.abs(curve.torque) > CERTAIN * noise_floor([curve]), np.sign(curve.torque), 0.0
+    )
     end, found = float(curve.angle[0]), np.empty_like(curve.angle)
     for i, (angle, face) in enumerate(zip(curve.angle.tolist(), side.tolist(), strict=True)):
         low, high = angle - gap / 2, angle + gap / 2

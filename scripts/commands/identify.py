@@ -26,7 +26,6 @@ from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     band_table,
-    bands_summary,
     candidate_table,
     fit_summary,
     quality_table,
@@ -152,7 +151,8 @@ def identify(
     if json:
         print(to_json(summary))
     else:
-        _print(fit, curves, use, found)
+        bands = summary["ensemble"]["bands"] if fit.ensemble else {}
+        _print(fit, curves, use, found, bands)
     if folder and joint_name:
         drawn = found.samples if found else ()
         suit = Suit.from_fits(
@@ -174,7 +174,13 @@ def identify(
         raise SystemExit(NOT_DESCRIBED)
 
 
-def _print(fit: Fit, curves: Path, use: str | None, found: Uncertainty | None) -> None:
+def _print(
+    fit: Fit,
+    curves: Path,
+    use: str | None,
+    found: Uncertainty | None,
+    bands: dict[str, dict[str, float]],
+) -> None:
     if fit.candidates:
         table(f"models for {curves.name}", *candidate_table(fit), left=1)
         say(f"{fit.why}\n")
@@ -186,7 +192,7 @@ def _print(fit: Fit, curves: Path, use: str | None, found: Uncertainty | None) -
         rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
     table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
-    if fit.ensemble and (bands := bands_summary(fit)):
+    if bands:
         table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)

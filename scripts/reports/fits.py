@@ -8,7 +8,7 @@ import numpy as np
 
 from ...hysteresis.around import Wrapper
 from ...hysteresis.protocol import HysteresisModel
-from ...identification import Candidate, Fit
+from ...identification import Candidate, Curves, Ensemble, Fit
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
 from .parameters import labeled
@@ -56,7 +56,7 @@ def candidate_table(fit: Fit) -> Rows:
 
 
 def band_table(bands: Mapping[str, Mapping[str, float]]) -> Rows:
-    """Returns one row per curve that was kept out of the fit, see `bands_summary`."""
+    """Returns one row per curve that was kept out of the fit, see `fit_summary`."""
     header = ["curve", "half width\n[N·m]", "measured samples inside,\nnoise added"]
     rows = [
         [name, f"{band['half_width']:.3g}", f"{band['inside']:.1%}"] for name, band in bands.items()
@@ -64,24 +64,22 @@ def band_table(bands: Mapping[str, Mapping[str, float]]) -> Rows:
     return header, rows
 
 
-def bands_summary(fit: Fit) -> dict[str, dict[str, float]]:
+def _bands_summary(found: Ensemble, curves: Curves) -> dict[str, dict[str, float]]:
     """Returns what the band of an ensemble says along the curves kept out of its fit, by name.
 
     The half width is the mean of that of the torque without noise; what was measured has noise, so
     that it is compared with the band of measured torque.
     """
-    found = {}
-    if fit.ensemble is None:
-        return found
-    for curve in fit.curves.held_out():
-        low, high = fit.ensemble.band(curve)
-        least, most = fit.ensemble.measured_band(curve)
+    told = {}
+    for curve in curves.held_out():
+        low, high = found.band(curve)
+        least, most = found.measured_band(curve)
         inside = (least <= curve.torque) & (curve.torque <= most)
-        found[curve.name] = {
+        told[curve.name] = {
             "half_width": float(np.mean(high - low)) / 2,
             "inside": float(np.mean(inside)),
         }
-    return found
+    return told
 
 
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
@@ -133,7 +131,8 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "certificate": {**asdict(certificate), "certified": certificate.certified},
         "why": fit.why,
         "candidates": [_candidate_summary(one) for one in fit.candidates],
-        "ensemble": fit.ensemble and {**fit.ensemble.to_dict(), "bands": bands_summary(fit)},
+        "ensemble": fit.ensemble
+        and {**fit.ensemble.to_dict(), "bands": _bands_summary(fit.ensemble, fit.curves)},
     }
 
 
