@@ -28,11 +28,13 @@ from ..hysteresis import (
     model_from_dict,
     steady_cycle,
 )
-from ..hysteresis.around import Viscoelastic, sprung
+from ..hysteresis.around import Backlash, Viscoelastic, sprung
 from ..hysteresis.protocol import finite_series, follow
 from .fits import FittedModel
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
+MOST_SOFTENING = 10.0  # times the torque of the model, or of the steady one: far beyond any suit
+MOST_DAMPING = 1e3  # N·m·s/rad: a joint with it resists any usual rate with more than any motor has
 Grade = Literal["published", "identified", "assumed"]
 GRADES: tuple[str, ...] = get_args(Grade)
 
@@ -41,6 +43,13 @@ def _model(given: Any) -> HysteresisModel:
     return given if isinstance(given, HysteresisModel) else model_from_dict(given)
 
 
+def _number(given: Any) -> Any:
+    if isinstance(given, str | bool):
+        raise ValueError(f"give a number, without quotes, not {shown(given)}")
+    return given
+
+
+Number = Annotated[FiniteFloat, BeforeValidator(_number)]
 Model = Annotated[
     InstanceOf[HysteresisModel],
     BeforeValidator(_model),
@@ -61,14 +70,23 @@ class Softening(Strict):
     it settles like fabric and bladders that wear in (softening, first > steady) or creep (drift).
 
     Attributes:
-        first: Torque of the first cycle over that of the model, > 0.
-        steady: Torque after many cycles over that of the model, > 0.
+        first: Torque of the first cycle over that of the model, above 0 and at most 10.
+        steady: Torque after many cycles over that of the model, above 0 and at most 10.
         cycles: Number of cycles in which the difference falls to 1/e, > 0.
     """
 
-    first: Annotated[FiniteFloat, Field(gt=0)]
-    steady: Annotated[FiniteFloat, Field(gt=0)] = 1.0
-    cycles: Annotated[FiniteFloat, Field(gt=0)]
+    first: Annotated[Number, Field(gt=0, le=MOST_SOFTENING)]
+    steady: Annotated[Number, Field(gt=0, le=MOST_SOFTENING)] = 1.0
+    cycles: Annotated[Number, Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _changes_little(self) -> "Softening":
+        if not 1 / MOST_SOFTENING <= self.first / self.steady <= MOST_SOFTENING:
+            raise ValueError(
+                f"first is {self.first:g} and steady {self.steady:g}: both are factors of the "
+                f"model's torque, of which one is at most {MOST_SOFTENING:g} times the other"
+            )
+        return self
 
     def factor(self, cycles: float) -> float:
         """Returns the torque after some cycles, which may be infinite, over that of the model."""
@@ -102,17 +120,17 @@ class SuitJoint(Strict):
 
     model: Model
     samples: tuple[Model, ...] = ()
-    range: tuple[FiniteFloat, FiniteFloat]
-    start_angle: FiniteFloat
-    start_torque: FiniteFloat = 0.0
-    start_path: tuple[FiniteFloat, ...] = ()
-    volume_share: FiniteFloat | None = None
+    range: tuple[Number, Number]
+    start_angle: Number
+    start_torque: Number = 0.0
+    start_path: tuple[Number, ...] = ()
+    volume_share: Number | None = None
     softening: Softening | None = None
     grade: Grade
     source: str
     data_sha256: str | None = None
-    fit_nrmse: FiniteFloat | None = None
-    certificate_margin: FiniteFloat | None = None
+    fit_nrmse: Number | None = None
+    certificate_margin: Number | None = None
 
     @classmethod
     def from_model(cls, model: HysteresisModel, **provenance: Any) -> "SuitJoint":
@@ -195,6 +213,22 @@ class SuitJoint(Strict):
                 raise ValueError(
                     f"samples[{i}] has certificate margin {sample.certificate().margin:.3g}, but "
                     "the model itself is certified: remove that sample"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _play_and_damping_are_possible(self) -> "SuitJoint":
+        low, high = self.range
+        for model in (self.model, *self.samples):
+            is_slow = isinstance(model, Viscoelastic)
+            if is_slow and model.damping > MOST_DAMPING:
+                raise ValueError(
+                    f"damping is {model.damping:g} N·m·s/rad: give at most {MOST_DAMPING:g}"
+                )
+            inner = model.model if is_slow else model
+            if isinstance(inner, Backlash) and inner.gap >= high - low:
+                raise ValueError(
+                    f"gap is {inner.gap:g} rad: give less than the range, {high - low:.3g} rad"
                 )
         return self
 

@@ -1,9 +1,10 @@
 """The registry of hysteresis models: name -> class, and the way back from plain dictionaries."""
 
+import inspect
 from collections.abc import Mapping
 from typing import Any
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError, shown, unknown_name
 from .around import Asymmetric, Backlash, Held, Viscoelastic, Wrapper
 from .bouc_wen import BoucWen
 from .hinged_stops import HingedStops
@@ -56,7 +57,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
         InputError: The name is missing or unknown, or a parameter is unknown, missing or invalid.
     """
     if not isinstance(content, Mapping):
-        raise InputError(f"a model is described by a dictionary, not by {content!r}")
+        raise InputError(f"a model is described by a dictionary, not by {shown(content)}")
     parameters = dict(content)
     name = parameters.pop("model", None)
     if not isinstance(name, str) or name not in MODELS:
@@ -68,7 +69,12 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
                 "dictionary of its own"
             )
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))
-    try:
-        return MODELS[name](**parameters)
-    except TypeError as error:
-        raise InputError(f"model {name!r}: {str(error).split('__init__() ')[-1]}") from error
+    known = inspect.signature(MODELS[name]).parameters
+    for given in parameters:
+        if given not in known:
+            raise unknown_name(f"parameter of {name!r}", given, known)
+    missing = [one.name for one in known.values() if one.default is one.empty]
+    missing = [one for one in missing if one not in parameters]
+    if missing:
+        raise InputError(f"model {name!r} has no {', '.join(missing)}: give a value of each")
+    return MODELS[name](**parameters)

@@ -1,6 +1,7 @@
 """What a user should know about a fit before trusting it."""
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -19,6 +20,8 @@ NEAR = 1e-3  # relative distance at which a parameter counts as being at its lim
 DISORDER = 0.2  # of the peak
 LITTLE_MOTION = 0.05  # rad
 USUAL_PEAK = (0.01, 1000.0)  # N·m, of a joint in a suit, with a factor of ten or more on each side
+USUAL_RATE = (1e-3, 30.0)  # rad/s, of a branch; slower takes an hour, faster is no joint's
+COARSE = 0.1  # of the range between two samples
 RETURNED = 0.05  # of the span
 
 
@@ -37,7 +40,6 @@ def diagnostics(
         bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
     found = []
-    peak = Curves(curves).peak
     if nrmse > DISORDER:
         found.append(
             f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
@@ -45,12 +47,7 @@ def diagnostics(
     span = max(float(np.ptp(curve.angle)) for curve in curves)
     if span < LITTLE_MOTION:
         found.append(f"the angles span only {span:.3g} rad: check their unit")
-    low, high = USUAL_PEAK
-    if not low <= peak <= high:
-        found.append(
-            f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
-            f"{high:,g} N·m: check its unit"
-        )
+    found += _unusual(curves)
     inner = model.model if isinstance(model, Viscoelastic) else model
     if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
         found.append(f"gap = {inner.gap:.5g} is at the limit of the search: it may be wider")
@@ -62,6 +59,48 @@ def diagnostics(
     if isinstance(inner, JilesAtherton):
         found += _limits(inner.in_unit("deg"), bounds)
     return tuple(found)
+
+
+def _unusual(curves: Sequence[Curve]) -> list[str]:
+    """Returns sentences about numbers of the curves that hint at a mistake."""
+    found = []
+    peak = Curves(curves).peak
+    low, high = USUAL_PEAK
+    if not low <= peak <= high:
+        found.append(
+            f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
+            f"{high:,g} N·m: check its unit"
+        )
+    rates = [
+        float(np.abs(np.diff(one.angle)).sum() / np.ptp(one.time))
+        for one in curves
+        if one.time is not None
+    ]
+    low, high = USUAL_RATE
+    if rates and not low <= min(rates) <= max(rates) <= high:
+        found.append(
+            f"the joint moves at {min(rates):.2g} to {max(rates):.2g} rad/s, and joints are "
+            f"measured between {low:g} and {high:g}: check that time_s is in seconds"
+        )
+    for one in curves:
+        step = float(np.abs(np.diff(one.angle)).max())
+        if step > COARSE * np.ptp(one.angle):
+            found.append(
+                f"samples of curve {one.name!r} are up to {step:.2g} rad apart, more than "
+                f"{COARSE:.0%} of its range, and nothing tells what happens between: sample finer"
+            )
+            break
+    copies = [
+        (one.name, other.name)
+        for one, other in combinations(curves, 2)
+        if np.array_equal(one.angle, other.angle) and np.array_equal(one.torque, other.torque)
+    ]
+    if copies:
+        found.append(
+            f"{len(copies)} curves are copies of others ({copies[0][1]!r} of {copies[0][0]!r}), to "
+            "the last digit, and no second measurement: remove them"
+        )
+    return found
 
 
 def _safety(model: Held) -> list[str]:

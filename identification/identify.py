@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..checks import at_least
 from ..checks import workers as check_workers
 from ..errors import InputError
+from ..hysteresis.around.viscoelastic import Viscoelastic
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from ._threads import run_threads
@@ -18,8 +19,8 @@ from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics, turns_back
 from .ensemble import LEVEL, NESTED, Ensemble, drawn, ensemble
-from .fits.play import Play
-from .fits.rate import Rate
+from .fits.play import Play, play_of
+from .fits.rate import Rate, rate_of
 from .fits.registry import FITS, fit_model
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
@@ -243,28 +244,14 @@ def identify(
     family, measured = tared(family, offset), tared(measured, offset)
     if method == "auto" or name != DEFAULT_MODEL or beside:
         _refuse_weights(measured)
+
+    def fits_start(name: str) -> bool:
+        return name != DEFAULT_MODEL or initial_torque == "identified"
+
     if method == "auto":
         ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
-        choice = choose(measured, seed=seed, workers=workers, options=ways)
-        trial = _chosen_trial(choice.chosen)
-        if on_trial is not None:
-            on_trial(trial)
-        chosen = choice.chosen.name
-        fitted = chosen != DEFAULT_MODEL or initial_torque == "identified"
-        found = _fit(family, chosen, method, [trial], needed, fitted, choice, choice.interrupted)
-        return replace(
-            found,
-            tare=offset,
-            ensemble=found.judgement
-            and ensemble(
-                choice.candidates,
-                measured,
-                found.judgement.noise,
-                seed=seed,
-                options=ways,
-                fitted_start=lambda name: name != DEFAULT_MODEL or initial_torque == "identified",
-            ),
-        )
+        found = _automatic(family, measured, ways, fits_start, needed, seed, workers, on_trial)
+        return _completed(found, offset, rate, play)
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start | beside)
     else:
@@ -274,18 +261,61 @@ def identify(
     seeds = np.random.SeedSequence(seed).spawn(trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
-    fitted = name != DEFAULT_MODEL or initial_torque == "identified"
     found = _fit(
         family,
         name,
         method,
         finished,
         needed,
-        fitted,
+        fits_start(name),
         interrupted=interrupted,
         searched=method in OPTIMIZERS and objective != "robust" and normalize != "curve",
     )
-    return replace(found, tare=offset)
+    return _completed(found, offset, rate, play)
+
+
+def _completed(found: Fit, tare: float, rate: Rate, play: Play) -> Fit:
+    """Returns a fit with the tare, and with remarks on terms that were looked for in vain."""
+    remarks = []
+    if play == "fitted" and play_of(found.model) == "none":
+        remarks.append("no gap was found: leave --play out")
+    if isinstance(found.model, Viscoelastic) and rate_of(found.model) == "viscous":
+        if found.model.damping == 0:
+            remarks.append("the torque was not found to depend on the rate: leave --rate out")
+        elif rate == "relaxing":
+            remarks.append("no relaxation was found beside the dashpot: use --rate viscous")
+    return replace(found, tare=tare, diagnostics=(*found.diagnostics, *remarks))
+
+
+def _automatic(
+    family: Curves,
+    measured: Curves,
+    ways: dict[str, dict[str, Any]],
+    fits_start: Callable[[str], bool],
+    needed: Coverage | None,
+    seed: int,
+    workers: int,
+    on_trial: Callable[[Trial], None] | None,
+) -> Fit:
+    """Returns the fit of the model that predicts best what is left out, with the ensemble."""
+    choice = choose(measured, seed=seed, workers=workers, options=ways)
+    name, trial = choice.chosen.name, _chosen_trial(choice.chosen)
+    if on_trial is not None:
+        on_trial(trial)
+    found = _fit(
+        family, name, "auto", [trial], needed, fits_start(name), choice, choice.interrupted
+    )
+    if found.judgement is None:
+        return found
+    members = ensemble(
+        choice.candidates,
+        measured,
+        found.judgement.noise,
+        seed=seed,
+        options=ways,
+        fitted_start=fits_start,
+    )
+    return replace(found, ensemble=members)
 
 
 def _measured(curves: Curves) -> Curves:

@@ -55,3 +55,15 @@ def times_of(curve: Curve) -> Array:
 def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
     """Returns the NRMSE: the root mean square of errors [N·m] over the curves' largest |Tm|."""
     return float(np.sqrt(np.mean(errors**2))) / Curves(curves).peak
+
+
+def price(numbers: int, samples: int) -> float:
+    """Returns by which factor more numbers of a model must divide its error to be worth having.
+
+    That is the Bayesian information criterion for independent noise (Schwarz 1978).
+
+    Args:
+        numbers: How many more numbers the model has.
+        samples: How many samples it is fitted to.
+    """
+    return float(samples ** (numbers / (2 * samples)))

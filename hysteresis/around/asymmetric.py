@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...checks import number, numbers, scales
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
 from ..reference import Example, Reference
@@ -44,7 +44,7 @@ class Asymmetric(Wrapper):
         wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Held)
         if not isinstance(self.model, HysteresisModel) or wrapped:
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model, bare or held in a range"
+                f"model is {shown(self.model)}: give one hysteresis model, bare or held in a range"
             )
         coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
         if len(coefficients) > LARGEST_DEGREE + 1:

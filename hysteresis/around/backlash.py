@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...checks import number, scales
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series, read_only
 from ..reference import Example, Reference
@@ -62,7 +62,7 @@ class Backlash(Wrapper):
         refused = isinstance(self.model, Wrapper) and not isinstance(self.model, inside)
         if not isinstance(self.model, HysteresisModel) or refused:
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model, bare, held or asymmetric; "
+                f"model is {shown(self.model)}: give one model, bare, held or asymmetric; "
                 "put a dashpot around the play, not behind it"
             )
         gap = number("gap", self.gap, "rad")

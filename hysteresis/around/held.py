@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...checks import number
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series
 from ..reference import Example, Reference
@@ -50,7 +50,7 @@ class Held(Wrapper):
     def __post_init__(self) -> None:
         if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Wrapper):
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model without another around it"
+                f"model is {shown(self.model)}: give one hysteresis model without another around it"
             )
         low, high = checked_range(self.angle_range)
         if not math.isfinite(high - low):

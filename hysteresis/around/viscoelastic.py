@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...checks import number, scales
-from ...errors import InputError
+from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series
 from ..reference import Example, Reference
@@ -57,7 +57,7 @@ class Viscoelastic(Wrapper):
     def __post_init__(self) -> None:
         if not isinstance(self.model, HysteresisModel) or isinstance(self.model, Viscoelastic):
             raise InputError(
-                f"model is {self.model!r}: give one hysteresis model, not viscoelastic itself"
+                f"model is {shown(self.model)}: give one hysteresis model, not viscoelastic itself"
             )
         for name in self.least:
             value = number(name, getattr(self, name), self.units[name])

@@ -115,21 +115,9 @@ def polynomial_size(m, instance, at):
 
 
 @njit(cache=True)
-def is_held(m, instance, at):
-    """Returns 1 if an instance holds its torque outside a range of angles, else 0."""
-    return 1 if count_words(config(m, instance, ANGLE_RANGE, at)) > 0 else 0
-
-
-@njit(cache=True)
-def is_viscoelastic(m, instance, at):
-    """Returns 1 if an instance has a viscoelastic part, else 0."""
-    return 1 if count_words(config(m, instance, VISCOELASTIC, at)) > 0 else 0
-
-
-@njit(cache=True)
-def has_play(m, instance, at):
-    """Returns 1 if an instance is behind play, else 0."""
-    return 1 if count_words(config(m, instance, GAP, at)) > 0 else 0
+def is_given(m, instance, key, at):
+    """Returns 1 if an instance gives a value of a key, else 0."""
+    return 1 if count_words(config(m, instance, key, at)) > 0 else 0
 
 
 @njit(cache=True)
@@ -149,9 +137,9 @@ def connect(m, instance, at):
         if both and not (flag_of(m, instance, TAKEN_OFF, at) or flag_of(m, other, TAKEN_OFF, at)):
             return (JOINT_TWICE, JOINT), 0
     ids = joint | polynomial_size(m, instance, at) << POLYNOMIAL_SHIFT
-    ids |= is_held(m, instance, at) << HELD_SHIFT
-    ids |= is_viscoelastic(m, instance, at) << VISCOELASTIC_SHIFT
-    ids |= has_play(m, instance, at) << PLAY_SHIFT
+    ids |= is_given(m, instance, ANGLE_RANGE, at) << HELD_SHIFT
+    ids |= is_given(m, instance, VISCOELASTIC, at) << VISCOELASTIC_SHIFT
+    ids |= is_given(m, instance, GAP, at) << PLAY_SHIFT
     for sensor in range(pointer_at(m + at.m_nsensor)):
         if is_sensor_of(m, sensor, instance, at):
             kind = sensor_kind(sensor_name(m, sensor, at))
@@ -176,9 +164,9 @@ def required_size(kernels, kinds, m, instance, at):
     """Returns how many numbers of plugin_state an instance needs."""
     counts = np.empty(len(kinds), np.int64)
     count_values(m, instance, kinds, counts, at)
-    more = polynomial_size(m, instance, at) + 2 * is_held(m, instance, at)
-    rate = viscoelastic.SIZE * is_viscoelastic(m, instance, at)
-    play = backlash.SIZE * has_play(m, instance, at)
+    more = polynomial_size(m, instance, at) + 2 * is_given(m, instance, ANGLE_RANGE, at)
+    rate = viscoelastic.SIZE * is_given(m, instance, VISCOELASTIC, at)
+    play = backlash.SIZE * is_given(m, instance, GAP, at)
     return MEMORY + kernels.size(counts) + more + rate + play
 
 

@@ -13,7 +13,7 @@ from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, noise_floor
 from ..objective import InitialTorque
-from ..prediction import nrmse, torque_errors
+from ..prediction import nrmse, price, torque_errors
 from .rate import SlowFit
 
 Play = Literal["none", "fitted"]
@@ -74,7 +74,7 @@ def fit_behind_play(
         options={"xatol": CLOSE * widest},
     )
     chosen, samples = min(found.values(), key=lambda one: one.loss), _samples(curves)
-    if found[0.0].loss <= chosen.loss * samples ** (1 / (2 * samples)):
+    if found[0.0].loss <= chosen.loss * price(1, samples):
         chosen = found[0.0]
     return chosen.model, chosen.initial_torque
 
@@ -87,7 +87,7 @@ def _behind(
         slow = fit(curves)
         error = _error(slow.model, slow.initial_torque, curves)
         return _Behind(slow.model, slow.initial_torque, error)
-    slow = fit([replace(one, angle=_suit_angles(one, gap)) for one in curves])
+    slow = fit([replace(one, angle=suit_angles(one, gap)) for one in curves])
     behind = Backlash(model=slow.model, gap=gap)
     starts: list[InitialTorque] = [slow.initial_torque]
     # A start within the noise counts as one in the gap where that is nearer to the curves.
@@ -105,7 +105,7 @@ def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
     return nrmse(torque_errors(model, start, curves), curves)
 
 
-def _suit_angles(curve: Curve, gap: float) -> Array:
+def suit_angles(curve: Curve, gap: float) -> Array:
     """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
     side = np.where(
         np.abs(curve.torque) > CERTAIN * noise_floor([curve]), np.sign(curve.torque), 0.0

@@ -13,7 +13,7 @@ from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..objective import InitialTorque
-from ..prediction import times_of, torque_errors
+from ..prediction import price, times_of, torque_errors
 from ..residual.noise import independent
 from ..residual.tangent import coordinates_of, tangent
 
@@ -52,7 +52,9 @@ def fit_beside_rate(
     Each round fits the hysteresis model to the torque less that of the elements, and then solves
     for the elements beside the derivatives of the torque by the model's numbers, so that what the
     model could take as well does not count (variable projection, Golub and Pereyra 1973). The
-    relaxation time is the best near the best of a grid. Dampings and stiffnesses are at least 0.
+    relaxation time is the best near the best of a grid. Dampings and stiffnesses are at least 0; a
+    Maxwell element that lowers the error by less than its numbers cost (the Bayesian information
+    criterion) is left out.
 
     Args:
         curves: Measured curves, with times.
@@ -121,7 +123,7 @@ def _with_elements(
     )
     time = math.exp(closer.x)
     (damping, stiffness), loss = solved(time)
-    if loss >= least or stiffness == 0:
+    if least <= loss * price(2, rest.size) or stiffness == 0:
         return found
     return Viscoelastic(
         model=model,

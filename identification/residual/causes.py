@@ -13,13 +13,15 @@ import numpy as np
 from ...arrays import Array
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
+from ..fits.play import play_of, suit_angles
 from ..objective import InitialTorque
 from ..prediction import predicted
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 
 RARE = 1e-4  # probability below which a fault is told: one in thousands of fits without one
-GAP = np.radians(0.2)  # rad, for the derivative by a play
+WIDTHS = np.radians([0.2, 1.0, 4.0])  # rad, of plays and gaps: what they add is not proportional
+NEVER_BELOW_ZERO = ("play", "gap")
 NEGLIGIBLE = 1e-6  # of a column, that the derivatives of the fit do not explain already
 
 
@@ -27,9 +29,9 @@ class Cause(NamedTuple):
     """A fault that explains a part of a residual.
 
     Attributes:
-        name: tare, rate, play or drift.
-        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play, [1] a curve of
-            drift, or of one long record a cycle.
+        name: tare, rate, play, gap or drift.
+        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play and gap, [1] a
+            curve of drift, or of one long record a cycle.
         explained: How surely.
         column: What a fault of size 1 adds to the torque, shape (samples,).
     """
@@ -61,6 +63,11 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
         "follows: there is play between encoder and joint; remove it, or measure the joint itself"
     ),
+    "gap": lambda size: (
+        f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: a "
+        "face of the transmission lets go there, and another one is met; fit that gap too with "
+        "--play fitted, or remove it"
+    ),
     "drift": lambda size: (
         f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
         "joint wears in, or the sensor drifts; cycle the joint before, and fit only the last cycles"
@@ -87,16 +94,20 @@ def causes(
         known: Noise that repeated curves tell; None estimates it.
     """
     sizes = [curve.torque.size for curve in curves]
-    found = []
+    found: dict[str, Cause] = {}
     for name, column in _columns(model, initial_torque, curves):
+        if not np.isfinite(column).all():
+            continue  # the model meets its pole a little beyond the curves
         rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
         if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
             continue
         test = explained(residual, slopes, column[:, None], sizes, known)
         size = _coefficient(residual, slopes, column, sizes, test.noise)
-        if test.probability < RARE and not (name == "play" and size < 0):
-            found.append(Cause(name, size, test, column))
-    return sorted(found, key=lambda cause: -cause.explained.statistic)
+        if test.probability >= RARE or (name in NEVER_BELOW_ZERO and size < 0):
+            continue
+        if name not in found or test.statistic > found[name].explained.statistic:
+            found[name] = Cause(name, size, test, column)
+    return sorted(found.values(), key=lambda cause: -cause.explained.statistic)
 
 
 def _columns(
@@ -107,11 +118,17 @@ def _columns(
     timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
     if len(timed) == len(curves):
         yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
-    late = []
-    for curve, here in zip(curves, torque, strict=True):
-        behind = replace(curve, angle=played(curve.angle, GAP))
-        late.append((predicted(model, initial_torque, behind) - here) / GAP)
-    yield "play", np.concatenate(late)
+    paths: list[tuple[str, float, list[Array]]] = []
+    for width in WIDTHS.tolist():
+        paths.append(("play", width, [played(curve.angle, width) for curve in curves]))
+        if play_of(model) == "none":
+            paths.append(("gap", width, [suit_angles(curve, width) for curve in curves]))
+    for name, width, angles in paths:
+        late = [
+            predicted(model, initial_torque, replace(curve, angle=angle))
+            for curve, angle in zip(curves, angles, strict=True)
+        ]
+        yield name, (np.concatenate(late) - np.concatenate(torque)) / width
     if len(torque) > 1:
         yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
     else:

@@ -1,14 +1,14 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated, Any, get_args
 
 import tyro
 
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Fit, Trial, averaged_cycles, load_curves
+from ...identification import Coverage, Curves, Fit, Trial, averaged_cycles, load_curves
 from ...identification import identify as identify_curves
 from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
@@ -104,10 +104,7 @@ def identify(
     """
     family = load_curves(curves)
     if average_cycles:
-        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        family = averaged_cycles(family)
-        if not json:
-            say(f"mean of the cycles after the first: {counts}")
+        family = _averaged(family, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
@@ -138,29 +135,20 @@ def identify(
             on_trial=report,
             needed=needed,
         )
-    told = {
-        "for": use,
-        "measured": fit.coverage and fit.coverage.to_dict(),
-        "needed": needed and needed.to_dict(),
-        "shortfalls": fit.shortfalls,
-    }
-    summary = {**fit_summary(fit, seed), "coverage": told}
     found = fit.uncertainty(samples=samples, seed=seed) if samples else None
-    if found:
-        summary["uncertainty"] = uncertainty_summary(found)
+    summary = _summary(fit, seed, use, needed, found)
     if json:
         print(to_json(summary))
     else:
         bands = summary["ensemble"]["bands"] if fit.ensemble else {}
         _print(fit, curves, use, found, bands)
     if folder and joint_name:
-        drawn = found.samples if found else ()
         suit = Suit.from_fits(
             {joint_name: fit},
             name=curves.stem,
             description=_description(fit, curves, seed),
             base=others,
-            samples={joint_name: drawn},
+            samples={joint_name: found.samples if found else ()},
         )
         with folder.together() as new:
             suit.save(new / "suit.json")
@@ -172,6 +160,28 @@ def identify(
         raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
     if fit.verdict == NOT:
         raise SystemExit(NOT_DESCRIBED)
+
+
+def _averaged(family: Curves, *, quiet: bool) -> Curves:
+    counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+    averaged = averaged_cycles(family)
+    if not quiet:
+        say(f"mean of the cycles after the first: {counts}")
+    return averaged
+
+
+def _summary(
+    fit: Fit, seed: int, use: str | None, needed: Coverage | None, found: Uncertainty | None
+) -> dict[str, Any]:
+    """Returns what result.json and --json hold."""
+    told = {
+        "for": use,
+        "measured": fit.coverage and fit.coverage.to_dict(),
+        "needed": needed and needed.to_dict(),
+        "shortfalls": fit.shortfalls,
+    }
+    summary = {**fit_summary(fit, seed), "coverage": told}
+    return {**summary, "uncertainty": uncertainty_summary(found)} if found else summary
 
 
 def _print(

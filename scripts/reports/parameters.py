@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...hysteresis import HysteresisModel, JilesAtherton
+from ...hysteresis import HysteresisModel, JilesAtherton, Viscoelastic
 from ...hysteresis.around.wrapper import Wrapper
 from ..output import Rows
 
@@ -34,6 +34,7 @@ def _parameters(model: HysteresisModel) -> dict[str, str]:
         labeled(name, model.units): _text(value)
         for name, value in model.to_dict().items()
         if name not in ("model", "hysteresis", "angle_unit")
+        and not (isinstance(model, Viscoelastic) and value == 0)  # an element that is not there
     }
     return inner | own
 

@@ -77,3 +77,16 @@ def test_torques_in_another_unit(elbow, factor):
     assert found[0].endswith(" N·m, and that of a joint between 0.01 and 1,000 N·m: check its unit")
     usual = Curve(angle, elbow.response(angle), "A")
     assert diagnostics(elbow, 0.01, [usual], None) == ()
+
+
+def test_copies_milliseconds_and_coarse_samples(elbow):
+    angle = sweep(0.52, 1.5, 0.52, samples=60)
+    time = np.linspace(0, 10, angle.size)
+    curve = Curve(angle, elbow.response(angle), "A", time=time)
+    assert diagnostics(elbow, 0.01, [curve], None) == ()
+    late = replace(curve, time=1000 * time)
+    assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0]
+    copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
+    assert "1 curves are copies" in diagnostics(elbow, 0.01, copies, None)[0]
+    coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
+    assert "samples of curve 'A' are up to" in diagnostics(elbow, 0.01, [coarse], None)[0]

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ....arrays import Array
-from ....hysteresis import BoucWen
 from ....identification import Curve, first_order_motions, identify, multi_order_motion
 from ....identification import nested_motion as next_record
 from ....identification.design import MAX_RATE, MIN_RATE
@@ -17,6 +16,7 @@ from .truths import (
     PEAK,
     STEP,
     TURNS,
+    behind_gap,
     bouc_wen,
     bouc_wen_model,
     cubic,
@@ -68,31 +68,6 @@ def gap(rng: np.random.Generator) -> Timed:
     model, width = bouc_wen_model(rng, low), rng.uniform(LEAST_GAP, MOST_GAP)
     truth = scaled(lambda angle: behind_gap(model, angle, width), low, high)
     return Timed(lambda angle, _: truth.torque(angle), low, high)
-
-
-def behind_gap(model: BoucWen, angle: Array, width: float) -> Array:
-    """Returns the torque of a model that a joint moves through a gap [N·m], shape (n,).
-
-    The joint begins in contact, which pushes the model upwards. Each contact only pushes: where the
-    torque that it transmits is zero it opens, the model rests, and the joint is free for `width`.
-    """
-    torque, state, contact = np.zeros(angle.size), model.start(float(angle[0])), 0
-    rest = float(angle[0])  # angle of the model; the joint is free from there to `width` below
-    for i, here in enumerate(angle[1:].tolist(), 1):
-        if contact == 0:
-            contact = 1 if here > rest else -1 if here < rest - width else 0
-        if contact == 0:
-            continue
-        towards = here if contact > 0 else here + width
-        moved, found = model.step(state, towards)
-        if contact * found < 0 and contact * (towards - rest) < 0:  # it opens on the way
-            before = float(torque[i - 1])
-            towards = rest + (towards - rest) * before / (before - found)
-            moved, _ = model.step(state, towards)
-            contact, found = 0, 0.0
-        state, rest = moved, towards
-        torque[i] = contact * max(contact * found, 0.0)
-    return torque
 
 
 FAMILIES: dict[str, Callable[[np.random.Generator], Timed]] = {

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from ....arrays import Array
 from ....hysteresis import BoucWen, JilesAtherton, PrandtlIshlinskii
 from ....hysteresis.certificate import PoleError
 from ....hysteresis.jiles_atherton.margins import margin_in_range
+from ....hysteresis.protocol import HysteresisModel
 from ....identification import Curve, first_order_motions
 from ....identification.fits.search import MARGIN
 from ....identification.residual.noise import slow_noise
@@ -27,8 +29,14 @@ class Truth(NamedTuple):
     high: float
 
 
-def jiles_atherton(rng: np.random.Generator, kind: str = "certified") -> Truth:
-    """Draws a Jiles-Atherton model: certified, safe in its range only, or near saturation."""
+def jiles_atherton(rng: np.random.Generator, kind: str = "certified", gap: float = 0.0) -> Truth:
+    """Draws a Jiles-Atherton model: certified, safe in its range only, or near saturation.
+
+    Args:
+        rng: Generator of its numbers.
+        kind: "certified", "uncertified" or "saturating".
+        gap: Gap between the joint and the model [rad].
+    """
     while True:
         low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
         c = 1 + math.exp(rng.uniform(-1, 2))
@@ -42,8 +50,9 @@ def jiles_atherton(rng: np.random.Generator, kind: str = "certified") -> Truth:
         if margin_in_range(*ends, 1.0, a, alpha, c, k)[0] < MARGIN:
             continue  # no fit could return it
         model = JilesAtherton(Ms=1.0, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
+        torque = partial(behind_gap, model, width=gap) if gap else model.response
         try:
-            return scaled(model.response, low, high)
+            return scaled(torque, low, high)
         except PoleError:
             continue
 
@@ -90,6 +99,31 @@ def cubic(rng: np.random.Generator) -> Truth:
         return truth.torque(angle) + PEAK * bend * (angle - truth.low) ** 3
 
     return scaled(torque, truth.low, truth.high)
+
+
+def behind_gap(model: HysteresisModel, angle: Array, width: float) -> Array:
+    """Returns the torque of a model that a joint moves through a gap [N·m], shape (n,).
+
+    The joint begins in contact, which pushes the model upwards. Each contact only pushes: where the
+    torque that it transmits is zero it opens, the model rests, and the joint is free for `width`.
+    """
+    torque, state, contact = np.zeros(angle.size), model.start(float(angle[0])), 0
+    rest = float(angle[0])  # angle of the model; the joint is free from there to `width` below
+    for i, here in enumerate(angle[1:].tolist(), 1):
+        if contact == 0:
+            contact = 1 if here > rest else -1 if here < rest - width else 0
+        if contact == 0:
+            continue
+        towards = here if contact > 0 else here + width
+        moved, found = model.step(state, towards)
+        if contact * found < 0 and contact * (towards - rest) < 0:  # it opens on the way
+            before = float(torque[i - 1])
+            towards = rest + (towards - rest) * before / (before - found)
+            moved, _ = model.step(state, towards)
+            contact, found = 0, 0.0
+        state, rest = moved, towards
+        torque[i] = contact * max(contact * found, 0.0)
+    return torque
 
 
 KINDS: dict[str, Callable[[np.random.Generator], Truth]] = {

@@ -89,6 +89,14 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     assert [rate_of(model) for model in drawn] == ["viscous"] * 3
 
 
+def test_elements_that_were_looked_for_in_vain_are_told(elbow, viscous):
+    fit = identify(measured(viscous), rate="relaxing")
+    assert rate_of(fit.model) == "viscous"
+    assert "no relaxation was found beside the dashpot: use --rate viscous" in fit.diagnostics
+    fit = identify(measured(Viscoelastic(model=elbow)), play="fitted")
+    assert "no gap was found: leave --play out" in fit.diagnostics
+
+
 def test_auto_chooses_among_models_beside_the_dashpot(viscous):
     fit = identify(measured(viscous), method="auto", rate="viscous")
     assert rate_of(fit.model) == "viscous"

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import BoucWen
+from activesuit.hysteresis import Backlash, BoucWen
 from activesuit.identification import Curve, identify, motion_coverage
 from activesuit.identification.motion_files import Motion
 from activesuit.identification.residual.causes import played
@@ -82,6 +82,14 @@ def test_a_rate_is_found_where_curves_have_their_time(elbow):
     (cause, *_) = identify(curves).judgement.causes
     assert cause.name == "rate"
     assert cause.size == pytest.approx(0.3, rel=0.2)
+
+
+def test_a_gap_is_named_with_its_remedy(elbow):
+    curves = family(Backlash(model=elbow, gap=0.04))
+    judged = identify(curves).judgement
+    assert judged.causes[0].name == "gap"
+    assert "--play fitted" in " ".join(judged.remarks)
+    assert identify(curves, play="fitted").verdict == NOT_BEYOND
 
 
 def test_too_few_samples_are_one_sentence(elbow):

@@ -60,7 +60,7 @@ def test_a_contact_that_only_pushes_dissipates_and_rests():
     model = BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=0.5)
     up, down = np.linspace(0.5, 1.5, 400), np.linspace(1.5, 0.5, 400)
     angle = np.concatenate([up, down[1:], up[1:], down[1:]])
-    torque = bands.behind_gap(model, angle, 0.05)
+    torque = truths.behind_gap(model, angle, 0.05)
     np.testing.assert_allclose(torque[:400], model.response(up), atol=1e-12)
     free = np.flatnonzero(torque[400:799] == 0)
     assert angle[400 + free[0]] - angle[400 + free[-1]] == pytest.approx(0.05, abs=0.006)
