@@ -207,8 +207,8 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         if self.render_mode == "human":
             self.render()
         observation, info = self._answer()
-        reward, ended = float(episodes.reward[0]), bool(episodes.terminated[0])
-        return observation, reward, ended, bool(episodes.truncated[0]), info
+        reward, ended = episodes.reward.item(), episodes.terminated.item()
+        return observation, reward, ended, episodes.truncated.item(), info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Returns a picture (height, width, 3) for "rgb_array"; updates the window for "human"."""
@@ -298,8 +298,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         return {**self.__dict__, "_data": None}
 
     def _require_reset(self, what: str) -> None:
-        if self._simulation.memory.episode[0] < 0:
+        if self.episodes.simulation.memory.episode.item() < 0:
             raise InputError(f"{what} before the first reset: call reset() first")
 
     def _answer(self) -> tuple[NDArray[np.float32], Info]:
-        return self.episodes.observe()[0], self.episodes.info(0)
+        episodes = self.episodes
+        return episodes.observe()[0], episodes.info(0)

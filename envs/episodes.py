@@ -36,6 +36,7 @@ from .reward import (
     watch,
 )
 from .simulation import Simulation
+from .simulation.bound import bound
 from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
@@ -170,8 +171,7 @@ class Episodes:
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
         self.simulation.memory.told = np.zeros((n, TOLD))
-        self._watches = task.watches
-        if self._watches:
+        if task.watches:
             self.simulation.memory.watched = np.zeros((n, samples), np.bool_)
             self.simulation.memory.places = np.zeros((n, samples, 3))
         if belief is not None and "belief" not in sensors:
@@ -186,17 +186,24 @@ class Episodes:
         self._all = np.arange(n)
         memory, addresses = self.simulation.memory, self.simulation.addresses
         self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
-        self._judged = (
-            *(memory.measured, memory.change, memory.clipped, memory.diverged),
-            *(memory.step, memory.limit, self.simulation.plugin_state),
-            *(addresses.faults, addresses.assisted, "cuff_force" in self.simulation.columns),
-            *(self.simulation.model.jnt_range[: len(JOINTS)], self.effort_scale, control_dt),
-            *(memory.told, self.reward, self.terminated, self.truncated),
+        self._judge = bound(
+            judge,
+            (self._all, True),
+            (
+                *(memory.measured, memory.change, memory.clipped, memory.diverged),
+                *(memory.step, memory.limit, self.simulation.plugin_state),
+                *(addresses.faults, addresses.assisted, "cuff_force" in self.simulation.columns),
+                *(self.simulation.model.jnt_range[: len(JOINTS)], self.effort_scale, control_dt),
+                *(memory.told, self.reward, self.terminated, self.truncated),
+            ),
         )
-        self._watched = (
-            *(memory.step, memory.watched, memory.places, memory.hand, memory.measured),
-            *(self.simulation.sensordata, addresses.hand, memory.told, control_dt),
-        )
+        self._watch = None
+        if task.watches:
+            looks = (
+                *(memory.step, memory.watched, memory.places, memory.hand, memory.measured),
+                *(self.simulation.sensordata, addresses.hand, memory.told, control_dt),
+            )
+            self._watch = bound(watch, (self._all,), looks)
 
     # --- Episodes -----------------------------------------------------------------------------
 
@@ -235,7 +242,7 @@ class Episodes:
         except BaseException:
             memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
             raise
-        if self._watches:
+        if self.task.watches:
             hand = self.simulation.addresses.hand
             memory.hand[rows] = self.simulation.sensordata[rows[:, None], hand]
         if memory.believed.shape[1]:
@@ -243,7 +250,7 @@ class Episodes:
             self._write_belief(rows)
         if memory.shown.shape[1]:
             memory.shown[rows] = self.observer(memory.measured)[rows, None]
-        self._judge(rows)
+        self._judge(rows, False)
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
         """Applies actions for one control period.
@@ -273,7 +280,7 @@ class Episodes:
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
         memory = self.simulation.memory
         measured, told = memory.measured[row].copy(), memory.told[row].copy()
-        return Info(float(measured[TIME]), partial(self._read, measured, told))
+        return Info(measured.item(TIME), partial(self._read, measured, told))
 
     @property
     def terms(self) -> Array:
@@ -318,7 +325,7 @@ class Episodes:
         self.simulation.restore(rows, state)
         limit = self.simulation.memory.limit
         limit[rows] = np.minimum(limit[rows], self._periods)
-        self._judge(rows)
+        self._judge(rows, False)
 
     def __getstate__(self) -> dict[str, Any]:
         everything = self.simulation.state(self._all)
@@ -328,7 +335,7 @@ class Episodes:
     def __setstate__(self, saved: dict[str, Any]) -> None:
         self.__init__(saved["task"], saved["n"], **saved["options"])
         self.simulation.restore(self._all, saved["state"])
-        self._judge(self._all)
+        self._judge(self._all, False)
 
     def _read(self, measured: Array, told: Array) -> dict[str, Any]:
         costs, periods, ended = told[COST:PERIODS], int(told[PERIODS]), bool(told[ENDED])
@@ -356,9 +363,9 @@ class Episodes:
         if last is not None:  # only now: an action may have been refused
             memory.shown[moving, 1:] = memory.shown[moving, :-1]
             memory.shown[moving, 0] = last[moving]
-        judge(moving, True, *self._judged)
-        if self._watches:
-            watch(moving, *self._watched)
+        self._judge(moving, True)
+        if self._watch:
+            self._watch(moving)
 
     def _start(self, row: int, taught: Array | None = None) -> Start:
         streams, terms = partial(self._stream, row), self.randomization
@@ -414,9 +421,6 @@ class Episodes:
         weight = self._weight(angle + LEAD * rate)
         memory.measured[rows, BELIEF : BELIEF + 4] = np.concatenate([suit, weight], axis=1)
 
-    def _judge(self, rows: Rows) -> None:
-        judge(rows, False, *self._judged)
-
 
 def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Returns actions as an array of that shape.
@@ -434,7 +438,7 @@ def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:
         raise InputError(
             f"action has shape {given.shape}: give {shape}, one number for every motor"
         )
-    return given.astype(np.float64)
+    return given.astype(np.float64, order="C")
 
 
 def checked_seed(seed: Any) -> int:

@@ -12,8 +12,10 @@ class Info(dict[str, Any]):
         read: Function that returns the content, as it was when the info was made.
     """
 
+    __slots__ = ("_read",)
+
     def __init__(self, time: float, read: Callable[[], dict[str, Any]]) -> None:
-        super().__init__(time=time)
+        dict.__init__(self, time=time)
         self._read: Callable[[], dict[str, Any]] | None = read
 
     def _fill(self) -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..errors import InputError, shown, unknown_name
+from .simulation.bound import bound
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,8 @@ class Observer:
             limits += [part.limit * factors[-1]] * size if size else []
         self._index = np.array(index, np.int64)
         self._factor, self._limit = np.array(factors), np.array(limits, np.float32)
+        like = np.empty((1, 1)), np.empty((1, 1), np.float32)
+        self._pick = bound(_pick, like, (self._index, self._factor, self._limit))
         limit = np.tile(self._limit, history)
         self.space = Box(-limit, limit, dtype=np.float32)
 
@@ -144,12 +147,12 @@ class Observer:
             measured: Measurements of n rows, shape (n, columns).
         """
         observation = np.empty((len(measured), len(self._index)), np.float32)
-        _pick(measured, self._index, self._factor, self._limit, observation)
+        self._pick(measured, observation)
         return observation
 
 
 @njit(cache=True)
-def _pick(measured, index, factor, limit, observation) -> None:
+def _pick(measured, observation, index, factor, limit) -> None:
     for row in range(measured.shape[0]):
         for j in range(index.shape[0]):
             value = np.float32(measured[row, index[j]] * factor[j])

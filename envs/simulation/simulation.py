@@ -24,6 +24,7 @@ from ..person.fatigue import RATES
 from ..person.strength import SHAPE
 from . import settling
 from .addresses import Addresses
+from .bound import bound
 from .cycle import after, before
 from .differing import Differing, Variety
 from .inverse_dynamics import arm_torques
@@ -145,6 +146,7 @@ class Simulation:
         self.n, self.samples, self.control_dt = n, samples, control_dt
         self.substeps = round(control_dt / config.timestep)
         self.addresses = Addresses.of(self.model)
+        self._pushed = self.addresses.pushes.size > 0
         self.ranges = bare_arm(config).jnt_range
         self.suit = resisting_joints(config)
         self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
@@ -159,8 +161,9 @@ class Simulation:
             noisy=control.noise > 0 or control.tremor > 0,
             felt=round(sensing.interaction_delay / control_dt) if noisy else None,
             carries=carries,
-            pushed=self.addresses.pushes.size > 0,
+            pushed=self._pushed,
         )
+        self._shaken = noisy or self.memory.fresh.size > 0
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
@@ -222,9 +225,9 @@ class Simulation:
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
         self.batch.forward(self._ids(rows))
-        after(rows, False, *self._after)
-        if self._noisy:
-            sense(rows, False, *self._sensed)
+        self._after(rows, False)
+        if self._sense:
+            self._sense(rows, False)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
         """Moves some rows by one control period.
@@ -240,25 +243,25 @@ class Simulation:
         moving = self._all if rows is None else rows
         if self._waiting:
             self._take_over(action, moving)
-        if self.memory.fresh.size or self._noisy:
+        if self._shaken:
             self._draw_noise(moving)
         if self._carries:
             self._exchange(moving)
-        if self.addresses.pushes.size:
+        if self._pushed:
             self._push(moving)
-        bad = before(moving, action, *self._before)
+        bad = self._before(moving, action)
         if bad >= 0:
             place = f"action of row {bad}" if self.n > 1 else "action"
             raise InputError(f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1")
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
-        after(moving, True, *self._after)
-        if self._noisy:
-            sense(moving, True, *self._sensed)
+        self._after(moving, True)
+        if self._sense:
+            self._sense(moving, True)
 
     def checked(self, plan: Plan) -> Plan:
         """Returns a plan that these arms can be asked for; raises an InputError otherwise."""
-        pushed = self.addresses.pushes.size > 0
-        return checked_plan(plan, self.samples, self.ranges, carries=self._carries, pushes=pushed)
+        carries, pushes = self._carries, self._pushed
+        return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
     def arm_of(self, wearer: int) -> Arm:
         """Returns the bare arm of a wearer by his number."""
@@ -347,12 +350,13 @@ class Simulation:
         self._strength, self._impedance = names["strength"], names["impedance"]
         self._torque, self._motor = names["torque"], names["motor"]
         self._free = np.setdiff1d(self.addresses.exo_joints, self.addresses.joints)
-        self._beginning = _arguments(settling.begin, names, first=1)
-        self._balancing = _arguments(settling.imbalance, names, first=1)
-        self._holding = _arguments(settling.hold, names, first=1)
-        self._before = _arguments(before, names, first=2)
-        self._after = _arguments(after, names, first=2)
-        self._sensed = _arguments(sense, names, first=2)
+        rows, action = self._all, np.empty((self.n, self.addresses.motors.size))
+        self._begin_rest = _bound(settling.begin, names, rows)
+        self._balance_of = _bound(settling.imbalance, names, rows)
+        self._hold = _bound(settling.hold, names, rows)
+        self._before = _bound(before, names, rows, action)
+        self._after = _bound(after, names, rows, True)
+        self._sense = _bound(sense, names, rows, True) if self._noisy else None
 
     def _constants(self) -> dict[str, Any]:
         n, config, dt = self.n, self.config, self.control_dt
@@ -425,14 +429,14 @@ class Simulation:
 
     def _settle(self, rows: Rows) -> None:
         """Puts arms at rest at their first intention, exoskeletons where cuffs hold them."""
-        settling.begin(rows, *self._beginning)
+        self._begin_rest(rows)
         self._needed(rows)
         unsettled = rows if self._free.size else rows[:0]
         for _ in range(settling.MOST_SLOPES):
             if not unsettled.size:
                 break
             unsettled = self._balance(unsettled)
-        settling.hold(rows, *self._holding)
+        self._hold(rows)
 
     def _balance(self, rows: Rows) -> Rows:
         """Moves exoskeletons to where cuffs hold them; returns the rows that need more of it."""
@@ -457,7 +461,7 @@ class Simulation:
     def _needed(self, rows: Rows) -> Array:
         """Returns the torque that is left on arms at rest, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
-        settling.imbalance(rows, *self._balancing)
+        self._balance_of(rows)
         return self._torque[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
@@ -511,7 +515,7 @@ class Simulation:
                     stream(*key, purpose, part).standard_normal(out=numbers)
 
 
-def _arguments(kernel: Any, names: dict[str, Any], *, first: int, last: int = 0) -> tuple[Any, ...]:
-    """Returns the arguments of a kernel by their names, from number `first` on."""
+def _bound(kernel: Any, names: dict[str, Any], *first: Any) -> Callable[..., Any]:
+    """Returns a kernel with all arguments by their names but the first, of which these are like."""
     wanted = list(inspect.signature(kernel.py_func).parameters)
-    return tuple(names[name] for name in wanted[first:])
+    return bound(kernel, first, [names[name] for name in wanted[len(first) :]])

@@ -88,29 +88,25 @@ def opening(kernels, p, s, polynomial, limits, near, torque, far):
     return far
 
 
-@cache
-def contact(kernels: ModuleType) -> Callable[..., float]:
-    """Compiles the law of contact, once for each module of kernels.
+@njit(cache=True)
+def end_at(kernels, p, s, polynomial, limits, play, angle):
+    """Returns the angle of the suit's side after a monotone motion of the joint to `angle`.
 
-    The function returns the angle of the suit's side after a monotone motion of the joint to
-    `angle`, and changes nothing. Inlined in all callbacks of the engine it would take them twice as
-    long to compile.
+    It changes nothing. It is compiled once for each module of kernels: inlined in all callbacks of
+    the engine it would take them twice as long to compile. Numba caches what calls it on disk only
+    because it is one function for all modules: one that is made for each of them is another one to
+    numba in every process.
     """
-
-    @njit(cache=True)
-    def end_at(p, s, polynomial, limits, play, angle):
-        here, half = play[END], play[GAP] / 2
-        torque = s[1] + value_of(polynomial, here)
-        if abs(torque) <= ZERO:
-            return min(max(here, angle - half), angle + half)
-        half = math.copysign(half, torque)
-        face, other = angle - half, angle + half
-        if half * (here - face) <= 0:
-            return face
-        rest = opening(kernels, p, s, polynomial, limits, here, torque, face)
-        return min(rest, other) if half > 0 else max(rest, other)
-
-    return end_at
+    here, half = play[END], play[GAP] / 2
+    torque = s[1] + value_of(polynomial, here)
+    if abs(torque) <= ZERO:
+        return min(max(here, angle - half), angle + half)
+    half = math.copysign(half, torque)
+    face, other = angle - half, angle + half
+    if half * (here - face) <= 0:
+        return face
+    rest = opening(kernels, p, s, polynomial, limits, here, torque, face)
+    return min(rest, other) if half > 0 else max(rest, other)
 
 
 @njit(inline="always")
@@ -129,7 +125,6 @@ def follower(kernels: ModuleType) -> Callable[..., Any]:
     The function fills `torques` with the torque along `angles` from the second one on, and moves s
     and `play` with it; both stay where they were, and the torque is NaN from there on, at a pole.
     """
-    end_at = contact(kernels)
 
     @njit(cache=True)
     def follow(p, s, polynomial, limits, play, angles, torques):
@@ -137,7 +132,7 @@ def follower(kernels: ModuleType) -> Callable[..., Any]:
             if angles[i] == angles[i - 1]:
                 torques[i] = torques[i - 1]
                 continue
-            end = end_at(p, s, polynomial, limits, play, angles[i])
+            end = end_at(kernels, p, s, polynomial, limits, play, angles[i])
             inside = within(limits, end)
             if inside != s[0] and math.isnan(kernels.commit(p, s, inside)):
                 torques[i:] = np.nan

@@ -54,7 +54,7 @@ def angle_of(m, d, joint, at):
 
 
 @njit(inline="always")
-def suit_side(kernels, end_at, p, memory, polynomial, limits, play, fault, angle):
+def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
     """Returns the angle of the suit's side of a gap, if there is one, at a trial angle.
 
     Where the state is not sound, that is where it has been.
@@ -64,7 +64,7 @@ def suit_side(kernels, end_at, p, memory, polynomial, limits, play, fault, angle
     sound = backlash.is_sound(play) and kernels.is_sound(p)
     if fault != 0 or not sound or not math.isfinite(angle):
         return play[backlash.END]
-    return end_at(p, memory, polynomial, limits, play, angle)
+    return backlash.end_at(kernels, p, memory, polynomial, limits, play, angle)
 
 
 @njit(inline="always")
@@ -95,7 +95,7 @@ def clear(m, d, ids, at):
 
 
 @njit(inline="always")
-def evaluate(kernels, end_at, m, d, instance, capability, at):
+def evaluate(kernels, m, d, instance, capability, at):
     """Adds the torque at the current position, or writes the sensors; changes no memory."""
     ids = word_of(d, instance, at)
     if capability != at.mjPLUGIN_PASSIVE and not has_sensors(ids):
@@ -108,9 +108,7 @@ def evaluate(kernels, end_at, m, d, instance, capability, at):
             clear(m, d, ids, at)
         return
     joint_angle = angle_of(m, d, joint, at)
-    position = suit_side(
-        kernels, end_at, p, memory, polynomial, limits, play, fault[0], joint_angle
-    )
+    position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], joint_angle)
     inside = within(limits, position)
     angle, torque, loss = reached(kernels, p, memory, fault[0], inside)
     if angle != inside:  # there is no torque at the position
@@ -151,7 +149,6 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         words: Words that each of these keys may hold, with blanks between them; empty for numbers.
         at: Layout of MuJoCo's structs.
     """
-    end_at = backlash.contact(kernels)
 
     @callback
     def nstate(m, instance):
@@ -167,7 +164,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         if fault[0] == FINE:
             set_word(d, instance, ids, at)
             address, size = state_of(m, d, instance, at), state_size(m, instance, at)
-            fault = configure(kernels, end_at, kinds, words, m, instance, ids, address, size, at)
+            fault = configure(kernels, kinds, words, m, instance, ids, address, size, at)
         if fault[0] == FINE:
             return 0
         complain_of(kernels, words, m, instance, fault, at)
@@ -180,11 +177,11 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
     @callback
     def reset(m, plugin_state, plugin_data, instance):
         size = state_size(m, instance, at)
-        configure(kernels, end_at, kinds, words, m, instance, plugin_data, plugin_state, size, at)
+        configure(kernels, kinds, words, m, instance, plugin_data, plugin_state, size, at)
 
     @callback
     def compute(m, d, instance, capability):
-        evaluate(kernels, end_at, m, d, instance, capability, at)
+        evaluate(kernels, m, d, instance, capability, at)
 
     @callback
     def advance(m, d, instance):
@@ -201,9 +198,7 @@ def build(kernels: ModuleType, kinds: tuple[int, ...], words: tuple[bytes, ...],
         if play.size and fault[0] == 0 and not backlash.is_sound(play):
             fault[0] = 1.0
             complain_of(kernels, words, m, instance, (POLE, JOINT), at)
-        position = suit_side(
-            kernels, end_at, p, memory, polynomial, limits, play, fault[0], position
-        )
+        position = suit_side(kernels, p, memory, polynomial, limits, play, fault[0], position)
         angle = within(limits, position)
         if fault[0] != 0 or not math.isfinite(angle):
             return

@@ -191,7 +191,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
 
 
 @njit(inline="always")
-def configure(kernels, end_at, kinds, words, m, instance, ids, address, size, at):
+def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault."""
     flag, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     flag[0] = 1.0
@@ -212,9 +212,7 @@ def configure(kernels, end_at, kinds, words, m, instance, ids, address, size, at
     if fault[0] == FINE:
         fault = read_gap(m, instance, play, at)
     if fault[0] == FINE:
-        fault = start(
-            kernels, end_at, m, instance, joint_of(ids), memory, p, polynomial, limits, play, at
-        )
+        fault = start(kernels, m, instance, joint_of(ids), memory, p, polynomial, limits, play, at)
     if fault[0] == FINE and flag_of(m, instance, TAKEN_OFF, at) < 0:
         fault = (FLAG, TAKEN_OFF)
     flag[0] = fault[0] != FINE
@@ -284,7 +282,7 @@ def flag_of(m, instance, key, at):
 
 
 @njit(inline="always")
-def start(kernels, end_at, m, instance, joint, memory, p, polynomial, limits, play, at):
+def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
     """Puts the memory at the start, by default the joint's reference position and no torque.
 
     From there it follows `start_path`. Returns a fault: also for a model without a certificate and
@@ -318,7 +316,7 @@ def start(kernels, end_at, m, instance, joint, memory, p, polynomial, limits, pl
     for end in path:
         turn = min(max(end, low), high)
         if play.size > 0:
-            side = end_at(p, memory, polynomial, limits, play, end)
+            side = backlash.end_at(kernels, p, memory, polynomial, limits, play, end)
             play[backlash.END], turn = side, min(max(side, low), high)
         if turn != memory[0] and math.isnan(kernels.commit(p, memory, turn)):
             return NO_PATH, START_PATH

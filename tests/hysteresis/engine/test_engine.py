@@ -290,3 +290,26 @@ def test_forked_and_fresh_processes_agree(elbow):
         [sys.executable, "-c", WORKER], input=xml, capture_output=True, text=True, check=True
     )
     assert fresh.stdout.strip() == str(here)
+
+
+SECOND = """
+import mujoco
+from activesuit.hysteresis import TABLE_2, Backlash
+from activesuit.hysteresis.engine import attach
+spec = mujoco.MjSpec()
+body = spec.worldbody.add_body(mass=1.0, inertia=[1.0, 1.0, 1.0])
+body.add_joint(name="joint")
+model = Backlash(model=TABLE_2["elbow-sa-pso"], gap=0.05)
+attach(spec, "joint", model)
+spec.compile()
+model.response([0.5, 1.0, 0.6])
+"""
+
+
+def test_a_second_process_compiles_nothing(monkeypatch):
+    monkeypatch.setenv("NUMBA_DEBUG_CACHE", "1")
+    command = [sys.executable, "-c", SECOND]
+    for _ in range(2):
+        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "data loaded from" in told
+    assert "data saved to" not in told
