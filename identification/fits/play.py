@@ -7,11 +7,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from ...arrays import Array
 from ...hysteresis.around.backlash import Backlash
 from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
-from ..curves import Curve, noise_floor
+from ..curves import Curve
+from ..lost_motion import suit_angles
 from ..objective import InitialTorque
 from ..prediction import nrmse, price, torque_errors
 from .rate import SlowFit
@@ -20,7 +20,6 @@ Play = Literal["none", "fitted"]
 LARGEST = 0.1  # of the range of angles, the widest gap that is looked for
 GAPS = 6  # on the grid, the first of them none
 CLOSE = 1e-3  # of the widest gap, how exactly the best is found
-CERTAIN = 4.0  # deviations of the noise by which a torque tells the face that is touched
 
 
 class _Behind(NamedTuple):
@@ -103,16 +102,3 @@ def _samples(curves: Sequence[Curve]) -> int:
 
 def _error(model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]) -> float:
     return nrmse(torque_errors(model, start, curves), curves)
-
-
-def suit_angles(curve: Curve, gap: float) -> Array:
-    """Returns the angles of the suit's side of a gap [rad], shape (n,)."""
-    side = np.where(
-        np.abs(curve.torque) > CERTAIN * noise_floor([curve]), np.sign(curve.torque), 0.0
-    )
-    end, found = float(curve.angle[0]), np.empty_like(curve.angle)
-    for i, (angle, face) in enumerate(zip(curve.angle.tolist(), side.tolist(), strict=True)):
-        low, high = angle - gap / 2, angle + gap / 2
-        end = angle - face * gap / 2 if face else min(max(end, low), high)
-        found[i] = end
-    return found

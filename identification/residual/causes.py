@@ -11,9 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
+from ...errors import InputError
+from ...hysteresis.around.backlash import Backlash
+from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
-from ..fits.play import play_of, suit_angles
+from ..lost_motion import played, suit_angles
 from ..objective import InitialTorque
 from ..prediction import predicted
 from .misfit import Explained, explained
@@ -118,16 +121,20 @@ def _columns(
     timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
     if len(timed) == len(curves):
         yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
+    inner = model.model if isinstance(model, Viscoelastic) else model
     paths: list[tuple[str, float, list[Array]]] = []
     for width in WIDTHS.tolist():
         paths.append(("play", width, [played(curve.angle, width) for curve in curves]))
-        if play_of(model) == "none":
+        if not isinstance(inner, Backlash):
             paths.append(("gap", width, [suit_angles(curve, width) for curve in curves]))
     for name, width, angles in paths:
-        late = [
-            predicted(model, initial_torque, replace(curve, angle=angle))
-            for curve, angle in zip(curves, angles, strict=True)
-        ]
+        try:
+            late = [
+                predicted(model, initial_torque, replace(curve, angle=angle))
+                for curve, angle in zip(curves, angles, strict=True)
+            ]
+        except InputError:
+            continue  # the model cannot have the torque of the begin at another angle
         yield name, (np.concatenate(late) - np.concatenate(torque)) / width
     if len(torque) > 1:
         yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
@@ -140,15 +147,6 @@ def _cycles(angle: Array) -> Array:
     """Returns how many cycles over its range a motion has gone through at each sample."""
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))])
     return way / (2 * np.ptp(angle))
-
-
-def played(angle: Array, gap: float) -> Array:
-    """Returns the angle behind a play of a gap [rad], which follows once the gap is taken up."""
-    found, here = np.empty_like(angle), angle[0]
-    for i, ahead in enumerate(angle):
-        here = min(max(here, ahead - gap), ahead)
-        found[i] = here
-    return found
 
 
 def _coefficient(

@@ -16,7 +16,7 @@ from ....errors import InputError
 from ....files import write_text
 from ....identification import Curve, Fit, identify, multi_order_motion
 from ....identification.fits.search import NOISE_MARGIN
-from ....identification.residual.causes import played
+from ....identification.lost_motion import played
 from ....identification.residual.verdict import UNLIKELY
 from ....json_files import read_json
 from ...backends import run_all

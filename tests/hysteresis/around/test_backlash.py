@@ -18,7 +18,7 @@ from activesuit.hysteresis.around import backlash_kernels as kernels
 from activesuit.hysteresis.around import sprung
 from activesuit.hysteresis.engine import attach, replace_model, same_layout
 from activesuit.hysteresis.protocol import follow
-from activesuit.identification.residual.causes import played
+from activesuit.identification.lost_motion import played
 from helpers import sweep
 
 GAP = 0.05

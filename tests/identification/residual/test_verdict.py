@@ -7,8 +7,8 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, BoucWen
 from activesuit.identification import Curve, identify, motion_coverage
+from activesuit.identification.lost_motion import played
 from activesuit.identification.motion_files import Motion
-from activesuit.identification.residual.causes import played
 from activesuit.identification.residual.loop_work import loop_work, refuse_driven
 from activesuit.identification.residual.misfit import repeated_noise
 from activesuit.identification.residual.noise import slow_noise
