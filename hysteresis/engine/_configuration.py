@@ -190,9 +190,12 @@ def read_values(m, instance, kinds, words, counts, values, at):
     return FINE, JOINT
 
 
-@njit(inline="always")
+@njit(cache=True)
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
-    """Fills the state from the config; returns a fault."""
+    """Fills the state from the config; returns a fault.
+
+    It is called seldom, so it is compiled once for a model and not inlined in its two callbacks.
+    """
     flag, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     flag[0] = 1.0
     counts = np.empty(len(kinds), np.int64)
