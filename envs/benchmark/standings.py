@@ -109,13 +109,22 @@ class Standings:
             failed=sum(one.failed is not None for one in mine),
         )
 
+    def settings_at(self, level: str) -> list[Setting]:
+        """Returns the settings of a level."""
+        return [setting for setting in self.settings if setting.level == level]
+
+    def policies_at(self, level: str) -> list[str]:
+        """Returns the policies that have a result at a level."""
+        settings = self.settings_at(level)
+        return [name for name in self.policies if any(self.of(s, name) for s in settings)]
+
     def by_level(self, level: str) -> list[Standing]:
-        """Returns the standings of all policies at a level, the best relief first.
+        """Returns the standings of the policies that ran at a level, the best relief first.
 
         References and bound come before all others.
         """
-        settings = [s for s in self.settings if s.level == level]
-        found = [self.standing(policy, settings) for policy in self.policies]
+        settings = self.settings_at(level)
+        found = [self.standing(policy, settings) for policy in self.policies_at(level)]
         ranked = sorted(
             (one for one in found if one.policy not in FIXED),
             key=lambda one: (-one.relief.value if one.relief else np.inf, one.policy),
@@ -143,7 +152,7 @@ class Standings:
         Returns:
             Shares, shape (k,), as in the performance profiles of Agarwal et al. (2021).
         """
-        reliefs = [self.relief(s, policy) for s in self.settings if s.level == level]
+        reliefs = [self.relief(s, policy) for s in self.settings_at(level)]
         shares = [np.mean(r[:, None] >= thresholds, axis=0) for r in reliefs if r is not None]
         return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
 

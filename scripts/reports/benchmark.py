@@ -37,8 +37,8 @@ def level_rows(standings: Standings, level: str) -> Rows:
 
 def task_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per setting of a level: success and mean relief of every policy."""
-    settings = [setting for setting in standings.settings if setting.level == level]
-    names = [name for name in standings.policies if name not in FIXED[:2]]
+    settings = standings.settings_at(level)
+    names = [name for name in standings.policies_at(level) if name not in FIXED[:2]]
     header = ["policy", *(f"{s.task}\n{s.believed}" for s in settings)]
     return header, [[name, *(_cell(standings, s, name) for s in settings)] for name in names]
 

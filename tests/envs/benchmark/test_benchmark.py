@@ -134,6 +134,14 @@ def test_a_policy_with_fewer_motions_is_compared_on_those():
     assert standings.standing("short", [setting]).improvement.value == 1
 
 
+def test_a_policy_stands_only_at_levels_where_it_ran(results):
+    again = [replace(one, level="randomized") for one in results if one.policy != "none"]
+    standings = Standings([*results, *again])
+    assert "none" in [one.policy for one in standings.by_level("nominal")]
+    assert "none" not in [one.policy for one in standings.by_level("randomized")]
+    assert all(np.isfinite(one.success) for one in standings.by_level("randomized"))
+
+
 def test_a_suit_file_of_other_content_is_another_contract(tmp_path):
     path, contracts = tmp_path / "suit.json", set()
     for name in ("mock-suit", "emu-like"):
