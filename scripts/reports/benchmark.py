@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 LOWEST = -1.0  # relief at which the figure begins
+LINE = 0.2  # inches, of the legend
 
 
 def level_rows(standings: Standings, level: str) -> Rows:
@@ -86,10 +87,11 @@ def profile_figure(standings: Standings) -> "Figure":
     """Draws performance profiles: which share of the motions has at least a relief."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(4.2 * len(standings.levels) + 1.6, 4.2), layout="constrained")
+    names = [name for name in standings.policies if name not in FIXED[:2]]
+    size = 4.2 * len(standings.levels) + 1.6, max(4.2, LINE * len(names))
+    figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(1, len(standings.levels), squeeze=False, sharey=True)[0]
     relief = np.linspace(LOWEST, 1.5, 251)
-    names = [name for name in standings.policies if name not in FIXED[:2]]
     for ax, level in zip(axes, standings.levels, strict=True):
         for i, name in enumerate(names):
             style = ("-", "--", ":")[i // 10 % 3]
