@@ -28,7 +28,7 @@ from ..hysteresis import (
     model_from_dict,
     steady_cycle,
 )
-from ..hysteresis.around import Backlash, Viscoelastic, sprung
+from ..hysteresis.around import Backlash, Viscoelastic, sprung, without_rate
 from ..hysteresis.protocol import finite_series, follow
 from .fits import FittedModel
 
@@ -220,12 +220,11 @@ class SuitJoint(Strict):
     def _play_and_damping_are_possible(self) -> "SuitJoint":
         low, high = self.range
         for model in (self.model, *self.samples):
-            is_slow = isinstance(model, Viscoelastic)
-            if is_slow and model.damping > MOST_DAMPING:
+            if isinstance(model, Viscoelastic) and model.damping > MOST_DAMPING:
                 raise ValueError(
                     f"damping is {model.damping:g} N·m·s/rad: give at most {MOST_DAMPING:g}"
                 )
-            inner = model.model if is_slow else model
+            inner = without_rate(model)
             if isinstance(inner, Backlash) and inner.gap >= high - low:
                 raise ValueError(
                     f"gap is {inner.gap:g} rad: give less than the range, {high - low:.3g} rad"

@@ -8,7 +8,7 @@ import numpy as np
 from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.backlash import Backlash
 from ..hysteresis.around.held import Held
-from ..hysteresis.around.viscoelastic import Viscoelastic
+from ..hysteresis.around.viscoelastic import without_rate
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
 from .curves import Curve, Curves
@@ -48,7 +48,7 @@ def diagnostics(
     if span < LITTLE_MOTION:
         found.append(f"the angles span only {span:.3g} rad: check their unit")
     found += _unusual(curves)
-    inner = model.model if isinstance(model, Viscoelastic) else model
+    inner = without_rate(model)
     if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
         found.append(f"gap = {inner.gap:.5g} is at the limit of the search: it may be wider")
     inner = without_play(inner)
@@ -97,8 +97,8 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
     ]
     if copies:
         found.append(
-            f"{len(copies)} curves are copies of others ({copies[0][1]!r} of {copies[0][0]!r}), to "
-            "the last digit, and no second measurement: remove them"
+            f"curve {copies[0][1]!r} is a copy of {copies[0][0]!r} to the last digit, and no "
+            f"second measurement (copies in all: {len(copies)}): remove it"
         )
     return found
 

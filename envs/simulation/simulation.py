@@ -352,7 +352,7 @@ class Simulation:
         self._free = np.setdiff1d(self.addresses.exo_joints, self.addresses.joints)
         rows, action = self._all, np.empty((self.n, self.addresses.motors.size))
         self._begin_rest = _bound(settling.begin, names, rows)
-        self._balance_of = _bound(settling.imbalance, names, rows)
+        self._imbalance = _bound(settling.imbalance, names, rows)
         self._hold = _bound(settling.hold, names, rows)
         self._before = _bound(before, names, rows, action)
         self._after = _bound(after, names, rows, True)
@@ -461,7 +461,7 @@ class Simulation:
     def _needed(self, rows: Rows) -> Array:
         """Returns the torque that is left on arms at rest, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
-        self._balance_of(rows)
+        self._imbalance(rows)
         return self._torque[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:

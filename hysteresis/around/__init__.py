@@ -7,7 +7,16 @@
 from .asymmetric import LARGEST_DEGREE, Asymmetric, sprung
 from .backlash import Backlash
 from .held import Held
-from .viscoelastic import Viscoelastic
+from .viscoelastic import Viscoelastic, without_rate
 from .wrapper import Wrapper
 
-__all__ = ["LARGEST_DEGREE", "Asymmetric", "Backlash", "Held", "Viscoelastic", "Wrapper", "sprung"]
+__all__ = [
+    "LARGEST_DEGREE",
+    "Asymmetric",
+    "Backlash",
+    "Held",
+    "Viscoelastic",
+    "Wrapper",
+    "sprung",
+    "without_rate",
+]

@@ -203,3 +203,8 @@ class Viscoelastic(Wrapper):
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
         return {**super().to_dict(), **{name: getattr(self, name) for name in self.least}}
+
+
+def without_rate(model: HysteresisModel) -> HysteresisModel:
+    """Returns the model beside the dashpot, or the model itself where there is none."""
+    return model.model if isinstance(model, Viscoelastic) else model

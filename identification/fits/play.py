@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...hysteresis.around.backlash import Backlash
-from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.around.viscoelastic import without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..lost_motion import suit_angles
@@ -30,8 +30,7 @@ class _Behind(NamedTuple):
 
 def play_of(model: HysteresisModel) -> Play:
     """Returns whether a fitted model is behind play."""
-    inner = model.model if isinstance(model, Viscoelastic) else model
-    return "fitted" if isinstance(inner, Backlash) else "none"
+    return "fitted" if isinstance(without_rate(model), Backlash) else "none"
 
 
 def without_play(model: HysteresisModel) -> HysteresisModel:

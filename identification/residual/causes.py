@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.backlash import Backlash
-from ...hysteresis.around.viscoelastic import Viscoelastic
+from ...hysteresis.around.viscoelastic import without_rate
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve
 from ..lost_motion import played, suit_angles
@@ -121,11 +121,10 @@ def _columns(
     timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
     if len(timed) == len(curves):
         yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
-    inner = model.model if isinstance(model, Viscoelastic) else model
     paths: list[tuple[str, float, list[Array]]] = []
     for width in WIDTHS.tolist():
         paths.append(("play", width, [played(curve.angle, width) for curve in curves]))
-        if not isinstance(inner, Backlash):
+        if not isinstance(without_rate(model), Backlash):
             paths.append(("gap", width, [suit_angles(curve, width) for curve in curves]))
     for name, width, angles in paths:
         try:

@@ -87,6 +87,6 @@ def test_copies_milliseconds_and_coarse_samples(elbow):
     late = replace(curve, time=1000 * time)
     assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0]
     copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
-    assert "1 curves are copies" in diagnostics(elbow, 0.01, copies, None)[0]
+    assert "curve 'B' is a copy of 'A'" in diagnostics(elbow, 0.01, copies, None)[0]
     coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
     assert "samples of curve 'A' are up to" in diagnostics(elbow, 0.01, [coarse], None)[0]
