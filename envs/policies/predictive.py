@@ -2,6 +2,7 @@
 
 from typing import ClassVar
 
+import mujoco
 import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
@@ -24,14 +25,15 @@ SHRINKING = 0.8  # of the last plan, which no longer fits
 ELITE = 4  # of so many plans one counts: their mean is less random than the best
 SMOOTHNESS = 1.0  # cost of a correction as large as the motor's peak, beside that of strength
 FEWEST, MOST = 4, 64  # samples
+COARSENESS = 2.5  # steps of a believed arm over those of the simulated one
 
 
 class PredictiveSampling(Compensation):
     """Compensates, and corrects it by the best of sampled plans on the believed arm.
 
     Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
-    it, with three knots over the horizon) are simulated on a batch of the believed arm, whose
-    wearer goes on as he moves now; the mean of the quarter that leaves him the least torque over
+    it, with three knots over the horizon) are simulated on a batch of the believed arm, in steps
+    two and a half times as long, whose wearer goes on as he moves now; the mean of the quarter that leaves him the least torque over
     strength is followed (predictive sampling, Howell et al. 2022, arXiv 2212.00541). The state is
     what encoders and motors tell; the suit's memory is that of an arm which is moved along.
     Tuning: spread of the samples and horizon, several times the motors' lag.
@@ -69,9 +71,11 @@ class PredictiveSampling(Compensation):
         at_least("seed", seed, 0)
         arm = BelievedArm(arms, belief)
         self._model, self._samples, self._seed = arm.model(), samples, seed
+        self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR  # plans measure nothing
         self._at = Addresses.of(self._model)
         self._ahead, self._every = round(horizon / self.dt), max(1, round(PERIOD / self.dt))
-        self._substeps = round(self.dt / self._model.opt.timestep)
+        self._substeps = max(1, round(self.dt / (COARSENESS * self._model.opt.timestep)))
+        self._model.opt.timestep = self.dt / self._substeps
         self._strength = isometric_strength(arm.config.wearer).mean(axis=0)
         self._spread, self._slow = spread * self.peak, LowPass(QUICKNESS, self.dt)
         # Knots of a correction: how much of each acts in every period of the horizon.
