@@ -33,9 +33,10 @@ class PredictiveSampling(Compensation):
 
     Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
     it, with three knots over the horizon) are simulated on a batch of the believed arm, in steps
-    two and a half times as long, whose wearer goes on as he moves now; the mean of the quarter that leaves him the least torque over
-    strength is followed (predictive sampling, Howell et al. 2022, arXiv 2212.00541). The state is
-    what encoders and motors tell; the suit's memory is that of an arm which is moved along.
+    two and a half times as long, whose wearer goes on as he moves now; the mean of the quarter
+    that leaves him the least torque over strength is followed (predictive sampling, Howell et al.
+    2022, arXiv 2212.00541). The state is what encoders and motors tell; the suit's memory is that
+    of an arm which is moved along.
     Tuning: spread of the samples and horizon, several times the motors' lag.
 
     With the true suit as belief it is a bound for its kind, and no controller.
