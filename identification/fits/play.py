@@ -39,7 +39,9 @@ def without_play(model: HysteresisModel) -> HysteresisModel:
 
 
 def fit_behind_play(
-    curves: Sequence[Curve], fit: Callable[[Sequence[Curve]], SlowFit]
+    curves: Sequence[Curve],
+    fit: Callable[[Sequence[Curve]], SlowFit],
+    quick: Callable[[Sequence[Curve]], SlowFit],
 ) -> tuple[HysteresisModel, InitialTorque]:
     """Fits a hysteresis model and the gap before it.
 
@@ -53,12 +55,13 @@ def fit_behind_play(
     Args:
         curves: Measured curves.
         fit: Fit of the hysteresis model to curves.
+        quick: The same with less effort, which tells one gap from another.
     """
     found: dict[float, _Behind] = {}
 
     def loss(gap: float) -> float:
         if gap not in found:
-            found[gap] = _behind(curves, gap, fit)
+            found[gap] = _behind(curves, gap, quick)
         return found[gap].loss
 
     widest = LARGEST * max(float(np.ptp(curve.angle)) for curve in curves)
@@ -71,9 +74,10 @@ def fit_behind_play(
         method="bounded",
         options={"xatol": CLOSE * widest},
     )
-    chosen, samples = min(found.values(), key=lambda one: one.loss), _samples(curves)
-    if found[0.0].loss <= chosen.loss * price(1, samples):
-        chosen = found[0.0]
+    gap = min(found, key=loss)
+    chosen, without = _behind(curves, gap, fit), _behind(curves, 0.0, fit)
+    if without.loss <= chosen.loss * price(1, _samples(curves)):
+        chosen = without
     return chosen.model, chosen.initial_torque
 
 

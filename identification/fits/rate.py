@@ -45,7 +45,10 @@ def rate_of(model: HysteresisModel) -> Rate:
 
 
 def fit_beside_rate(
-    curves: Sequence[Curve], rate: Rate, fit: Callable[[Sequence[Curve]], SlowFit]
+    curves: Sequence[Curve],
+    rate: Rate,
+    fit: Callable[[Sequence[Curve]], SlowFit],
+    quick: Callable[[Sequence[Curve]], SlowFit],
 ) -> tuple[Viscoelastic, InitialTorque]:
     """Fits a hysteresis model and what depends on the rate beside it, in turn.
 
@@ -59,14 +62,15 @@ def fit_beside_rate(
     Args:
         curves: Measured curves, with times.
         rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
-        fit: Fit of the hysteresis model to curves.
+        fit: Fit of the hysteresis model to curves, for the last round.
+        quick: The same with less effort, for the rounds before.
 
     Raises:
         InputError: A curve has no times.
     """
     peak = max(float(np.abs(curve.torque).max()) for curve in curves)
     times = _times(curves) if rate == "relaxing" else np.empty(0)
-    slow = fit(curves)
+    rest, slow = list(curves), quick(curves)
     found, before = Viscoelastic(model=slow.model), np.zeros(sum(one.angle.size for one in curves))
     for _ in range(ROUNDS):
         found = _with_elements(slow.model, slow.initial_torque, curves, times)
@@ -79,7 +83,8 @@ def fit_beside_rate(
             replace(curve, torque=curve.torque - torque)
             for curve, torque in zip(curves, torques, strict=True)
         ]
-        slow = fit(rest)
+        slow = quick(rest)
+    slow = fit(rest)
     return replace(found, model=slow.model), slow.initial_torque
 
 

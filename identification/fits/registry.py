@@ -7,6 +7,7 @@ dissipative, at least held outside the angles of the curves; or, if it knows mor
 
 import inspect
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -55,6 +56,8 @@ class FitResult(Protocol):
         """How often the model ran on all curves; None if the fit does not count."""
         ...
 
+
+QUICK = 600  # evaluations of a fit that only tells one gap, or one round, from the next
 
 FitFunction = Callable[..., HysteresisModel | FitResult]
 
@@ -130,19 +133,15 @@ def fit_model(
     Raises:
         InputError: See the fit; or `rate` is unknown, or a curve has no times for it.
     """
-    if rate != "none":
-
-        def slow(some: Sequence[Curve]) -> Fitted:
-            return fit_model(name, some, rng, play=play, **options)
-
-        model, start = fit_beside_rate(curves, rate, slow)
-        return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
-    if play != "none":
-
-        def tight(some: Sequence[Curve]) -> Fitted:
-            return fit_model(name, some, rng, **options)
-
-        model, start = fit_behind_play(curves, tight)
+    takes = inspect.signature(FITS[name]).parameters
+    less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}
+    if rate != "none" or play != "none":
+        if rate != "none":
+            fit = partial(fit_model, name, rng=rng, play=play, **options)
+            model, start = fit_beside_rate(curves, rate, fit, partial(fit, **less))
+        else:
+            fit = partial(fit_model, name, rng=rng, **options)
+            model, start = fit_behind_play(curves, fit, partial(fit, **less))
         return Fitted(model, start, nrmse(torque_errors(model, start, curves), curves))
     if is_seeded(name):
         options["rng"] = rng
