@@ -1,6 +1,7 @@
 """Checks of values that users give; each raises an InputError for a value that cannot be used."""
 
 import math
+from collections.abc import Iterable
 from numbers import Integral, Real
 from typing import Any
 
@@ -46,6 +47,17 @@ def at_least(name: str, value: int, least: int) -> None:
         raise InputError(f"{name} is {shown(value)}: use a whole number of at least {least}")
     if value < least:
         raise InputError(f"{name} is {shown(value)}: use at least {least}")
+
+
+def once(what: str, names: Iterable[object]) -> None:
+    """Checks that no name is given twice.
+
+    Raises:
+        InputError: One is.
+    """
+    given = [str(name) for name in names]
+    if len(set(given)) < len(given):
+        raise InputError(f"the {what} are {', '.join(given)}: name each one once")
 
 
 def workers(value: int) -> None:

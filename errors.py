@@ -23,11 +23,19 @@ class InputError(ValueError):
 
 
 def unknown_name(kind: str, name: object, allowed: Iterable[str]) -> InputError:
-    """Returns the error for a name that is not in `allowed`, with the closest name as a hint."""
+    """Returns the error for a name that is not in `allowed`, with the closest name as a hint.
+
+    Names in the middle are left out where the message would be too long.
+    """
     allowed = sorted(allowed)
     close = difflib.get_close_matches(str(name)[:LONGEST], allowed, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    return InputError(f"unknown {kind} {shown(name)}: use one of {', '.join(allowed)}{hint}")
+    begin = f"unknown {kind} {shown(name)}: use one of "
+    names, half = ", ".join(allowed), len(allowed) // 2
+    while len(begin + names + hint) > LONGEST and half > 1:
+        half -= 1
+        names = ", ".join([*allowed[:half], "...", *allowed[-half:]])
+    return InputError(begin + names + hint)
 
 
 def shown(value: Any) -> str:

@@ -25,6 +25,16 @@ def test_a_long_message_keeps_its_beginning_and_its_end():
     assert " ... " in text
 
 
+def test_names_in_the_middle_are_left_out_whole():
+    names = [f"policy-{i:03}" for i in range(100)]
+    text = str(unknown_name("policy", "policy-0500", names))
+    assert len(text) <= LONGEST
+    begin, end = text.split(": use one of ")[1].split(", ..., ")
+    given = f"{begin}, {end}".split(";")[0].split(", ")
+    assert set(given) <= set(names)
+    assert text.endswith("; did you mean 'policy-050'?")
+
+
 def test_a_message_is_one_line_that_no_terminal_obeys():
     text = str(InputError("curve \x1b[31m\nred\r\x07 \u202e is bad"))
     assert text == r"curve \x1b[31m red\r\x07 \u202e is bad"

@@ -14,7 +14,7 @@ import numpy as np
 
 from ... import __version__
 from ...assets import load_suit
-from ...checks import at_least
+from ...checks import at_least, once
 from ...errors import InputError, unknown_name
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.statistics import FEWEST_MOTIONS
@@ -116,8 +116,9 @@ class Suite:
             for name in names:
                 if name not in known:
                     raise unknown_name(what, name, known)
-            if not names or len(set(names)) < len(names):
-                raise InputError(f"the {what}s are {', '.join(names)}: name each one once")
+            if not names:
+                raise InputError(f"there are no {what}s: name at least one")
+            once(f"{what}s", names)
         for suit in self.believed:
             load_suit(suit)
         at_least("episodes", self.episodes, FEWEST_MOTIONS)
@@ -228,8 +229,7 @@ def suite(
         raise unknown_name("suite", name, SUITES)
     found = SUITES[name]
     labels = {_label(given): policy_spec(given) for given in policies}
-    if len(labels) < len(policies):
-        raise InputError(f"the policies are {', '.join(policies)}: name each one once")
+    once("policies", map(_label, policies))
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
     given = {field: value for field, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import at_least, number
+from ...checks import at_least, number, once
 from ...errors import InputError
 from ..model import ASSISTED
 from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
@@ -143,8 +143,10 @@ def branch(
     at_least("seed", seed, 0)
     if not len(at):
         raise InputError("no branch point is given: name at least one time")
-    chosen = [one if one in BOUNDS else policy_spec(one) for one in (*policies, BEST)]
-    named = {str(one): one for one in chosen}
+    chosen = [one if one in BOUNDS else policy_spec(one, beside=BOUNDS) for one in policies]
+    once("policies", chosen)
+    once("branch points", at)
+    named = {str(one): one for one in (*chosen, BEST)}
     past_spec = policy_spec(base)
     causal = [past_spec, *(one for one in named.values() if not isinstance(one, str))]
     wearers = Wearers(env_id, 1, **{**env_options, **_seeing(causal)})

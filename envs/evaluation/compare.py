@@ -259,7 +259,7 @@ def _checked(name: str | None, given: AnyPolicy | Make) -> PolicySpec | str | Ma
     if isinstance(given, str) and (given in BOUNDS or given in REFERENCES):
         return given
     if isinstance(given, str | Mapping | PolicySpec):
-        return policy_spec(given)
+        return policy_spec(given, beside=BOUNDS)
     if not callable(given):
         what = "a policy" if name is None else f"policy {name!r}"
         raise InputError(

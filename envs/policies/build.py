@@ -2,7 +2,7 @@
 
 import inspect
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -13,6 +13,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
 from ..arm_env import ArmEnv
+from ..model import resisting_joints
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
 from .admittance import Admittance
@@ -102,13 +103,14 @@ AnyPolicy = str | Mapping[str, Any] | PolicySpec
 """A policy by its name, as "name:option=value,option=value", or as a dict of name and options."""
 
 
-def policy_spec(given: AnyPolicy) -> PolicySpec:
+def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = ()) -> PolicySpec:
     """Returns what names a policy, with its options checked and of the right type.
 
     Args:
         given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
             dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
             field have a dot between them, as in "compensation:wearer.mass=65".
+        beside: Other names that may be given here, for the message about an unknown one.
 
     Raises:
         InputError: There is no such policy, folder, module or option, or a value is of the wrong
@@ -124,7 +126,7 @@ def policy_spec(given: AnyPolicy) -> PolicySpec:
         raise InputError(
             f"the policy is {shown(given)}: give a name, such as 'compensation', or a dict with one"
         )
-    maker = maker_of(spec.name)
+    maker = maker_of(spec.name, beside)
     known = {} if maker is None else {**options_of(maker), GUARD: bool}
     if known and spec.options.get(GUARD):
         known = {**_BELIEF, **known}
@@ -138,7 +140,7 @@ def policy_spec(given: AnyPolicy) -> PolicySpec:
     return PolicySpec(spec.name, options)
 
 
-def maker_of(name: str) -> Callable[..., Policy] | None:
+def maker_of(name: str, beside: Sequence[str] = ()) -> Callable[..., Policy] | None:
     """Returns the class of a policy; None for the folder of a training run.
 
     Raises:
@@ -150,7 +152,7 @@ def maker_of(name: str) -> Callable[..., Policy] | None:
         return None
     module, _, attribute = name.partition(":")
     if not attribute:  # a name may be too long for a path
-        known = (*POLICIES, "the folder of a training run", "package.module:Class")
+        known = (*POLICIES, *beside, "the folder of a training run", "package.module:Class")
         raise unknown_name("policy", name, known)
     try:
         found = getattr(import_module(module), attribute)
@@ -245,6 +247,7 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
+    resisting_joints(belief.of(episodes.simulation.config))  # so that a mistake in it is told
     if believes(name):
         options["belief"] = belief
     made = maker if name in POLICIES else partial(own_policy, name, maker, episodes.motors)

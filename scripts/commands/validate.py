@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import tyro
 
 from ...assets import load_suit
-from ...checks import at_least
+from ...checks import at_least, once
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.validation import (
@@ -86,6 +86,8 @@ def validate(
     """
     if not suits:
         raise InputError("no suit is given: name one that the controller believes")
+    once("suits", suits)
+    once("plants", plant)
     for suit in (*suits, *plant):
         load_suit(suit)
     if held_out and samples:
@@ -125,7 +127,7 @@ def _simulated(
 ) -> tuple[Cells, dict[str, Evaluation]]:
     cells: Cells = {}
     evaluations, labels = {}, names_of(suits)
-    total = (len(set(suits)) + OTHERS) * len(scenes) * episodes
+    total = (len(suits) + OTHERS) * len(scenes) * episodes
     with progress("validate", total) as bar:
 
         def report(name: str, traces: list[Trace]) -> None:

@@ -52,6 +52,25 @@ def test_a_file_is_one_too(tmp_path):
         policy_spec(str(path))
 
 
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"suit": "nosuch"}, "nosuch"), ({"load": -3.0}, "load is -3"), ({"pressure": 900.0}, "900")],
+)
+def test_a_wrong_belief_is_told_even_to_a_class_that_never_asks(options, message, monkeypatch):
+    class Careless:
+        def __init__(self, arms, belief=None):
+            pass
+
+        def act(self, observation):
+            return np.zeros(2)
+
+    monkeypatch.setitem(sys.modules, "careless", types.SimpleNamespace(Careless=Careless))
+    env = ArmEnv(task="ElbowFlexion")
+    with pytest.raises(InputError, match=message):
+        make_policy({"name": "careless:Careless", **options}, env)
+    env.close()
+
+
 @pytest.mark.parametrize("name", POLICIES)
 def test_every_policy_has_a_line_for_the_list(name):
     first = (POLICIES[name].__doc__ or "").splitlines()[0]
