@@ -36,6 +36,25 @@ class FittedCurves(Protocol):
         ...
 
 
+class FittedSoftening(Protocol):
+    """How the torque changes over cycles, relative to that of the model."""
+
+    @property
+    def first(self) -> float:
+        """Torque of the first cycle."""
+        ...
+
+    @property
+    def steady(self) -> float:
+        """Torque after many cycles."""
+        ...
+
+    @property
+    def cycles(self) -> float:
+        """Number of cycles in which the difference falls to 1/e."""
+        ...
+
+
 @runtime_checkable
 class FittedModel(Protocol):
     """A model that was identified from curves, such as a fit of `activesuit.identification`."""
@@ -63,4 +82,9 @@ class FittedModel(Protocol):
     @property
     def curves(self) -> FittedCurves:
         """The measured curves, also those that were kept out of the fit."""
+        ...
+
+    @property
+    def softening(self) -> FittedSoftening | None:
+        """How the torque changes over cycles; None if that was not fitted."""
         ...

@@ -167,6 +167,10 @@ class SuitJoint(Strict):
         start = fit.initial_torque
         file = f" of {curves.source}" if curves.source else ""
         source = f"{fit.method} fit{file}, curves {', '.join(fitted.names)}."
+        told = fit.softening
+        softening = None
+        if told is not None:
+            softening = Softening(first=told.first, steady=told.steady, cycles=told.cycles)
         return cls.from_model(
             fit.model,
             samples=tuple(samples),
@@ -177,6 +181,7 @@ class SuitJoint(Strict):
             source=f"{source} {note}" if note else source,
             data_sha256=curves.sha256,
             fit_nrmse=fit.nrmse,
+            softening=softening,
         )
 
     @model_validator(mode="after")

@@ -21,14 +21,15 @@ from .diagnostics import diagnostics, turns_back
 from .ensemble import LEVEL, NESTED, Ensemble, drawn, ensemble
 from .fits.play import Play, play_of
 from .fits.rate import Rate, rate_of
-from .fits.registry import FITS, fit_model
+from .fits.registry import FITS, Fitted, fit_model
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS
-from .options import DEFAULT_MODEL, check_method, check_options
+from .options import DEFAULT_MODEL, check_corrections, check_method, check_options
 from .prediction import nrmse, predicted, torque_errors
 from .residual.loop_work import refuse_driven
 from .residual.verdict import NOT, Judgement, judge
 from .selection import Candidate, Choice, choose
+from .softening import Count, Softening, Softens, found_softening, settled
 from .tare import Tare, found_tare, tared
 from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
@@ -53,7 +54,8 @@ class Fit:
         prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
             where the model meets its pole.
         trials: Every finished trial, by index; with method "auto" that of the chosen model.
-        curves: The measured curves less the tare, those with role "predict" too.
+        curves: The measured curves, those with role "predict" too, less the tare, and with the
+            torques that they would have had at the end of the measurement.
         diagnostics: What speaks against trusting the model, as sentences; empty if nothing does.
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
@@ -64,6 +66,8 @@ class Fit:
         coverage: What the fitted curves have in them.
         shortfalls: What the intended motions need and the curves do not tell, as sentences.
         tare: Offset of the torque sensor that was taken off the curves [N·m].
+        softening: Change of the torque over the cycles that was taken off the curves; None if none
+            was.
         judgement: What the residual says about the model, with the verdict; None where the model
             meets its pole on the curves.
     """
@@ -87,6 +91,7 @@ class Fit:
     coverage: Coverage | None = None
     shortfalls: tuple[str, ...] = ()
     tare: float = 0.0
+    softening: Softening | None = None
 
     @property
     def evaluations(self) -> int | None:
@@ -169,6 +174,7 @@ def identify(
     tare: Tare = 0.0,
     rate: Rate = "none",
     play: Play = "none",
+    softening: Softens = "none",
     **options: Any,
 ) -> Fit:
     """Identifies a hysteresis model from first-order transition curves.
@@ -209,6 +215,9 @@ def identify(
         play: Whether the certified model is fitted behind a gap in the transmission ("fitted"), at
             which contact opens at zero torque, or without one ("none"); the model is then
             `Backlash`, if a gap was found.
+        softening: Whether the curves are freed from a change of the torque over their cycles, which
+            is found beside the certified fit as the tare is ("fitted"), or have none ("none"). The
+            model is then that of the end of the measurement.
         needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
             the diagnostics then say where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
@@ -223,6 +232,7 @@ def identify(
     """
     check_method(model, method)
     check_options(model, method, objective, normalize, initial_torque, trials, rate, play, options)
+    check_corrections(tare, softening)
     at_least("seed", seed, 0)
     check_workers(workers)
     family = Curves(curves)
@@ -237,11 +247,16 @@ def identify(
     beside: dict[str, Any] = {} if rate == "none" else {"rate": rate}
     beside |= {} if play == "none" else {"play": play}
 
-    def error(curves: Curves) -> float:
-        return fit_model(name, curves, np.random.default_rng(seed), **start, **beside).loss
+    def fitted(curves: Curves) -> Fitted:
+        return fit_model(name, curves, np.random.default_rng(seed), **start, **beside)
 
-    offset = found_tare(measured, tare, error)
+    offset = found_tare(measured, tare, lambda curves: fitted(curves).loss)
     family, measured = tared(family, offset), tared(measured, offset)
+    change, count = None, Count(family)
+    if softening == "fitted":
+        change = found_softening(measured, count, fitted)
+    if change is not None:
+        family, measured = settled(family, change, count), settled(measured, change, count)
     if method == "auto" or name != DEFAULT_MODEL or beside:
         _refuse_weights(measured)
 
@@ -251,7 +266,7 @@ def identify(
     if method == "auto":
         ways = dict.fromkeys(FITS, beside) | {DEFAULT_MODEL: start | beside}
         found = _automatic(family, measured, ways, fits_start, needed, seed, workers, on_trial)
-        return _completed(found, offset, rate, play)
+        return _completed(found, offset, change, rate, play, softening)
     if method == "certified":
         run = partial(fit_trial, measured, name, options | start | beside)
     else:
@@ -271,12 +286,21 @@ def identify(
         interrupted=interrupted,
         searched=method in OPTIMIZERS and objective != "robust" and normalize != "curve",
     )
-    return _completed(found, offset, rate, play)
+    return _completed(found, offset, change, rate, play, softening)
 
 
-def _completed(found: Fit, tare: float, rate: Rate, play: Play) -> Fit:
-    """Returns a fit with the tare, and with remarks on terms that were looked for in vain."""
+def _completed(
+    found: Fit, tare: float, change: Softening | None, rate: Rate, play: Play, softening: Softens
+) -> Fit:
+    """Returns a fit with its corrections, and remarks on terms that were looked for in vain."""
     remarks = []
+    if softening == "fitted" and change is None:
+        remarks.append("no change from cycle to cycle was found: leave --softening out")
+    if change is not None and not change.is_settled:
+        remarks.append(
+            f"the torque still changes at the end of {change.measured:.2g} cycles, so that the "
+            f"steady one, {change.steady:.3g} times the last, is extrapolated: measure more cycles"
+        )
     if play == "fitted" and play_of(found.model) == "none":
         remarks.append("no gap was found: leave --play out")
     if isinstance(found.model, Viscoelastic) and rate_of(found.model) == "viscous":
@@ -284,7 +308,8 @@ def _completed(found: Fit, tare: float, rate: Rate, play: Play) -> Fit:
             remarks.append("the torque was not found to depend on the rate: leave --rate out")
         elif rate == "relaxing":
             remarks.append("no relaxation was found beside the dashpot: use --rate viscous")
-    return replace(found, tare=tare, diagnostics=(*found.diagnostics, *remarks))
+    said = (*found.diagnostics, *remarks)
+    return replace(found, tare=tare, softening=change, diagnostics=said)
 
 
 def _automatic(

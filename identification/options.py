@@ -12,6 +12,7 @@ from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque
 from .optimizers.registry import OPTIMIZERS, SWARMS
 from .optimizers.swarm import SwarmOptions
+from .softening import Softens
 
 METHODS = ("certified", "auto", *OPTIMIZERS)
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
@@ -82,6 +83,20 @@ def check_options(
     for option in options:
         if option not in names:
             raise unknown_name(f"{method} option", option, names or ["none"])
+
+
+def check_corrections(tare: object, softening: Softens) -> None:
+    """Refuses corrections of the curves that are unknown, or cannot be told from each other.
+
+    Raises:
+        InputError: `softening` is unknown, or it and the tare are fitted.
+    """
+    if softening not in get_args(Softens):
+        raise unknown_name("softening", softening, get_args(Softens))
+    if softening == "fitted" and tare == "fitted":
+        raise InputError(
+            "tare and softening are both 'fitted': fit the tare first, and give it as a number"
+        )
 
 
 def _own_options(model: str, method: str) -> list[str]:

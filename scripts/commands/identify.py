@@ -18,6 +18,7 @@ from ...identification.fits.registry import FITS
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.options import METHODS
 from ...identification.residual.verdict import NOT, NOT_BEYOND
+from ...identification.softening import Softens
 from ...identification.tare import Tare
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
@@ -50,6 +51,7 @@ def identify(
     average_cycles: bool = False,
     rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
     play: Annotated[Play, choice(lambda: get_args(Play))] = "none",
+    softening: Annotated[Softens, choice(lambda: get_args(Softens))] = "none",
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -90,6 +92,8 @@ def identify(
         rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
             (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
         play: Play in the transmission, whose gap is fitted before the model (fitted), or none.
+        softening: Change of the torque over the cycles of the file, which is found and taken off
+            the curves, and told in suit.json (fitted), or none.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -104,6 +108,8 @@ def identify(
     """
     family = load_curves(curves)
     if average_cycles:
+        if softening != "none":
+            raise InputError("--average-cycles hides what --softening looks for: leave one out")
         family = _averaged(family, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
@@ -129,6 +135,7 @@ def identify(
             tare=tare,
             rate=rate,
             play=play,
+            softening=softening,
             trials=trials,
             seed=seed,
             workers=workers,
@@ -200,6 +207,10 @@ def _print(
     rows = [*rows, ["initial torque [N·m]", begins]]
     if fit.tare:
         rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
+    if fit.softening:
+        first, steady, cycles, _ = fit.softening
+        told = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
+        rows.append(["torque over the last", told])
     table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if bands:

@@ -118,6 +118,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "model": fit.model.to_dict(),
         "initial_torque": fit.initial_torque,
         "tare": fit.tare,
+        "softening": fit.softening and fit.softening._asdict(),
         "fitness": fit.fitness,
         "nrmse": fit.nrmse,
         "prediction_max_error": fit.prediction_errors,

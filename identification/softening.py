@@ -1,0 +1,171 @@
+"""How a torque changes over the cycles of a measurement: found, and taken off the curves."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..arrays import Array
+from ..errors import InputError
+from ..hysteresis.loops import reversals
+from .curves import Curve, Curves
+from .fits.rate import SlowFit
+from .prediction import predicted, price
+from .residual.noise import independent
+from .residual.tangent import coordinates_of, tangent
+
+Softens = Literal["none", "fitted"]
+FEWEST = 2.0  # cycles in which a change can be told
+SHORTEST, LONGEST = 0.5, 3.0  # cycles, and all cycles, in which the change may fall to 1/e
+TIMES = 12  # on the grid between
+ROUNDS = 12  # at most; usual are 3
+SETTLED = 1e-4  # change of the factor between rounds
+LEAST, MOST = 0.1, 10.0  # factor of the torque: those of a suit file
+UNSETTLED = 0.2  # of the change, which is still to come at the end of the curves
+
+
+class Softening(NamedTuple):
+    """How the torque changes over cycles, relative to that at the end of the curves.
+
+    After n cycles it is steady + (first - steady) exp(-n / cycles) times that of the model.
+
+    Attributes:
+        first: Torque of the first cycle.
+        steady: Torque after many cycles.
+        cycles: Number of cycles in which the difference falls to 1/e.
+        measured: Number of cycles of the curves.
+    """
+
+    first: float
+    steady: float
+    cycles: float
+    measured: float
+
+    def factor(self, cycles: Array) -> Array:
+        """Returns the torque after some cycles over that of the model."""
+        return self.steady + (self.first - self.steady) * np.exp(-cycles / self.cycles)
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether little of the change was still to come at the end of the curves."""
+        return math.exp(-self.measured / self.cycles) <= UNSETTLED
+
+
+class Count:
+    """Cycles over the range of all curves that a joint has gone through, in their order.
+
+    Args:
+        curves: All curves, in the order of measurement.
+    """
+
+    def __init__(self, curves: Curves) -> None:
+        low, high = curves.angle_range
+        self._cycle, self._before, total = 2 * (high - low), dict[str, float](), 0.0
+        for curve in curves:
+            self._before[curve.name] = total
+            total += float(_way(curve.angle)[-1]) / self._cycle
+        self.total = total
+
+    def __call__(self, curve: Curve) -> Array:
+        """Returns the cycles up to each sample of one of the curves, shape (n,)."""
+        return self._before[curve.name] + _way(curve.angle) / self._cycle
+
+
+def settled(curves: Curves, softening: Softening, count: Count) -> Curves:
+    """Returns curves with the torques that they would have had at the end of the measurement."""
+    rest = (
+        replace(curve, torque=curve.torque / softening.factor(count(curve))) for curve in curves
+    )
+    return Curves(rest, source=curves.source, sha256=curves.sha256)
+
+
+def found_softening(
+    curves: Curves, count: Count, fit: Callable[[Curves], SlowFit]
+) -> Softening | None:
+    """Returns how the torque changes over the cycles of curves; None where it does not.
+
+    In turn, the model is fitted to the torque without the change, and the change beside the
+    derivatives of the torque by the model's numbers (variable projection, Golub and Pereyra 1973);
+    its cycles are the best near the best of a grid. A change that lowers the error by less than
+    its two numbers cost (the Bayesian information criterion) is none.
+
+    Args:
+        curves: Curves to fit.
+        count: Cycles of all curves.
+        fit: Fit of a model to curves.
+
+    Raises:
+        InputError: The curves have too few cycles.
+    """
+    if count.total < FEWEST:
+        raise InputError(
+            f"the curves go through {count.total:.2g} cycles of their range: a change from cycle "
+            f"to cycle needs at least {FEWEST:g}; measure more, or leave --softening out"
+        )
+    without = fit(curves)
+    slow, found = without, Softening(1.0, 1.0, count.total, count.total)
+    for _ in range(ROUNDS):
+        before, found = found, _change(slow, curves, count)
+        if max(abs(found.first - before.first), abs(found.steady - before.steady)) <= SETTLED:
+            break
+        slow = fit(settled(curves, found, count))
+    samples = sum(curve.angle.size for curve in curves)
+    constant = Softening(1.0, 1.0, count.total, count.total)
+    worth = _error(without, constant, curves, count) / _error(slow, found, curves, count)
+    return found if worth > price(2, samples) else None
+
+
+def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
+    """Returns the change that explains best what a model leaves of the torque."""
+    model, start = slow.model, slow.initial_torque
+    torque = np.concatenate([predicted(model, start, curve) for curve in curves])
+    rest = np.concatenate([curve.torque for curve in curves]) - torque
+    gone, total = np.concatenate([count(curve) for curve in curves]), count.total
+    constant = Softening(1.0, 1.0, total, total)
+    if not np.isfinite(rest).all():
+        return constant
+    slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
+    basis = independent(slopes)
+    rest = rest - basis @ (basis.T @ rest)
+
+    def tried(cycles: float) -> tuple[float, Softening]:
+        left = math.exp(-total / cycles)
+        column = torque * (np.exp(-gone / cycles) - left)
+        column = column - basis @ (basis.T @ column)
+        size = float(column @ rest) / max(float(column @ column), np.finfo(float).tiny)
+        found = Softening(1 + size * (1 - left), 1 - size * left, cycles, total)
+        if min(found[:2]) < LEAST or max(found[:2]) > MOST:
+            return math.inf, constant
+        return float(np.sum((rest - size * column) ** 2)), found
+
+    grid = np.geomspace(SHORTEST, LONGEST * total, TIMES)
+    best = int(np.argmin([tried(cycles)[0] for cycles in grid.tolist()]))
+    near = np.log(grid[[max(best - 1, 0), min(best + 1, TIMES - 1)]])
+    closer: Any = minimize_scalar(
+        lambda log: tried(math.exp(log))[0], bounds=near, method="bounded"
+    )
+    return tried(math.exp(closer.x))[1]
+
+
+def _error(slow: SlowFit, softening: Softening, curves: Sequence[Curve], count: Count) -> float:
+    """Returns the root mean square of predicted less measured torque [N·m]."""
+    errors = [
+        softening.factor(count(curve)) * predicted(slow.model, slow.initial_torque, curve)
+        - curve.torque
+        for curve in curves
+    ]
+    return float(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
+
+
+def _way(angle: Array) -> Array:
+    """Returns the way of a motion without the noise of its angle [rad], shape (n,)."""
+    ends = [0, *reversals(angle).tolist(), angle.size - 1]
+    way = np.zeros_like(angle)
+    for begin, end in pairwise(ends):
+        branch = np.abs(angle[begin : end + 1] - angle[begin])
+        way[begin : end + 1] = way[begin] + np.maximum.accumulate(branch)
+    return way

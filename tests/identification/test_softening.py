@@ -1,0 +1,105 @@
+"""The change of a torque over the cycles of a measurement: found, taken off, and told to suits."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.assets import SuitJoint
+from activesuit.errors import InputError
+from activesuit.identification import Curve, Curves, identify
+from activesuit.identification.softening import Count, Softening
+
+TURNS = (0.52, *(1.57, 0.52) * 4, *(1.2, 0.7) * 4)
+
+
+def record(model, first=1.2, cycles=2.0, noise=0.01, seed=0):
+    """Returns a long record whose torque is `first` times the steady one at its beginning."""
+    angle = np.concatenate([np.linspace(p, q, 60)[1:] for p, q in itertools.pairwise(TURNS)])
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))]) / (2 * np.ptp(angle))
+    torque = model.response(angle) * (1 + (first - 1) * np.exp(-way / cycles))
+    shaken = noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(angle.size)
+    return Curve(angle, torque + shaken, "record")
+
+
+@pytest.mark.parametrize("first", [1.2, 0.9])
+def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
+    plain = identify([record(elbow, first)])
+    assert any("--softening fitted" in remark for remark in plain.diagnostics)
+    fit = identify([record(elbow, first)], softening="fitted")
+    found = fit.softening
+    assert found.first / found.steady == pytest.approx(first, abs=0.01)
+    assert found.cycles == pytest.approx(2, rel=0.25)
+    assert fit.verdict.startswith("describes")
+    assert not fit.judgement.causes
+    assert fit.nrmse < 0.7 * plain.nrmse
+    steady = fit.model.scaled(torque=found.steady)
+    angle = np.linspace(0.52, 1.57)
+    off = steady.response(angle) - elbow.response(angle)
+    assert np.abs(off).max() < 0.01 * np.ptp(elbow.response(angle))
+
+
+def test_a_suit_of_the_fit_softens(elbow):
+    fit = identify([record(elbow)], softening="fitted")
+    joint = SuitJoint.from_fit(fit)
+    new, worn = joint.after(0).response([1.57])[0], joint.after(np.inf).response([1.57])[0]
+    assert new / worn == pytest.approx(1.2, abs=0.01)
+    assert SuitJoint.from_fit(identify([record(elbow, 1.0)])).softening is None
+
+
+def test_curves_in_their_order_count_on(elbow):
+    whole = record(elbow)
+    half = whole.angle.size // 2
+    parts = [
+        replace(whole, angle=whole.angle[here], torque=whole.torque[here], name=name)
+        for name, here in (("A", slice(half + 1)), ("B", slice(half, None)))
+    ]
+    count, one = Count(Curves(parts)), Count(Curves([whole]))
+    assert count.total == pytest.approx(one.total, abs=0.01)
+    assert count(parts[1])[0] == pytest.approx(count(parts[0])[-1])
+
+
+def test_a_curve_that_tests_the_model_is_freed_from_the_change_too(elbow):
+    whole = record(elbow, noise=0.001)
+    parts = []
+    for name, turns in (("fit", slice(0, 12 * 59 + 1)), ("predict", slice(12 * 59, None))):
+        parts.append(Curve(whole.angle[turns], whole.torque[turns], name, name))
+    fit = identify(parts, softening="fitted", initial_torque="measured")
+    count = Count(Curves(parts))
+    factor = fit.softening.factor(count(parts[1]))
+    np.testing.assert_allclose(fit.curves[1].torque * factor, parts[1].torque)
+
+
+def test_nothing_is_found_where_nothing_changes(elbow):
+    for seed in range(5):
+        fit = identify([record(elbow, 1.0, seed=seed)], softening="fitted")
+        assert fit.softening is None
+        assert "no change from cycle to cycle was found: leave --softening out" in fit.diagnostics
+
+
+def test_a_change_that_has_not_settled_is_told(elbow):
+    fit = identify([record(elbow, first=1.5, cycles=10.0)], softening="fitted")
+    assert not fit.softening.is_settled
+    assert any("is extrapolated: measure more cycles" in remark for remark in fit.diagnostics)
+
+
+def test_every_kind_of_model_and_auto_take_it(elbow):
+    for options in ({"model": "bouc-wen"}, {"method": "auto"}):
+        fit = identify([record(elbow)], softening="fitted", **options)
+        assert fit.softening.first / fit.softening.steady == pytest.approx(1.2, abs=0.03)
+
+
+def test_what_cannot_be_told_is_refused(elbow):
+    whole = record(elbow)
+    short = replace(whole, angle=whole.angle[:119], torque=whole.torque[:119])
+    with pytest.raises(InputError, match=r"through 0.99 cycles of their range: .* at least 2"):
+        identify([short], softening="fitted")
+    with pytest.raises(InputError, match="tare and softening are both 'fitted': fit the tare"):
+        identify([whole], softening="fitted", tare="fitted")
+    with pytest.raises(InputError, match=r"'fit'.*did you mean 'fitted'"):
+        identify([whole], softening="fit")
+
+
+def test_the_factor_is_that_of_a_suit_file():
+    change = Softening(1.2, 0.9, 3.0, 6.0)
+    np.testing.assert_allclose(change.factor(np.array([0.0, np.inf])), [1.2, 0.9])
