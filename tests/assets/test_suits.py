@@ -390,6 +390,7 @@ class Found:
     model: object = SAFE
     method: str = "certified"
     initial_torque: float | str = "measured"
+    softening: None = None
     nrmse: float = 0.01
     curves: object = field(default_factory=Measured)
 
