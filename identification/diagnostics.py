@@ -22,6 +22,8 @@ LITTLE_MOTION = 0.05  # rad
 USUAL_PEAK = (0.01, 1000.0)  # N·m, of a joint in a suit, with a factor of ten or more on each side
 USUAL_RATE = (1e-3, 30.0)  # rad/s, of a branch; slower takes an hour, faster is no joint's
 COARSE = 0.1  # of the range between two samples
+COUNTS = 100  # of an encoder over the range: fewer hide torques of 0.3 % of the peak
+REPEATED = 0.2  # of all samples, whose angle is that of the sample before
 RETURNED = 0.05  # of the span
 
 
@@ -88,6 +90,17 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
             found.append(
                 f"samples of curve {one.name!r} are up to {step:.2g} rad apart, more than "
                 f"{COARSE:.0%} of its range, and nothing tells what happens between: sample finer"
+            )
+            break
+    for one in curves:
+        steps = np.abs(np.diff(one.angle))
+        count = float(steps[steps > 0].min())
+        whole = np.allclose(steps / count, np.round(steps / count), atol=0.01)
+        if np.ptp(one.angle) < COUNTS * count and whole and np.mean(steps == 0) > REPEATED:
+            found.append(
+                f"the angles of curve {one.name!r} come in steps of {count:.2g} rad, "
+                f"{np.ptp(one.angle) / count:.0f} over its range, between which the torque goes on "
+                "alone: measure with a finer encoder, or keep one sample of each step"
             )
             break
     copies = [

@@ -638,6 +638,7 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
             "--model": "name", "--method": "name", "--objective": "name", "--normalize": "name",
             "--initial-torque": "name", "--trials": "int", "--seed": "int", "--workers": "int",
             "--samples": "int", "--joint": "name", "--base": "name", "--for": "name",
+            "--tare": "name", "--rate": "name", "--play": "name", "--softening": "name",
         },
     ),
     "design": (

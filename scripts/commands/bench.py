@@ -11,7 +11,7 @@ import tyro
 from ...checks import at_least
 from ...errors import InputError
 from ..engine_log import engine_warnings
-from ..options import Json, Seed
+from ..options import Force, Json, Seed
 from ..output import RunFolder, conclude, table, to_json
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def bench(
     quick: bool = False,
     seed: Seed = 0,
     out: Path | None = None,
+    force: Force = False,
     json: Json = False,
 ) -> None:
     """Measure speed, each row against something else in turn in this very run.
@@ -59,20 +60,22 @@ def bench(
         at_least("repeats", repeats, 1)
     at_least("seed", seed, 0)
     if topic == "honesty":
-        _count(repeats or (FEW if quick else MANY), seed, out, json)
+        folder = RunFolder(out, "bench honesty", force=force) if out else None
+        _count(repeats or (FEW if quick else MANY), seed, folder, json)
         return
-    if quick or out is not None or seed:
-        raise InputError(f"--quick, --seed and --out belong to honesty, not to {topic}: leave out")
+    if quick or out is not None or seed or force:
+        raise InputError(
+            f"--quick, --seed, --out and --force belong to honesty, not to {topic}: leave out"
+        )
     import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
 
     with engine_warnings():
         _measure(topic, repeats or PAIRS, json)
 
 
-def _count(repeats: int, seed: int, out: Path | None, json: bool) -> None:
+def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> None:
     from ..benchmarks import honesty
 
-    folder = RunFolder(out, "bench honesty") if out else None
     found = honesty.honesty(repeats, seed, folder.path if folder else None)
     tables = {f"{title}, {repeats} repeats": rows for title, rows in honesty.tables(found).items()}
     result = {"repeats": repeats, "seed": seed, "cases": found}

@@ -86,6 +86,11 @@ def test_copies_milliseconds_and_coarse_samples(elbow):
     assert diagnostics(elbow, 0.01, [curve], None) == ()
     late = replace(curve, time=1000 * time)
     assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0]
+    coarse = replace(curve, angle=np.round(angle / 0.02) * 0.02)
+    (remark,) = diagnostics(elbow, 0.01, [coarse], None)
+    assert "angles of curve 'A' come in steps of 0.02 rad, 5" in remark
+    fine = replace(curve, angle=np.round(angle / 0.001) * 0.001)
+    assert diagnostics(elbow, 0.01, [fine], None) == ()
     copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
     assert "curve 'B' is a copy of 'A'" in diagnostics(elbow, 0.01, copies, None)[0]
     coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
