@@ -22,13 +22,13 @@ OPEN = ZERO / 10  # of the root at which contact opens, so that it counts as non
 TRIALS = 100  # of that root, at most; usual are 5 to 10
 
 
-@njit(inline="always")
+@njit
 def is_sound(play):
     """Returns whether the numbers, which a user can overwrite, are a gap and an angle."""
     return math.isfinite(play[GAP]) and play[GAP] > 0 and math.isfinite(play[END])
 
 
-@njit(inline="always")
+@njit
 def within(limits, angle):
     """Returns the angle, clipped to the range outside which the torque is held, if there is one."""
     if limits.size == 0 or math.isnan(angle):
@@ -36,7 +36,7 @@ def within(limits, angle):
     return min(max(angle, limits[0]), limits[1])
 
 
-@njit(inline="always")
+@njit
 def value_of(polynomial, angle):
     """Returns the elastic torque of the polynomial."""
     value = 0.0
@@ -45,7 +45,7 @@ def value_of(polynomial, angle):
     return value
 
 
-@njit(inline="always")
+@njit
 def begun(gap, angle, torque):
     """Returns the angle of the suit's side where a motion begins, in contact if there is torque."""
     if abs(torque) <= ZERO:
@@ -109,7 +109,7 @@ def end_at(kernels, p, s, polynomial, limits, play, angle):
     return min(rest, other) if half > 0 else max(rest, other)
 
 
-@njit(inline="always")
+@njit
 def is_free(torque, play, end, angle, delta):
     """Returns whether a motion that goes on with sign `delta` meets no torque at first.
 

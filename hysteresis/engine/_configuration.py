@@ -326,7 +326,7 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
     return FINE, JOINT
 
 
-@njit(inline="always")
+@njit
 def slope_of(polynomial, angle):
     """Returns the derivative of the polynomial by the angle."""
     slope = 0.0

@@ -89,7 +89,7 @@ SENTENCES = (  # in the order of the names above
 MODEL = len(SENTENCES)
 
 
-@njit(inline="always")
+@njit
 def complain_of(kernels, words, m, instance, fault, at):
     """Issues the sentence of a fault as a MuJoCo warning."""
     reason, key = fault

@@ -50,19 +50,19 @@ def parts(kernels, ids, address, size):
     )
 
 
-@njit(inline="always")
+@njit
 def joint_of(ids):
     """Returns the id of the joint."""
     return ids & LARGEST
 
 
-@njit(inline="always")
+@njit
 def has_sensors(ids):
     """Returns whether there is any sensor."""
     return (ids >> BITS) & (2 ** (3 * BITS) - 1) != 0
 
 
-@njit(inline="always")
+@njit
 def sensor_of(ids, kind):
     """Returns the id of the sensor of a kind, or -1."""
     return ((ids >> (BITS * kind)) & LARGEST) - 1

@@ -86,9 +86,9 @@ def test_copies_milliseconds_and_coarse_samples(elbow):
     assert diagnostics(elbow, 0.01, [curve], None) == ()
     late = replace(curve, time=1000 * time)
     assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0]
-    coarse = replace(curve, angle=np.round(angle / 0.02) * 0.02)
+    coarse = replace(curve, angle=np.round(angle / 0.05) * 0.05)
     (remark,) = diagnostics(elbow, 0.01, [coarse], None)
-    assert "angles of curve 'A' come in steps of 0.02 rad, 5" in remark
+    assert "angles of curve 'A' come in steps of 0.05 rad, 20" in remark
     fine = replace(curve, angle=np.round(angle / 0.001) * 0.001)
     assert diagnostics(elbow, 0.01, [fine], None) == ()
     copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]

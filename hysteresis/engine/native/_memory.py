@@ -71,25 +71,25 @@ def doubles(address, count):
     return carray(_pointer(address), (count,), dtype=np.float64)
 
 
-@njit(inline="always")
+@njit
 def int32_at(address, index):
     """Returns element `index` of the int array at `address`."""
     return carray(_pointer(address), (index + 1,), dtype=np.int32)[index]
 
 
-@njit(inline="always")
+@njit
 def pointer_at(address):
     """Returns the pointer (or 64-bit count) stored at `address`."""
     return carray(_pointer(address), (1,), dtype=np.intp)[0]
 
 
-@njit(inline="always")
+@njit
 def character_at(address):
     """Returns the byte at `address`."""
     return carray(_pointer(address), (1,), dtype=np.uint8)[0]
 
 
-@njit(inline="always")
+@njit
 def store_pointer(address, value):
     """Stores a pointer-sized integer at `address`."""
     carray(_pointer(address), (1,), dtype=np.intp)[0] = value
