@@ -73,7 +73,8 @@ def test_a_contact_that_only_pushes_dissipates_and_rests():
 def test_options_of_honesty_are_refused_elsewhere(capsys):
     with pytest.raises(SystemExit):
         main(["bench", "engine", "--quick"])
-    assert "--quick, --seed, --out and --force belong to honesty, not to engine" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "--quick, --seed, --out and --force belong to honesty, not to engine" in said
 
 
 def test_the_command_prints_all_tables(capsys, monkeypatch, tmp_path):
