@@ -24,7 +24,8 @@ SHORTEST, LONGEST = 0.5, 3.0  # cycles, and all cycles, in which the change may 
 TIMES = 12  # on the grid between
 ROUNDS = 12  # at most; usual are 3
 SETTLED = 1e-4  # change of the factor between rounds
-LEAST, MOST = 0.1, 10.0  # factor of the torque: those of a suit file
+MOST = 9.99  # times the one torque the other, first or steady: just within that of a suit file
+NEARLY = 0.995  # of the fewest cycles is enough, as records end a sample early
 UNSETTLED = 0.2  # of the change, which is still to come at the end of the curves
 
 
@@ -101,9 +102,9 @@ def found_softening(
     Raises:
         InputError: The curves have too few cycles.
     """
-    if count.total < FEWEST:
+    if count.total < NEARLY * FEWEST:
         raise InputError(
-            f"the curves go through {count.total:.2g} cycles of their range: a change from cycle "
+            f"the curves go through {count.total:.3g} cycles of their range: a change from cycle "
             f"to cycle needs at least {FEWEST:g}; measure more, or leave --softening out"
         )
     without = fit(curves)
@@ -130,17 +131,22 @@ def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
         return constant
     slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
     basis = independent(slopes)
-    rest = rest - basis @ (basis.T @ rest)
+    squares = max(float(torque @ torque), np.finfo(float).tiny)
+
+    def beside(column: Array) -> Array:
+        return column - basis @ (basis.T @ column)
 
     def tried(cycles: float) -> tuple[float, Softening]:
         left = math.exp(-total / cycles)
         column = torque * (np.exp(-gone / cycles) - left)
-        column = column - basis @ (basis.T @ column)
-        size = float(column @ rest) / max(float(column @ column), np.finfo(float).tiny)
-        found = Softening(1 + size * (1 - left), 1 - size * left, cycles, total)
-        if min(found[:2]) < LEAST or max(found[:2]) > MOST:
-            return math.inf, constant
-        return float(np.sum((rest - size * column) ** 2)), found
+        alone, goal = beside(column), beside(rest)
+        size = float(alone @ goal) / max(float(alone @ alone), np.finfo(float).tiny)
+        # The model fits the mean of the torque, and the change is relative to the end.
+        end = max(1 + float(torque @ (rest - size * column)) / squares, 1 / MOST)
+        low, high = -1 / (1 - left + 1 / (MOST - 1)), 1 / (left + 1 / (MOST - 1))
+        change = min(max(size / end, low), high)
+        error = float(np.sum((goal - change * end * alone) ** 2))
+        return error, Softening(1 + change * (1 - left), 1 - change * left, cycles, total)
 
     grid = np.geomspace(SHORTEST, LONGEST * total, TIMES)
     best = int(np.argmin([tried(cycles)[0] for cycles in grid.tolist()]))

@@ -73,8 +73,8 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
     ),
     "drift": lambda size: (
         f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
-        "joint wears in, or the sensor drifts; fit that change too with --softening fitted, or "
-        "cycle the joint before, and fit only the last cycles"
+        "joint wears in, or the sensor drifts; --softening fitted takes off a change that settles; "
+        "or cycle the joint before, and fit only the last cycles"
     ),
 }
 

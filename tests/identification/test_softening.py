@@ -13,11 +13,15 @@ from activesuit.identification.softening import Count, Softening
 TURNS = (0.52, *(1.57, 0.52) * 4, *(1.2, 0.7) * 4)
 
 
+def gone(angle):
+    """Returns the cycles up to each sample of a motion over its own range."""
+    return np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))]) / (2 * np.ptp(angle))
+
+
 def record(model, first=1.2, cycles=2.0, noise=0.01, seed=0):
     """Returns a long record whose torque is `first` times the steady one at its beginning."""
     angle = np.concatenate([np.linspace(p, q, 60)[1:] for p, q in itertools.pairwise(TURNS)])
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))]) / (2 * np.ptp(angle))
-    torque = model.response(angle) * (1 + (first - 1) * np.exp(-way / cycles))
+    torque = model.response(angle) * (1 + (first - 1) * np.exp(-gone(angle) / cycles))
     shaken = noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(angle.size)
     return Curve(angle, torque + shaken, "record")
 
@@ -83,6 +87,30 @@ def test_a_change_that_has_not_settled_is_told(elbow):
     assert any("is extrapolated: measure more cycles" in remark for remark in fit.diagnostics)
 
 
+def test_two_cycles_less_a_sample_are_two(elbow):
+    whole = record(elbow, first=1.4, cycles=1.0)
+    short = replace(whole, angle=whole.angle[: 4 * 59], torque=whole.torque[: 4 * 59])
+    assert 1.99 < gone(short.angle)[-1] < 2
+    assert identify([short], softening="fitted").softening.first > 1.1
+
+
+def test_a_change_beyond_what_a_suit_may_have_is_held_within(elbow):
+    angle = record(elbow, noise=0.0).angle
+    left = 1 - gone(angle) / gone(angle)[-1]
+    curve = Curve(angle, elbow.response(angle) * (4 * left + 0.05), "record")
+    fit = identify([curve], softening="fitted")
+    assert fit.softening.first / fit.softening.steady == pytest.approx(9.99)
+    assert SuitJoint.from_fit(fit).softening.first == fit.softening.first
+
+
+def test_a_torque_that_trebles_is_found(elbow):
+    angle = record(elbow, noise=0.0).angle
+    part = gone(angle) / gone(angle)[-1]
+    curve = Curve(angle, elbow.response(angle) * (0.3 + 0.7 * part), "record")
+    fit = identify([curve], softening="fitted")
+    assert fit.softening.first == pytest.approx(0.3, abs=0.03)
+
+
 def test_every_kind_of_model_and_auto_take_it(elbow):
     for options in ({"model": "bouc-wen"}, {"method": "auto"}):
         fit = identify([record(elbow)], softening="fitted", **options)
@@ -92,7 +120,7 @@ def test_every_kind_of_model_and_auto_take_it(elbow):
 def test_what_cannot_be_told_is_refused(elbow):
     whole = record(elbow)
     short = replace(whole, angle=whole.angle[:119], torque=whole.torque[:119])
-    with pytest.raises(InputError, match=r"through 0.99 cycles of their range: .* at least 2"):
+    with pytest.raises(InputError, match=r"through 0.992 cycles of their range: .* at least 2"):
         identify([short], softening="fitted")
     with pytest.raises(InputError, match="tare and softening are both 'fitted': fit the tare"):
         identify([whole], softening="fitted", tare="fitted")
