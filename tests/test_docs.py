@@ -11,6 +11,7 @@ import matplotlib.pyplot as plt
 import pytest
 from activesuit.scripts.main import COMMANDS
 from activesuit.scripts.parsing import parsed
+from helpers import shorten_tasks
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -20,8 +21,9 @@ SCRIPTS = sorted(path.stem for path in DOCS.glob("*.py"))
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder to run examples in, with the files that they read."""
+    """A folder to run examples in, with the files that they read, and motions of 2 s."""
     shutil.copy(DOCS / "arm.xml", tmp_path)
+    shorten_tasks(monkeypatch, 2.0)
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
     with plt.rc_context():
