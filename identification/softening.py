@@ -136,13 +136,16 @@ def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
     def beside(column: Array) -> Array:
         return column - basis @ (basis.T @ column)
 
+    goal = beside(rest)
+
     def tried(cycles: float) -> tuple[float, Softening]:
         left = math.exp(-total / cycles)
         column = torque * (np.exp(-gone / cycles) - left)
-        alone, goal = beside(column), beside(rest)
+        alone = beside(column)
         size = float(alone @ goal) / max(float(alone @ alone), np.finfo(float).tiny)
         # The model fits the mean of the torque, and the change is relative to the end.
         end = max(1 + float(torque @ (rest - size * column)) / squares, 1 / MOST)
+        # Neither of first and steady is more than MOST times the other.
         low, high = -1 / (1 - left + 1 / (MOST - 1)), 1 / (left + 1 / (MOST - 1))
         change = min(max(size / end, low), high)
         error = float(np.sum((goal - change * end * alone) ** 2))
