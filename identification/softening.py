@@ -126,9 +126,8 @@ def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
     torque = np.concatenate([predicted(model, start, curve) for curve in curves])
     rest = np.concatenate([curve.torque for curve in curves]) - torque
     gone, total = np.concatenate([count(curve) for curve in curves]), count.total
-    constant = Softening(1.0, 1.0, total, total)
     if not np.isfinite(rest).all():
-        return constant
+        return Softening(1.0, 1.0, total, total)
     slopes = tangent(coordinates_of(model, start, fitted_start=True), curves)
     basis = independent(slopes)
     squares = max(float(torque @ torque), np.finfo(float).tiny)
