@@ -1,12 +1,14 @@
 """What makes tests quick and repeatable, and data that many of them share."""
 
+import gc
 import os
 
 import kernel_cache
 
-# Before anything imports numpy and numba. A thread of BLAS or torch beside each of two test
-# processes takes more time than it saves.
+# Before anything imports numpy and numba. A second thread of BLAS, torch or joblib in each of two
+# test processes takes more time than it saves.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("LOKY_MAX_CPU_COUNT", "1")
 kernel_cache.choose()
 
 import activesuit.scripts  # noqa: E402, F401  (chooses EGL on a machine without a display)
@@ -27,6 +29,13 @@ def pytest_sessionstart(session):
     """Compiles kernels before test processes start, which would all do it otherwise."""
     if getattr(session.config.option, "dist", "no") != "no":
         kernel_cache.fill()
+
+
+def pytest_collection_finish(session):
+    """Keeps the garbage collector from the objects of imported modules, which stay."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(10_000)
 
 
 @pytest.fixture

@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...checks import within
 from ...errors import InputError
+from ..elementwise import elementwise
 from ..provenance import Grade, Quantity
-from .motor_kernels import clip, heat
+from .motor_kernels import clipped, heated
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
 
@@ -270,7 +271,7 @@ def thermal_step(
     Returns:
         The mean square at the end [N²·m²].
     """
-    return heat(mean_square, torque, time_constant, dt)
+    return elementwise(heated)(mean_square, torque, time_constant, dt)
 
 
 def thermal_clip(
@@ -292,7 +293,7 @@ def thermal_clip(
         time_constant: Thermal time constant of the windings [s].
         dt: Duration [s].
     """
-    return clip(torque, mean_square, continuous, time_constant, dt)
+    return elementwise(clipped)(torque, mean_square, continuous, time_constant, dt)
 
 
 def _set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:

@@ -1,10 +1,8 @@
-"""Kernels of the motors' heat: scalar functions, and the same for arrays element by element."""
-
-# pyright: reportCallIssue=false, reportFunctionMemberAccess=false
+"""Kernels of the motors' heat."""
 
 import math
 
-from numba import njit, vectorize
+from numba import njit
 
 
 @njit(cache=True)
@@ -23,8 +21,3 @@ def clipped(
     allowed = (continuous * continuous - remains * mean_square) / (1.0 - remains)
     limit = math.sqrt(max(allowed, 0.0))
     return max(-limit, min(torque, limit))
-
-
-# Called through NumPy: the call of numba's own object takes longer than the work.
-heat = vectorize("f8(f8, f8, f8, f8)", cache=True)(heated.py_func).ufunc
-clip = vectorize("f8(f8, f8, f8, f8, f8)", cache=True)(clipped.py_func).ufunc

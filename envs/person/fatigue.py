@@ -21,8 +21,9 @@ from numpy.typing import ArrayLike
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
+from ..elementwise import elementwise
 from ..provenance import Quantity
-from .fatigue_kernels import load_of, tire
+from .fatigue_kernels import loaded, tired
 
 _RATES = "Frey-Law et al. 2012, J. Biomech. 45(10), 1803-1808"
 _REST = "Looft and Frey-Law 2020, J. Biomech. 106, 109762"
@@ -73,7 +74,8 @@ def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array
         would need torque that it cannot have.
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
-    return load_of(np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2))
+    asked, available = np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2)
+    return elementwise(loaded)(asked, available)
 
 
 def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
@@ -88,7 +90,7 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
     Returns:
         The fatigued part after `dt`, shape (..., 2, 4).
     """
-    return tire(fatigued, load, *RATES, dt)
+    return elementwise(tired)(fatigued, load, *RATES, dt)
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:

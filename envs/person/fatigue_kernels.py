@@ -1,10 +1,8 @@
-"""Kernels of fatigue: scalar functions, and the same for arrays element by element."""
-
-# pyright: reportCallIssue=false, reportFunctionMemberAccess=false
+"""Kernels of fatigue."""
 
 import math
 
-from numba import njit, vectorize
+from numba import njit
 
 
 @njit(cache=True)
@@ -41,8 +39,3 @@ def tired(
     rate = tiring + recovery if able else recovery
     goal = (1.0 if able else load) * tiring / rate
     return fatigued + (fatigued - goal) * math.expm1(-rate * (dt - before))
-
-
-# Called through NumPy: the call of numba's own object takes longer than the work.
-load_of = vectorize("f8(f8, f8)", cache=True)(loaded.py_func).ufunc
-tire = vectorize("f8(f8, f8, f8, f8, f8, f8, f8)", cache=True)(tired.py_func).ufunc

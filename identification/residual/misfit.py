@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from scipy.stats import f
+from scipy.special import fdtrc
 
 from ...arrays import Array
 from ...hysteresis.loops import branches
@@ -78,7 +78,7 @@ def explained(
         gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
         value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)
         statistic += weight * value
-        probability += weight * float(f.sf(value, beside.shape[1], freedom))
+        probability += weight * float(fdtrc(beside.shape[1], freedom, value))
     left = math.sqrt(float(residual @ residual) / max(residual.size - inner.shape[1], 1))
     return Explained(
         statistic=statistic,

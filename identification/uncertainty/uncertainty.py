@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.linalg import matmul_toeplitz
-from scipy.stats import t
+from scipy.special import stdtrit
 
 from ...arrays import Array
 from ...checks import at_least
@@ -197,7 +197,7 @@ def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int]) -> A
 
 
 def _width(noise: Noise) -> float:
-    return float(t.ppf((1 + CONFIDENCE) / 2, noise.freedom))
+    return float(stdtrit(noise.freedom, (1 + CONFIDENCE) / 2))
 
 
 def _spread(covariance: Array, limit: Array | None, slopes: Array) -> tuple[Array, Array]:
