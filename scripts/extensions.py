@@ -1,5 +1,6 @@
 """Extensions: installed packages whose models and fits the command line has beside our own."""
 
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
 from ..errors import InputError
@@ -7,8 +8,11 @@ from ..errors import InputError
 GROUP = "activesuit"  # of the entry points; each names a module that registers what it adds
 
 
+@cache
 def load_extensions() -> None:
     """Imports the modules that installed packages name in the entry point group "activesuit".
+
+    That reads a file of every installed package, so only the first call does it.
 
     Raises:
         InputError: One of them cannot be imported.

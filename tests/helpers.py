@@ -3,11 +3,12 @@
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from itertools import count, pairwise
 
 import numpy as np
 import pytest
-from activesuit.envs.tasks import TASKS
+from activesuit.envs.tasks import TASKS, Task
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.output import RunFolder
 
@@ -27,10 +28,22 @@ def in_this_process(
     return (work(*given) for given in arguments)
 
 
-def shorten_tasks(patch: pytest.MonkeyPatch, duration: float) -> None:
+def shorten_tasks(
+    patch: pytest.MonkeyPatch, duration: float, tasks: dict[str, Task] = TASKS
+) -> None:
     """Makes the episodes of the shipped tasks, by their names, as long as that [s]."""
-    for name, task in TASKS.items():
-        patch.setitem(TASKS, name, replace(task, duration=duration))
+    for name, task in tasks.items():
+        patch.setitem(tasks, name, replace(task, duration=duration))
+
+
+@contextmanager
+def short_benchmark(duration: float) -> Iterator[None]:
+    """Makes the motions of the benchmark as long as that [s]."""
+    suite = import_module("activesuit.envs.benchmark.suite")  # where a function has that name, too
+    with pytest.MonkeyPatch.context() as patch:
+        shorten_tasks(patch, duration)
+        shorten_tasks(patch, duration, suite._TASKS)
+        yield
 
 
 @contextmanager

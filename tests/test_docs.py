@@ -36,8 +36,9 @@ def page(name):
 
 
 def examples(name):
-    """The Python blocks of a page, with two trials where it does many."""
+    """The Python blocks of a page, with two trials where it does many, on coarser curves."""
     page_with_few = re.sub("^TRIALS = 30 ", "TRIALS = 2 ", page(name), flags=re.MULTILINE)
+    page_with_few = page_with_few.replace("angle_step=0.01)", "angle_step=0.02)")
     return re.findall(r"^```python\n(.*?)^```$", page_with_few, re.DOTALL | re.MULTILINE)
 
 

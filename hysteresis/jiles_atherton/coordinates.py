@@ -24,14 +24,18 @@ def unit_rows(shapes: NDArray[Any]) -> NDArray[Any]:
     """Returns the rows, with Ms = 1, of points without the last coordinate, (n, 4) -> (n, 5)."""
     log_a, steepness, log_excess, log_reach = shapes.T
     a, excess = np.exp(log_a), np.exp(log_excess)
-    alpha = steepness * 3 * a / (2 * excess + 1)
-    return np.stack([np.ones_like(a), a, alpha, 1 + excess, np.exp(log_reach) / excess], axis=1)
+    made = np.empty((len(a), 5), a.dtype)  # a third of the time that np.stack takes
+    made[:, 0], made[:, 1], made[:, 2] = 1, a, steepness * 3 * a / (2 * excess + 1)
+    made[:, 3], made[:, 4] = 1 + excess, np.exp(log_reach) / excess
+    return made
 
 
 def rows(points: NDArray[Any]) -> NDArray[Any]:
     """Returns the rows of points, (n, 5) -> (n, 5); complex points give complex rows."""
-    unit, Ms = unit_rows(points[:, :LOG_MS]), np.exp(points[:, LOG_MS])
-    return np.column_stack([Ms, unit[:, 1], unit[:, 2] / Ms, unit[:, 3:]])
+    made, Ms = unit_rows(points[:, :LOG_MS]), np.exp(points[:, LOG_MS])
+    made[:, 0] = Ms
+    made[:, 2] /= Ms
+    return made
 
 
 def point(row: Array) -> Array:

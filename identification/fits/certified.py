@@ -187,7 +187,8 @@ class CertifiedProblem:
     def rows(self, points: NDArray[Any]) -> NDArray[Any]:
         """Returns the rows of points, which may be complex."""
         models = coordinates.rows(points[:, :5])
-        return np.column_stack([models, points[:, 5:] * self.objective.peak])
+        first = points[:, 5:] * self.objective.peak
+        return np.concatenate([models, first], axis=1) if first.size else models
 
     def point(self, row: Array) -> Array:
         """Returns the point of a row, moved into the box."""

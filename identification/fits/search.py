@@ -162,9 +162,9 @@ class Search:
         assert self.derivatives is not None
         self.spend(DERIVATIVES_COST)
         errors = self.derivatives.errors(point)
-        missing = self.derivatives.missing(point[None])
-        moved = self.derivatives.missing(point + DIFFERENCE * np.eye(point.size))
-        return np.vstack([errors, PENALTY * (moved - missing) / DIFFERENCE])
+        moved = point + DIFFERENCE * np.eye(point.size)
+        missing = self.derivatives.missing(np.concatenate([point[None], moved]))
+        return np.vstack([errors, PENALTY * (missing[1:] - missing[0]) / DIFFERENCE])
 
     def _differences(self, point: Array) -> Array:
         value = self._value if np.array_equal(point, self._point) else self.residual(point)

@@ -128,7 +128,7 @@ def test_outliers_are_counted_and_noise_has_none(elbow):
     said = [remark for remark in fit.diagnostics if "off their neighbors" in remark]
     assert len(said) == 1
     assert said[0].startswith("6 samples are up to")
-    for seed in range(20):
+    for seed in range(10):
         fit = identify(with_outliers(elbow, 0, seed))
         assert not [remark for remark in fit.diagnostics if "off their neighbors" in remark]
 

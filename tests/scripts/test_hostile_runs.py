@@ -6,6 +6,7 @@ import sys
 
 import pytest
 from activesuit.scripts.main import main
+from helpers import shorten_tasks
 from trained_runs import (
     learner,
     make_run,
@@ -26,7 +27,8 @@ def this_machine(tmp_path_factory, monkeypatch):
 
 
 @pytest.fixture
-def foreign(tmp_path):
+def foreign(tmp_path, monkeypatch):
+    shorten_tasks(monkeypatch, 1.0)
     return make_run(tmp_path / "foreign")
 
 

@@ -13,9 +13,16 @@ from activesuit.envs.evaluation import FIRST_SEED, evaluate
 from activesuit.envs.policies import POLICIES, PolicySpec
 from activesuit.envs.tasks import TASKS
 from activesuit.errors import InputError
+from helpers import short_benchmark
 
 MOTIONS = 8
 PROTOCOL = {"contract": "abc"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short():
+    with short_benchmark(4.0):
+        yield
 
 
 @pytest.fixture(scope="module")

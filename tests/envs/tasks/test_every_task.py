@@ -21,7 +21,7 @@ COMBINATIONS = [
     for arm in (*USUAL, *OTHERS)
     for name in TASKS
 ]
-DURATION = 10.0  # s
+DURATION = 5.0  # s
 ROWS = 3
 
 

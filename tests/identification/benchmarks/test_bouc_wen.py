@@ -87,7 +87,7 @@ def test_filter_passes_the_band():
 
 
 def test_white_box_refit_beats_the_published_black_boxes():
-    force = benchmark.multisine(periods=2, rng=5)
+    force = benchmark.multisine(periods=1, rng=5)
     noisy = benchmark.record(force, noise=benchmark.NOISE_STD, rng=6).displacement
     start = Oscillator(
         mass=1.7, damping=14.0, stiffness=6e4, alpha=4e4, bend=500.0, skew=-800.0, nu=1.2

@@ -8,6 +8,7 @@ import pytest
 from activesuit.envs.benchmark import run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
+from helpers import short_benchmark
 
 SMALL = (
     *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
@@ -27,6 +28,12 @@ def fails(capsys, *arguments) -> str:
         main([str(argument) for argument in arguments])
     assert stop.value.code == 2
     return capsys.readouterr().err
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short():
+    with short_benchmark(2.0):
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ from activesuit.scripts import learning, own_files
 from activesuit.scripts.commands import train as train_module
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
+from helpers import shorten_tasks
 
 pytest.importorskip("stable_baselines3")
 pytestmark = pytest.mark.slow
@@ -33,8 +34,9 @@ def this_machine(tmp_path_factory):
 
 @pytest.fixture(scope="module", autouse=True)
 def soon():
-    """PPO learns after an eighth of its usual steps."""
+    """PPO learns after an eighth of its usual steps, in motions of 2 s."""
     with pytest.MonkeyPatch.context() as patch:
+        shorten_tasks(patch, 2.0)
         patch.setitem(learning.SETTINGS["ppo"], "n_steps", ROLLOUT // learning.PARALLEL["ppo"])
         yield
 
