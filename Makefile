@@ -17,6 +17,8 @@ demo: .venv/core
 train: .venv/train
 	@echo 'Ready: $(BIN)/activesuit train --algo ppo --steps 20000 --out runs/ppo'
 
+# Sixty processes of the tests import the package, and would compile it each without bytecode.
+test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/dev
 	$(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal --durations 10
 

@@ -56,7 +56,7 @@ def test_readme_has_its_three_examples():
 
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_readme_examples_run(example, tmp_path, monkeypatch):
-    shorten_tasks(monkeypatch, 2.0)
+    shorten_tasks(monkeypatch, 1.0)
     monkeypatch.chdir(tmp_path)
     exec(compile(example, "README.md", "exec"), {"__name__": "__main__"})
 

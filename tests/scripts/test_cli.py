@@ -25,7 +25,7 @@ FEW = ["--episodes", "8", "--json"]
 @pytest.fixture
 def short(monkeypatch):
     """For what is shown of motions, which then take 1 s instead of 10 s."""
-    shorten_tasks(monkeypatch, 1.0)
+    shorten_tasks(monkeypatch, 0.5)
 
 
 def run(capsys, *arguments) -> str:

@@ -241,7 +241,7 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
 
 
 def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
-    shorten_tasks(monkeypatch, 1.0)
+    shorten_tasks(monkeypatch, 0.5)
     from activesuit.assets import load_suit, save_suit
 
     suit = load_suit("mock-suit")
@@ -260,7 +260,7 @@ def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
 
 
 def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch):
-    shorten_tasks(monkeypatch, 1.0)
+    shorten_tasks(monkeypatch, 0.5)
     arguments = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
     main(["validate", "emu-like", "--plant", "emu-like", *arguments, "--json"])
     assert json.loads(capsys.readouterr().out)["cells"][0]["relief"] is None

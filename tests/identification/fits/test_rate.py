@@ -13,13 +13,13 @@ from activesuit.identification.fits.registry import FITS, fit_model
 NOISE = 0.05
 
 
-def measured(truth, seed=0, noise=NOISE):
+def measured(truth, seed=0, noise=NOISE, samples=80):
     """Returns curves of a joint that is moved at speeds which differ by a factor of 20."""
     rng, curves = np.random.default_rng(seed), []
     for turn, speed in ((0.8, 0.3), (1.1, 1.0), (1.4, 0.5), (1.57, 2.0)):
-        legs = np.linspace(0.52, turn, 80), np.linspace(turn, 0.52, 80)[1:]
+        legs = np.linspace(0.52, turn, samples), np.linspace(turn, 0.52, samples)[1:]
         angle = np.concatenate(legs)
-        swelling = speed * (1 + 0.5 * np.sin(np.arange(angle.size - 1) / 20))
+        swelling = speed * (1 + 0.5 * np.sin(np.arange(angle.size - 1) / (samples / 4)))
         time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)) / swelling)])
         torque = truth.response(angle, time=time) + noise * rng.standard_normal(angle.size)
         curves.append(Curve(angle, torque, f"{turn} rad", time=time))
@@ -70,7 +70,7 @@ def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
 def test_the_truth_is_within_its_interval(viscous):
     inside = []
     for seed in range(15):
-        fit = identify(measured(viscous, seed), rate="viscous")
+        fit = identify(measured(viscous, seed, samples=40), rate="viscous")
         known = fit.uncertainty()
         low, high = known.intervals[known.names.index("damping")]
         inside.append(low <= 0.3 <= high)

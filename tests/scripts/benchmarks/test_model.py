@@ -16,7 +16,7 @@ def result():
     from io import StringIO
 
     with redirect_stdout(StringIO()) as text, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(model, "ARM_TRACKING", replace(model.ARM_TRACKING, duration=2.0))
+        patch.setattr(model, "ARM_TRACKING", replace(model.ARM_TRACKING, duration=1.0))
         patch.setattr(model, "STEPS", 100)
         patch.setattr(effort, "EPISODES", 2)
         patch.setattr(effort, "suit_names", lambda: ["mock-suit", "emu-like"])

@@ -48,7 +48,7 @@ def sketched(undrawn, monkeypatch):
     """For demos whose pictures nobody looks at: short motions on Earth, no figures, no arm."""
     monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
     monkeypatch.setattr(Renderer, "picture", lambda *scene: np.zeros((2, 2, 3), np.uint8))
-    shorten_tasks(monkeypatch, 1.0)
+    shorten_tasks(monkeypatch, 0.5)
 
 
 def test_needs_no_torch(run):
@@ -115,7 +115,7 @@ def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, un
 
     monkeypatch.setattr(Renderer, "picture", unavailable)
     monkeypatch.setattr(demo_module, "GRAVITIES", ("earth",))
-    shorten_tasks(monkeypatch, 1.0)
+    shorten_tasks(monkeypatch, 0.5)
     demo(out=tmp_path, trials=1, episodes=8)
     assert "no picture of the arm: no OpenGL context" in capsys.readouterr().out
     assert not (tmp_path / "arm.png").exists()
