@@ -105,6 +105,11 @@ class HysteresisModel(ABC):
     def parameter_vector(self) -> Array:
         """The parameters as the kernels read them: radians and N·m, read-only."""
 
+    @cached_property
+    def _parameters(self) -> Array:
+        """What kernels get: they would be compiled twice, for read-only and MuJoCo's memory."""
+        return self.parameter_vector.copy()
+
     @property
     @abstractmethod
     def memory_size(self) -> int:
@@ -173,7 +178,7 @@ class HysteresisModel(ABC):
         angle = finite_series("angle", angle, "rad")
         memory = self.start(angle[0], initial_torque).memory.copy()
         torque = np.empty_like(angle)
-        self.kernels.response(self.parameter_vector, memory, angle, torque)
+        self.kernels.response(self._parameters, memory, angle, torque)
         if np.isnan(torque[-1]):
             last = int(np.flatnonzero(np.isnan(torque))[0])
             raise self._pole(angle[last - 1], angle[last], f" (sample {last})")
@@ -188,7 +193,7 @@ class HysteresisModel(ABC):
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
         memory = np.zeros(self.memory_size)
-        inside = self.kernels.begin(self.parameter_vector, memory, float(angle), float(torque))
+        inside = self.kernels.begin(self._parameters, memory, float(angle), float(torque))
         if math.isnan(inside):
             raise InputError(
                 f"initial torque is {torque:.6g} N·m at {angle:.6g} rad: this {self.name} model "
@@ -202,7 +207,7 @@ class HysteresisModel(ABC):
         if rest is not None:
             return abs(s[1] - rest) <= self.certificate().memory_bound
         scratch = np.zeros(self.memory_size)
-        return bool(self.kernels.begin(self.parameter_vector, scratch, s[0], s[1]) >= 0)
+        return bool(self.kernels.begin(self._parameters, scratch, s[0], s[1]) >= 0)
 
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] from which the memory bound of the certificate counts.
@@ -222,7 +227,7 @@ class HysteresisModel(ABC):
             PoleError: The motion meets the pole of an uncertified model.
         """
         number("angle", angle, "rad")
-        p, memory = self.parameter_vector, state.memory.copy()
+        p, memory = self._parameters, state.memory.copy()
         torque = self.kernels.commit(p, memory, float(angle))
         if math.isnan(torque):
             raise self._pole(state.angle, angle)
@@ -242,7 +247,7 @@ class HysteresisModel(ABC):
         Raises:
             PoleError: A motion meets the pole of an uncertified model.
         """
-        p, commit, move = self.parameter_vector, self.kernels.commit, self.kernels.move
+        p, commit, move = self._parameters, self.kernels.commit, self.kernels.move
         torque = np.empty(len(memories))
         for row, memory in enumerate(memories):
             before, here = memory[0], angle[row]
@@ -254,8 +259,8 @@ class HysteresisModel(ABC):
 
     def tangent(self, state: State, direction: float) -> float:
         """Returns the stiffness [N·m/rad] of a motion that goes on with the sign `direction`."""
-        s, delta = state.memory, math.copysign(1.0, direction)
-        return float(self.kernels.stiffness(self.parameter_vector, s, s[0], s[1], delta))
+        s, delta = state.memory.copy(), math.copysign(1.0, direction)
+        return float(self.kernels.stiffness(self._parameters, s, s[0], s[1], delta))
 
     def energy(self, state: State) -> Energy:
         """Returns the energy stored in `state` and dissipated since its start [J].
@@ -265,8 +270,8 @@ class HysteresisModel(ABC):
         certificate says `dissipative`, the dissipated part never decreases (by more than the
         tolerance of a step, for Jiles-Atherton 1e-9 k Ms).
         """
-        s = state.memory
-        there = (self.parameter_vector, s, s[0], s[1], 0.0)
+        s = state.memory.copy()
+        there = (self._parameters, s, s[0], s[1], 0.0)
         return Energy(float(self.kernels.stored(*there)), float(self.kernels.dissipated(*there)))
 
     def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from numba import typeof
+from numba import typeof, types
 
 
 def bound(kernel: Any, first: Sequence[Any], rest: Sequence[Any]) -> Callable[..., Any]:
@@ -18,5 +18,17 @@ def bound(kernel: Any, first: Sequence[Any], rest: Sequence[Any]) -> Callable[..
             the same types, and arrays in the same order of memory.
         rest: The other arguments. Arrays are not copied: the kernel sees what is written in them.
     """
-    code, rest = kernel.compile(tuple(map(typeof, (*first, *rest)))), tuple(rest)
+    code, rest = kernel.compile(tuple(map(_type, (*first, *rest)))), tuple(rest)
     return lambda *given: code(*given, *rest)
+
+
+def _type(value: Any) -> types.Type:
+    """Returns the type of an argument, the same for one arm as for many.
+
+    A row of MuJoCo's state is a part of a longer one. NumPy calls an array of one such row
+    contiguous and an array of many not, for which all kernels would be compiled a second time.
+    """
+    found = typeof(value)
+    if isinstance(found, types.Array) and value.size and value.strides[0] != value[0].nbytes:
+        return found.copy(layout="A")
+    return found

@@ -90,7 +90,7 @@ class Backlash(Wrapper):
         play, torques = np.array([self.gap, memory[-1]]), np.empty(angles.size)
         torques[0] = torque
         follow = kernels.follower(self.kernels)
-        follow(self.parameter_vector, memory[:-1], *self._around, play, angles, torques)
+        follow(self._parameters, memory[:-1], *self._around, play, angles, torques)
         memory[-1] = play[kernels.END]
         return torques
 

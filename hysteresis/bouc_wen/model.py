@@ -215,7 +215,7 @@ class BoucWen(HysteresisModel):
     @property
     def z_bound(self) -> float:
         """Value of |z| [rad] that no motion from a lower one exceeds; infinite if there is none."""
-        return float(kernels.bound(self.parameter_vector))
+        return float(kernels.bound(self._parameters))
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Proves that z has no pole, and that the joint only takes energy.

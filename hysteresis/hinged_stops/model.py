@@ -126,7 +126,7 @@ class HingedStops(HysteresisModel):
 
     def hinge(self, P: float) -> float:
         """Returns h(P) [N·m]."""
-        return float(kernels.hinged(self.parameter_vector[-kernels.HINGE :], float(P)))
+        return float(kernels.hinged(self._parameters[-kernels.HINGE :], float(P)))
 
     @cached_property
     def parameter_vector(self) -> Array:

@@ -153,7 +153,7 @@ class JilesAtherton(HysteresisModel):
         Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()
         margin, memory_bound = margin_everywhere(Ms, a, alpha, c, k)
         largest = memory_bound
-        if not kernels.is_exact(self.parameter_vector):
+        if not kernels.is_exact(self._parameters):
             margin = -math.inf
         elif margin <= ROUNDING and math.isfinite(high - low):
             margin, memory_bound, largest = margin_in_range(low, high, Ms, a, alpha, c, k)

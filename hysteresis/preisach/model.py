@@ -127,7 +127,7 @@ class Preisach(HysteresisModel):
 
     def everett(self, alpha: float, beta: float) -> float:
         """Returns E(alpha, beta): the weight [N·m] of all relays between two angles [rad]."""
-        p = self.parameter_vector
+        p = self._parameters
         high, low = np.clip([alpha, beta], self.levels[0], self.levels[-1])
         return float(self.kernels.swept(p, high, low)[0])
 
@@ -157,7 +157,7 @@ class Preisach(HysteresisModel):
         if (low == -math.inf and self.elastic[0]) or (high == math.inf and self.elastic[-1]):
             return math.inf
         angles = [*np.clip(self.levels, low, high), *filter(math.isfinite, (low, high))]
-        return float(np.ptp([self.kernels.elastic(self.parameter_vector, x)[0] for x in angles]))
+        return float(np.ptp([self.kernels.elastic(self._parameters, x)[0] for x in angles]))
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Preisach":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.

@@ -232,7 +232,7 @@ def test_no_random_reversals_break_a_certificate(model, seed):
     certificate = model.certificate((-7.0, 7.0))
     assert certificate.certified
     assert certificate.dissipative
-    p, kernels = model.parameter_vector, model.kernels
+    p, kernels = model.parameter_vector.copy(), model.kernels
     inner = model.model if isinstance(model, Asymmetric) else model
     start = inner.start(0.0)
     bound = inner.certificate((-7.0, 7.0)).torque_bound

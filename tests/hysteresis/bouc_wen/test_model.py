@@ -114,7 +114,7 @@ def test_step_is_the_bitwise_twin_of_response(n):
     torque = m.response(angle, initial_torque=0.3)
     state = m.start(angle[0], 0.3)
     for i in range(1, angle.size):
-        trial, _ = kernels.move(m.parameter_vector, state.memory, angle[i])
+        trial, _ = kernels.move(m.parameter_vector.copy(), state.memory.copy(), angle[i])
         state, stepped = m.step(state, angle[i])
         assert stepped == trial == torque[i] == state.torque
     assert (torque[100:110] == torque[100]).all()
@@ -140,8 +140,8 @@ def test_tiny_and_huge_steps(n):
     for angle in (1e3, -1e9, 1e300):
         assert m.response([0.0, angle])[-1] == pytest.approx(math.copysign(bound, angle), rel=1e-13)
     for angle in (math.nan, math.inf, -math.inf):
-        assert math.isnan(kernels.move(m.parameter_vector, here.memory, angle)[0])
-        assert math.isnan(kernels.commit(m.parameter_vector, here.memory.copy(), angle))
+        assert math.isnan(kernels.move(m.parameter_vector.copy(), here.memory.copy(), angle)[0])
+        assert math.isnan(kernels.commit(m.parameter_vector.copy(), here.memory.copy(), angle))
 
 
 def test_a_start_far_outside_saturation_comes_back():

@@ -103,7 +103,7 @@ def test_step_is_the_bitwise_twin_of_response(model, path):
     torque, states = response(model, path), run(model, path)
     assert [state.torque for state in states] == torque.tolist()
     for (before, after), angle in zip(pairwise(states), path[1:], strict=True):
-        moved, loss = kernels.move(model.parameter_vector, before.memory, angle)
+        moved, loss = kernels.move(model.parameter_vector.copy(), before.memory.copy(), angle)
         assert (moved, before.memory[2] + loss) == (after.torque, after.memory[2])
 
 
@@ -170,7 +170,7 @@ def test_closed_cycles_of_random_models_and_motions_dissipate():
             slopes=rng.integers(0, 2, hinges + 1) * 10 ** rng.uniform(-1, 1, hinges + 1),
             offset=rng.normal(),
         )
-        p, size = model.parameter_vector, model.memory_size
+        p, size = model.parameter_vector.copy(), model.memory_size
         found += [returns(p, size, rng) for _ in range(40)]
     assert len(found) == 10_000
     assert min(found) > -1e-3  # the trapezoidal rule across knees
@@ -259,7 +259,7 @@ def test_dictionary_round_trip(model):
 
 
 def test_kernels_return_nan_where_there_is_no_motion():
-    p, memory = simple().parameter_vector, simple().start(0.2, 0.25).memory.copy()
+    p, memory = simple().parameter_vector.copy(), simple().start(0.2, 0.25).memory.copy()
     torque = np.empty(4)
     kernels.response(p, memory, np.array([0.2, 0.3, math.nan, 0.4]), torque)
     np.testing.assert_array_equal(np.isnan(torque), [False, False, True, True])

@@ -80,7 +80,7 @@ def test_work_is_stored_plus_dissipated_energy(elbow):
 def test_recoverable_energy_is_what_turning_back_returns(elbow):
     state = elbow.start(0.5)
     state, _ = elbow.step(state, 1.3)
-    p, s = elbow.parameter_vector, state.memory
+    p, s = elbow.parameter_vector.copy(), state.memory.copy()
     claimed = kernels.recoverable(p, s[0], s[1])
     returned = [-kernels.move(p, s, target)[1] for target in np.linspace(1.3, 0.3, 4001)]
     assert claimed == pytest.approx(max(returned), rel=1e-5)

@@ -105,7 +105,7 @@ def test_step_is_the_bitwise_twin_of_response(model, path):
     torque, states = response(model, path), run(model, path)
     assert [state.torque for state in states] == torque.tolist()
     for (before, after), angle in zip(pairwise(states), path[1:], strict=True):
-        moved, loss = kernels.move(model.parameter_vector, before.memory, angle)
+        moved, loss = kernels.move(model.parameter_vector.copy(), before.memory.copy(), angle)
         assert (moved, before.memory[2] + loss) == (after.torque, after.memory[2])
 
 
@@ -286,7 +286,11 @@ def test_dictionary_round_trip(model):
 
 
 def test_kernels_return_nan_where_there_is_no_motion():
-    p, memory, torque = simple().parameter_vector, simple().start(0.2).memory.copy(), np.empty(4)
+    p, memory, torque = (
+        simple().parameter_vector.copy(),
+        simple().start(0.2).memory.copy(),
+        np.empty(4),
+    )
     kernels.response(p, memory, np.array([0.2, 0.3, math.nan, 0.4]), torque)
     np.testing.assert_array_equal(np.isnan(torque), [False, False, True, True])
     assert memory[0] == 0.3

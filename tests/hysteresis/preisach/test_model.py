@@ -126,7 +126,7 @@ def test_step_is_the_bitwise_twin_of_response(path):
     torque = model.response(path, 0.3)
     state = model.start(path[0], 0.3)
     for i in range(1, len(path)):
-        tried, _ = kernels.move(model.parameter_vector, state.memory, path[i])
+        tried, _ = kernels.move(model.parameter_vector.copy(), state.memory.copy(), path[i])
         state, stepped = model.step(state, path[i])
         assert tried == stepped == torque[i] == state.torque
 
@@ -257,7 +257,7 @@ def test_jumps_far_outside_the_levels():
 @pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
 def test_the_kernels_return_nan_where_there_is_no_motion(angle):
     model = random_model(1)
-    p, s = model.parameter_vector, model.start(0.5, 1.0).memory.copy()
+    p, s = model.parameter_vector.copy(), model.start(0.5, 1.0).memory.copy()
     before = s.copy()
     assert math.isnan(kernels.move(p, s, angle)[0])
     assert math.isnan(kernels.commit(p, s, angle))
@@ -277,7 +277,7 @@ def test_garbage_in_the_memory_stays_inside(count):
         s = guarded[100:-100]
         s[:] = junk[: s.size]
         s[kernels.COUNT] = count
-        p = model.parameter_vector
+        p = model.parameter_vector.copy()
         for angle in rng.uniform(-1, 3, 200):
             kernels.move(p, s, angle)
             kernels.stiffness(p, s, angle, 0.0, rng.choice([-1.0, 1.0]))
