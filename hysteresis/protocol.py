@@ -107,7 +107,7 @@ class HysteresisModel(ABC):
 
     @cached_property
     def _parameters(self) -> Array:
-        """What kernels get: they would be compiled twice, for read-only and MuJoCo's memory."""
+        """The same, writable as MuJoCo's memory is: read-only arrays have kernels compiled twice."""
         return self.parameter_vector.copy()
 
     @property
