@@ -15,13 +15,14 @@ from helpers import shorten_tasks
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted(path.name for path in DOCS.glob("*.md"))
-SCRIPTS = sorted(path.stem for path in DOCS.glob("*.py"))
+FIGURES = DOCS / "figures"
+SCRIPTS = sorted(path.stem for path in FIGURES.glob("*.py"))
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder to run examples in, with the files that they read, and motions of 1 s."""
-    shutil.copy(DOCS / "arm.xml", tmp_path)
+    shutil.copy(FIGURES / "arm.xml", tmp_path)
     shorten_tasks(monkeypatch, 1.0)
     monkeypatch.chdir(tmp_path)
     plt.switch_backend("agg")
@@ -58,16 +59,16 @@ def test_the_loops_page_prints_what_it_says(folder, capsys):
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_draw_their_pictures(name, folder):
-    assert (DOCS / f"{name}.png").exists()
-    script = (DOCS / f"{name}.py").read_text(encoding="utf-8")
+    assert (FIGURES / f"{name}.png").exists()
+    script = (FIGURES / f"{name}.py").read_text(encoding="utf-8")
     coarser = script.replace("spacing=0.025, wrist_angles=33", "spacing=0.05, wrist_angles=9")
     exec(compile(coarser, f"{name}.py", "exec"), {"__name__": "__main__"})
     assert (folder / f"{name}.png").read_bytes()[:4] == b"\x89PNG"
-    assert any(f"]({name}.png)" in page(other) for other in PAGES)
+    assert any(f"](figures/{name}.png)" in page(other) for other in PAGES)
 
 
 def test_three_joints_is_short_and_stands_on_its_page():
-    lines = (DOCS / "three_joints.py").read_text(encoding="utf-8").splitlines()
+    lines = (FIGURES / "three_joints.py").read_text(encoding="utf-8").splitlines()
     code = [line for line in lines if line.strip() and not line.lstrip().startswith(("#", '"""'))]
     assert len(code) <= 30
     assert "\n".join(lines) + "\n" == examples("robot.md")[0]
@@ -80,7 +81,7 @@ def test_a_task_of_your_own_is_short():
 
 
 def test_the_plugin_example_is_short_and_stands_on_its_page():
-    script = (DOCS / "stribeck.py").read_text(encoding="utf-8")
+    script = (FIGURES / "stribeck.py").read_text(encoding="utf-8")
     plugin, demonstration = examples("robot.md")[-2:]
     assert plugin + "\n" + demonstration == script
     comments = ("#", '"""')

@@ -13,13 +13,14 @@ from ...files import write_text
 from ..reports.benchmark import page, profile_figure
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
-RESULTS, PAGE, FIGURE = (DOCS / f"leaderboard.{kind}" for kind in ("jsonl", "md", "png"))
+RESULTS, PAGE = DOCS / "leaderboard.jsonl", DOCS / "leaderboard.md"
+FIGURE = DOCS / "figures" / "leaderboard.png"
 TITLE = "# Leaderboard"
 
 
 def leaderboard(results: Path = RESULTS) -> str:
     """Returns the page of a file of results."""
-    return page(Standings(read_results([results])), TITLE, FIGURE.name)
+    return page(Standings(read_results([results])), TITLE, f"figures/{FIGURE.name}")
 
 
 def main() -> None:

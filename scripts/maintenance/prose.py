@@ -1,15 +1,21 @@
-"""Counts fragments in the docstrings: `python -m activesuit.scripts.maintenance.prose [PATH]`.
+"""Counts unclear prose: `python -m activesuit.scripts.maintenance.prose [PATH]`.
 
 Every argument, attribute and result that a docstring describes needs a noun phrase ("Unique name
-of the new plugin instance.") or a clause ("Whether the wearer is tired."). A description that
-begins in the middle of a sentence ("of the plugin instance, new in the spec") is a fragment: only
-readers who guess what stands before it can understand it.
+of the new plugin instance.") or a clause ("Whether the wearer is tired."). So does a comment behind
+code. A description that begins in the middle of a sentence ("of the plugin instance, new in the
+spec"; "Hz, up to which a cycle is learned") is a fragment: only readers who guess what stands
+before it can understand it.
+
+Words that mean one thing in daily life and another one only here ("the suit is told") are counted
+in strings, comments and pages; the field has its own words for all of them. Names in code, such as
+`Held`, are no prose. Pages have at most 25 words in a sentence on average.
 """
 
 import argparse
 import ast
 import re
 import sys
+import tokenize
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -17,7 +23,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
 PARTS = ("assets", "envs", "hysteresis", "identification", "scripts", ".")
-LIMIT = 0.03  # share of fragments
+LIMIT = 0.03  # greatest share of fragments among descriptions in docstrings
+COMMENT_LIMIT = 0.05  # the same among comments behind code
+SENTENCE_LIMIT = 25  # words in an average sentence of a page
+PRIVATE = "told worn taught led settled felt shaken growing heard held he him his".split()
 SECTIONS = ("Args:", "Attributes:", "Returns:", "Yields:")
 NAMED = ("Args:", "Attributes:")  # sections whose entries are `name: description`
 
@@ -36,6 +45,8 @@ VERBS = """begins changes chooses decides does ends fixes gets gives goes has ho
     maps needs takes tells was were"""
 LINKS = frozenset(f"{PREPOSITIONS} {CONJUNCTIONS}".split())
 NOT_FIRST = LINKS | frozenset(f"{POINTERS} {VERBS}".split())
+_FSTRING = getattr(tokenize, "FSTRING_MIDDLE", tokenize.STRING)  # Python 3.12 has parts of its own
+PROSE = {tokenize.COMMENT, tokenize.STRING, _FSTRING}
 
 
 @dataclass(frozen=True)
@@ -54,11 +65,16 @@ class Line:
 
     @property
     def is_fragment(self) -> bool:
-        """Whether the description begins in the middle of a sentence."""
-        words = re.findall(r"[^\W\d_]+", self.text.lower())
-        if self.text.startswith("[") or (words[:1] and words[0] in NOT_FIRST):
-            return True
-        return bool(words) and words[0] in PARTICIPLES.split() and set(words[1:2]) <= LINKS
+        """Whether the description begins in the middle of a sentence, be it after a unit."""
+        unit, _, rest = self.text.partition(", ")
+        return _is_fragment(self.text) or (rest != "" and " " not in unit and _is_fragment(rest))
+
+
+def _is_fragment(text: str) -> bool:
+    words = re.findall(r"[^\W\d_]+", text.lower())
+    if text.startswith("[") or (words[:1] and words[0] in NOT_FIRST):
+        return True
+    return bool(words) and words[0] in PARTICIPLES.split() and set(words[1:2]) <= LINKS
 
 
 def lines(paths: Iterable[Path]) -> Iterator[Line]:
@@ -91,6 +107,50 @@ def _described(path: Path, first: int, docstring: str) -> Iterator[Line]:
             section = ""
 
 
+def comments(path: Path) -> Iterator[Line]:
+    """Yields the comments behind code of a Python file."""
+    code = path.read_text(encoding="utf-8").splitlines()
+    for token in _tokens(path):
+        number, column = token.start
+        text = token.string.lstrip("#: ")
+        tool = text.startswith(("noqa", "type:", "pyright:"))
+        if token.type == tokenize.COMMENT and code[number - 1][:column].strip() and not tool:
+            yield Line(path, number, text)
+
+
+def _tokens(path: Path) -> Iterator[tokenize.TokenInfo]:
+    with tokenize.open(path) as file:
+        yield from tokenize.generate_tokens(file.readline)
+
+
+def private_words(path: Path) -> Iterator[Line]:
+    """Yields the words of `PRIVATE` in the prose of a Python file or a page."""
+    if path.suffix == ".py":
+        prose = [(t.start[0], t.string) for t in _tokens(path) if t.type in PROSE and " " in t.string]
+    else:
+        prose = list(enumerate(path.read_text(encoding="utf-8").split("\n"), 1))
+    for first, text in prose:
+        for number, line in enumerate(text.split("\n"), first):
+            plain = re.sub(r"``?[^`]*`?`|held[- ]out|<!--.*?-->", "", line)
+            for word in re.findall(r"(?<![\w.=/-])[A-Za-z]+(?![\w=(/]|\.\w)", plain):
+                if word.lower() in PRIVATE:
+                    yield Line(path, number, word.lower())
+
+
+def sentence_length(page: str) -> float:
+    """Returns the words in an average sentence of a page, outside code, tables and headings."""
+    other = r"^```.*?^```$|<!--.*?-->|\$\$.*?\$\$"
+    text = re.sub(other, "", page, flags=re.DOTALL | re.MULTILINE)
+    blocks = re.split(r"\n\s*\n|\n\s*(?=[-*] |\d+\. )", text)
+    sentences = [
+        sentence.split()
+        for block in blocks
+        if block.strip() and not block.lstrip().startswith(("#", "|", "!["))
+        for sentence in re.split(r"(?<=[.!?:])[)*\"”]*\s+", block.strip())
+    ]
+    return sum(map(len, sentences)) / max(1, len(sentences))
+
+
 def sources(root: Path) -> dict[str, list[Path]]:
     """Returns the files of the package below `root`, by the part that they belong to."""
     return {
@@ -100,21 +160,47 @@ def sources(root: Path) -> dict[str, list[Path]]:
     }
 
 
+def pages(root: Path) -> list[Path]:
+    """Returns the pages below `root` that people write."""
+    return sorted([*root.glob("*.md"), *root.glob("docs/*.md"), *root.glob("assets/**/*.md")])
+
+
 def main(root: Path = ROOT) -> int:
-    """Prints all fragments and their share; returns 1 if the share is above the limit, else 0."""
-    described, fragments = Counter(), Counter()
-    for part, paths in sources(root).items():
-        for line in lines(paths):
-            described[part] += 1
-            if line.is_fragment:
-                fragments[part] += 1
-                print(f"{line.path.relative_to(root)}:{line.number}: {line.text}")
-    for part in described:
-        print(f"{part:16} {fragments[part]:5} of {described[part]:5}")
-    total, found = described.total(), fragments.total()
-    share = found / max(1, total)
-    print(f"{'all':16} {found:5} of {total:5}, {share:.1%}; at most {LIMIT:.0%}")
-    return int(share > LIMIT)
+    """Prints what is unclear, with its counts; returns 1 if a limit is passed, else 0."""
+    found = sources(root)
+    docstrings = {part: list(lines(paths)) for part, paths in found.items()}
+    behind = {
+        part: [one for path in paths for one in comments(path)] for part, paths in found.items()
+    }
+    failed = _count("descriptions", docstrings, LIMIT, root)
+    failed |= _count("comments behind code", behind, COMMENT_LIMIT, root)
+    everywhere = [path for paths in found.values() for path in paths] + pages(root)
+    words = [word for path in everywhere for word in private_words(path)]
+    for word in words:
+        print(f"{word.path.relative_to(root)}:{word.number}: {word.text}")
+    counts = Counter(word.text for word in words)
+    print("private words:", ", ".join(f"{word} {counts[word]}" for word in PRIVATE))
+    for path in pages(root):
+        length = sentence_length(path.read_text(encoding="utf-8"))
+        if length > SENTENCE_LIMIT:
+            failed = True
+            print(f"{path.relative_to(root)}: {length:.1f} words in a sentence on average")
+    return int(failed or bool(words))
+
+
+def _count(title: str, described: dict[str, list[Line]], limit: float, root: Path) -> bool:
+    """Prints the fragments of each part and their share; returns whether it passes the limit."""
+    for part in described.values():
+        for line in filter(lambda line: line.is_fragment, part):
+            print(f"{line.path.relative_to(root)}:{line.number}: {line.text}")
+    print(f"fragments among {title}:")
+    for part, all_lines in described.items():
+        print(f"{part:16} {sum(one.is_fragment for one in all_lines):5} of {len(all_lines):5}")
+    everything = [one for part in described.values() for one in part]
+    fragments = sum(one.is_fragment for one in everything)
+    share = fragments / max(1, len(everything))
+    print(f"{'all':16} {fragments:5} of {len(everything):5}, {share:.1%}; at most {limit:.0%}")
+    return share > limit
 
 
 if __name__ == "__main__":
