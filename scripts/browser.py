@@ -1,13 +1,20 @@
-"""MuJoCo's viewer in a browser, listening on an address that the user chooses."""
+"""MuJoCo's viewer in a browser, for those who have the address with its token."""
 
 import socket
+import time
 from collections.abc import Callable
+from functools import partial
+from http.client import HTTPConnection
+from ipaddress import ip_address
 from typing import Any
 
 from ..errors import InputError, shown
+from .output import say
+from .web_access import WebAccess
 
-PORT = 0  # the first free one from 8080
+PORT = 0  # stands for the first free one from 8080
 LOCAL = ("localhost", "127.0.0.1", "::1")
+START = 30.0  # [s], longest time that the server may take to start
 
 
 def check_address(host: str, port: int) -> None:
@@ -40,27 +47,99 @@ def check_address(host: str, port: int) -> None:
 def served(host: str, port: int) -> Any:
     """Starts the viewer in a thread; returns its handle, a context in which it is served.
 
-    The viewer of MuJoCo 4.0 always listens on all addresses. Its only say in that is an attribute,
-    which this one therefore holds fixed.
+    The viewer of MuJoCo 4.0 listens on all addresses and answers everyone. Here it listens on
+    `host`, and each request is first judged by a `WebAccess`. Both change parts of MuJoCo that are
+    not public, so they are tested before the address is printed.
+
+    Raises:
+        InputError: MuJoCo's viewer does not listen on this machine alone or answers everyone. It is
+            raised where the handle is used.
     """
     from mujoco.studio import app, launch_thread, plugin, viewer_protocol, web_viewer
+    from mujoco.studio.web import web_server
 
     class Viewer(web_viewer.WebViewer):
         # A property wins over the assignment in the constructor of the viewer.
-        _host: Any = property(lambda self: host, lambda self, value: asked.append(value))
+        _host: Any = property(lambda self: host, lambda self, value: None)
 
-    asked: list[str] = []
+        def _start_server(self) -> None:
+            super()._start_server()
+            try:
+                _check_locked(host, self._http_sock)
+            except InputError:
+                self._stop_server()
+                raise
+
+    access = WebAccess(host)
+    web_server.serve = partial(_guarded, web_server.serve, access)
+    web_viewer._print_url_banner = partial(_announce, access)
     # The panels are about a simulation that the viewer itself would step.
     bare = app.Config(show_options=False, show_inspector=False, show_status_bar=False)
     shown_parts, simulated_parts = plugin.split_plugins([app.App(bare)])
     config = viewer_protocol.ViewerConfig(gfx="web", http_port=port)
 
     def show(endpoint: Any) -> None:
-        viewer = Viewer(config, endpoint, plugins=shown_parts)
-        if not asked and host in LOCAL:
-            viewer.close()
-            raise RuntimeError("this version of MuJoCo does not listen on localhost alone")
-        viewer_protocol.run_viewer_loop(viewer)
+        viewer_protocol.run_viewer_loop(Viewer(config, endpoint, plugins=shown_parts))
 
     start: Callable[..., Any] = launch_thread.launch_thread
     return start(show, sim_plugins=simulated_parts)
+
+
+def _guarded(
+    serve: Callable[..., Any],
+    access: WebAccess,
+    handler: Callable[..., Any],
+    *,
+    sock: socket.socket,
+    process_request: Callable[[Any, Any], Any],
+    **options: Any,
+) -> Any:
+    """Calls `websockets.asyncio.server.serve`, with `access` asked before each request."""
+    from websockets.datastructures import Headers
+    from websockets.http11 import Response
+
+    def decide(connection: Any, request: Any) -> Any:
+        refusal = access.refusal(request.path, request.headers.raw_items())
+        if refusal is not None:
+            plain = Headers({"Content-Type": "text/plain; charset=utf-8"})
+            return Response(403, "Forbidden", plain, f"{refusal}\n".encode())
+        answer = process_request(connection, request)
+        if answer is not None:
+            answer.headers["Set-Cookie"] = access.cookie(sock.getsockname()[1])
+            answer.headers["Referrer-Policy"] = "no-referrer"
+        return answer
+
+    return serve(handler, sock=sock, process_request=decide, **options)
+
+
+def _check_locked(host: str, listening: socket.socket) -> None:
+    address, port = listening.getsockname()[:2]
+    if host in LOCAL and not ip_address(address).is_loopback:
+        raise InputError(
+            "this version of MuJoCo does not listen on localhost alone: use MuJoCo 4.0"
+        )
+    own = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(address, address)
+    deadline = time.monotonic() + START
+    while True:
+        try:
+            connection = HTTPConnection(own, port, timeout=START)
+            connection.request("GET", "/")
+            answer = connection.getresponse().status
+            break
+        except OSError as error:  # its thread is still starting
+            if time.monotonic() > deadline:
+                raise InputError(f"the viewer's server does not start ({error})") from error
+            time.sleep(0.02)
+        finally:
+            connection.close()
+    if answer != 403:
+        raise InputError("MuJoCo answers requests without a token: use MuJoCo 4.0")
+
+
+def _announce(access: WebAccess, host: str, port: int) -> None:
+    """Prints the address; takes the place of a banner that has no token."""
+    name = socket.gethostname() if host in ("0.0.0.0", "::") else host
+    name = f"[{name}]" if ":" in name else name
+    say(f"open http://{name}:{port}/?token={access.token} in a browser; Ctrl-C ends the viewer")
+    if host not in LOCAL:
+        say("note: the page is not encrypted, so that others on the network can read the token")

@@ -127,7 +127,8 @@ def _run_command(name: str, arguments: Sequence[str]) -> None:
     from .parsing import parsed
 
     load_extensions()
-    if any(":" in given for given in arguments):  # a policy or an environment as module:name
+    # A policy or an environment as module:name, or a file of a policy that may have one.
+    if "--trust" in arguments or any(":" in given for given in arguments):
         _import_from_here()
     function = name.replace("-", "_")
     command = getattr(import_module(f".commands.{function}", __package__), function)

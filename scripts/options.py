@@ -223,6 +223,10 @@ _SEED = "Seed of all random numbers; the same one repeats the result."
 Seed = Annotated[int, tyro.conf.arg(help=_SEED)]
 RunSeed = Annotated[int | None, optional_number("0", int, help=_SEED)]
 Json = Annotated[bool, tyro.conf.arg(help="Print the result as JSON instead of tables.")]
+Trust = Annotated[
+    bool,
+    tyro.conf.arg(help="Let JSON files of policies name MODULE:CLASS, whose code then runs."),
+]
 Force = Annotated[
     bool, tyro.conf.arg(help="Replace files that are there, and write into any folder.")
 ]

@@ -2,7 +2,7 @@
 
 import operator
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,8 @@ from typing import Any
 from ..assets import load_suit
 from ..envs.levels import with_level
 from ..envs.making import OURS
-from ..envs.policies import POLICIES
+from ..envs.policies import POLICIES, PolicySpec, policy_spec
+from ..envs.policies.build import is_saved
 from ..envs.policies.trained import CONFIG, training_config
 from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
@@ -30,10 +31,12 @@ class Scene:
     Attributes:
         env: Id of the environment, with the module that registers it if it is not ours.
         options: Fields of `ArmConfig` as plain values.
+        policies: Policies that were given; those in trusted files are read.
     """
 
     env: str
     options: dict[str, Any]
+    policies: tuple[PolicySpec | str, ...] = ()
 
     @property
     def place(self) -> str:
@@ -51,7 +54,7 @@ def scene(
     level: str | None = None,
     suit: str | None = None,
     gravity: str | None = None,
-    policies: Iterable[str] = (),
+    policies: Sequence[str] = (),
     run: Path | None = None,
     trusted: bool = False,
     usual: Mapping[str, Any] | None = None,
@@ -67,9 +70,11 @@ def scene(
         level: Name of a level; None if it is not given.
         suit: Name or file of the suit; None if it is not given.
         gravity: Name of the place; None if it is not given.
-        policies: Names of policies; the folders of training runs among them bring their options.
+        policies: Names or files of policies; the folders of training runs among them bring their
+            options.
         run: Folder of a training run that goes on.
-        trusted: Whether a run from another machine may import the module of its environment.
+        trusted: Whether a file of a policy may name a class of a module, and a run from another
+            machine the module of its environment, which are then imported.
         usual: Usual env, suit or gravity of the command, where they differ from those of the
             others.
 
@@ -96,7 +101,8 @@ def scene(
     flat = {**usual, **found, **of_level, **given}
     flat.pop("env", None)
     beside |= {} if level is None else {"level": level}
-    return Scene(env=chosen, options={**nested_options(flat), **beside})
+    read = (policy_spec(one, trust=True) if trusted and is_saved(one) else one for one in policies)
+    return Scene(env=chosen, options={**nested_options(flat), **beside}, policies=tuple(read))
 
 
 def _task(env: str | None, task: str | None) -> tuple[str | None, dict[str, Any]]:
@@ -141,7 +147,7 @@ def run_options(folder: str) -> dict[str, Any]:
     return {**USUAL_OPTIONS, **flat, "env": flat["env"].removeprefix(OUR_MODULE)}
 
 
-def _runs_among(policies: Iterable[str]) -> list[str]:
+def _runs_among(policies: Sequence[str]) -> list[str]:
     return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
 
 

@@ -219,6 +219,7 @@ def suite(
     levels: tuple[str, ...] = (),
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
+    trust: bool = False,
 ) -> Suite:
     """Returns a suite, with what is given instead of its own.
 
@@ -228,15 +229,16 @@ def suite(
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
     found = SUITES[name]
-    labels = {_label(given): policy_spec(given) for given in policies}
-    once("policies", map(_label, policies))
+    specs = [policy_spec(given, trust=trust) for given in policies]
+    names = [
+        PurePath(given).stem if is_saved(given) else str(spec)
+        for given, spec in zip(policies, specs, strict=True)
+    ]
+    once("policies", names)
+    labels = dict(zip(names, specs, strict=True))
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
     given = {field: value for field, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
-
-
-def _label(given: str) -> str:
-    return PurePath(given).stem if is_saved(given) else str(policy_spec(given))
 
 
 SUITES = {

@@ -66,8 +66,8 @@ _FIXES: dict[Any, str] = {
     float | None: "give a number",
     bool: "use true or false",
 }
-GUARD = "guard"  # option of every policy
-SAVED = ".json"  # end of the name of a file with a policy
+GUARD = "guard"  # name of an option that every policy has
+SAVED = ".json"  # suffix of files with a policy
 _BELIEF: dict[str, Any] = {
     "suit": Any,
     "pressure": float | None,
@@ -103,23 +103,25 @@ AnyPolicy = str | Mapping[str, Any] | PolicySpec
 """A policy by its name, as "name:option=value,option=value", or as a dict of name and options."""
 
 
-def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = ()) -> PolicySpec:
-    """Returns what names a policy, with its options checked and of the right type.
+def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = False) -> PolicySpec:
+    """Parses and validates the specification of a policy.
 
     Args:
         given: A name with or without options, such as "feedforward:suit=elbow.json,lead=0.03"; or a
             dict, such as {"name": "feedforward", "lead": 0.03}, or a JSON file of one. Fields of a
             field have a dot between them, as in "compensation:wearer.mass=65".
         beside: Other names that may be given here, for the message about an unknown one.
+        trust: Whether a JSON file may name "package.module:Class", whose code then runs. A file
+            names policies of this package and training runs only if it is not trusted.
 
     Raises:
-        InputError: There is no such policy, folder, module or option, or a value is of the wrong
-            type.
+        InputError: There is no such policy, folder, module or option, a value is of the wrong type,
+            or a file that is not trusted names code.
     """
     if isinstance(given, PolicySpec):
         spec = given
     elif isinstance(given, str):
-        spec = _parsed(given)
+        spec = _parsed(given, trust)
     elif isinstance(given, Mapping) and isinstance(given.get("name"), str):
         spec = PolicySpec(given["name"], {k: v for k, v in given.items() if k != "name"})
     else:
@@ -247,7 +249,7 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
-    resisting_joints(belief.of(episodes.simulation.config))  # so that a mistake in it is told
+    resisting_joints(belief.of(episodes.simulation.config))  # a mistake in it is reported here
     if believes(name):
         options["belief"] = belief
     made = maker if name in POLICIES else partial(own_policy, name, maker, episodes.motors)
@@ -260,7 +262,7 @@ def is_saved(text: str) -> bool:
     return text.endswith(SAVED) and "=" not in text
 
 
-def _parsed(text: str) -> PolicySpec:
+def _parsed(text: str, trust: bool) -> PolicySpec:
     """Returns a policy from "name:option=value,...", where the name may be "module:Class"."""
     if os.path.isdir(text):
         return PolicySpec(text)
@@ -268,7 +270,14 @@ def _parsed(text: str) -> PolicySpec:
         found = read_json(text, "policy")
         if not isinstance(found, dict) or not isinstance(found.get("name"), str):
             raise InputError(f"{text!r} is no policy: it must be an object with a name")
-        return PolicySpec(found.pop("name"), found)
+        name = found.pop("name")
+        if ":" in name and not os.path.isdir(name) and not trust:
+            raise InputError(
+                f"{text!r} names {shown(name)}, and importing that would run its code: use a file "
+                "with a policy of this package or the folder of a training run, or, if you trust "
+                "the file, add --trust (in Python policy_spec(file, trust=True))"
+            )
+        return PolicySpec(name, found)
     head, *rest = text.split(":")
     if rest and "=" not in rest[0] and head not in POLICIES:
         head, rest = f"{head}:{rest[0]}", rest[1:]
@@ -281,9 +290,13 @@ def _parsed(text: str) -> PolicySpec:
                 "between them"
             )
         *outer, last = name.strip().split(".")
-        place = options
+        place: Any = options
         for part in outer:
-            place = place.setdefault(part, {})
+            place = place.setdefault(part, {}) if isinstance(place, dict) else None
+        if not isinstance(place, dict):
+            raise InputError(
+                f"policy {text!r} has {'.'.join(outer)!r} as a value and with fields: give one"
+            )
         if last in place:
             raise InputError(f"policy {text!r} has the option {name!r} twice: give it once")
         place[last] = _number(value.strip()) if outer else value.strip()

@@ -87,7 +87,7 @@ def own_policy(
         policy = make(*given, **options)
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(
             f"policy {name!r} cannot be made ({type(error).__name__}: {error}): repair it"
         ) from error

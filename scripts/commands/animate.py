@@ -22,7 +22,7 @@ from ...errors import InputError, shown
 from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
 from ..film import FILMS, FPS, Fps, Picture, Quality, film_writer, filmed, stride_of
-from ..options import Force, PolicyName, Seed, Suit, env_option, gravity_option
+from ..options import Force, PolicyName, Seed, Suit, Trust, env_option, gravity_option
 from ..output import progress, say
 from ..runs import scene
 
@@ -52,6 +52,7 @@ def animate(
     height: int = 540,
     quality: Quality = "fast",
     force: Force = False,
+    trust: Trust = False,
 ) -> None:
     """Draw an assisted motion and its torque-angle loops as an animation.
 
@@ -67,7 +68,16 @@ def animate(
     at_least("seed", seed, 0)
     _check_size(width, height)
     usual = {"env": REACH, "gravity": "microgravity"}
-    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), usual=usual)
+    chosen = scene(
+        arm,
+        env=env,
+        suit=suit,
+        gravity=gravity,
+        policies=(policy,),
+        trusted=trust,
+        usual=usual,
+    )
+    (acting,) = chosen.policies
     panel_width = 2 * round(width * PANEL / 2)
     options = {
         **chosen.options,
@@ -76,14 +86,14 @@ def animate(
         "width": width - panel_width,
         "height": height,
         "render_quality": quality,
-        **needed_options(policy),
+        **needed_options(acting),
     }
     if chosen.env == REACH:
         arms = ArmVectorEnv(1, _Reaching(name="Reaching", duration=CYCLES * PERIOD), **options)
     else:
         arms = make_arms(chosen.env, 1, **options)
     stride = stride_of(fps, arms.control_dt)
-    actor = make_policy(policy, arms)
+    actor = make_policy(acting, arms)
     with replacing(out, force=force) as scratch:
         write(scratch, _film(arms, actor, seed, stride, panel_width, height), fps)
     arms.close()

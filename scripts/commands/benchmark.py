@@ -16,7 +16,7 @@ from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
 from ..backends import Backend, check_backend, run_all
-from ..options import Force, Json, choice
+from ..options import Force, Json, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
@@ -43,6 +43,7 @@ def benchmark(
     backend: Backend = "loky",
     out: Path | None = None,
     force: Force = False,
+    trust: Trust = False,
     json: Json = False,
 ) -> None:
     """Compare controllers over tasks, levels and suits.
@@ -77,6 +78,7 @@ def benchmark(
             levels=levels,
             believed=believed,
             episodes=episodes,
+            trust=trust,
         )
         check_backend(backend, workers)
         if policies or believed:

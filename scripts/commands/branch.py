@@ -19,6 +19,7 @@ from ..options import (
     Seed,
     Suit,
     TaskName,
+    Trust,
 )
 from ..output import Rows, RunFolder, conclude
 from ..runs import scene
@@ -37,6 +38,7 @@ def branch(
     seed: Seed = 0,
     out: Path | None = None,
     force: Force = False,
+    trust: Trust = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
@@ -64,14 +66,16 @@ def branch(
         suit=suit,
         gravity=gravity,
         policies=(base, *policies),
+        trusted=trust,
     )
-    options = {"base": base, "at": at, "horizon": horizon, "seed": seed}
-    forks = branches_of(chosen.env, policies, **options, **chosen.options)
+    before, *after = chosen.policies
+    options = {"at": at, "horizon": horizon, "seed": seed}
+    forks = branches_of(chosen.env, after, base=before, **options, **chosen.options)
     folder = RunFolder(out, "branch", force=force) if out else None
     if folder:
         for fork in forks:
             folder.figure(f"branches-{fork.at:g}s", branches_figure(fork))
-    result = {"env": chosen.env, **chosen.options, **options}
+    result = {"env": chosen.env, **chosen.options, "base": base, **options}
     result["forks"] = [fork.to_dict() for fork in forks]
     tables = {
         f"{chosen.place}, after {fork.at:g} s of {base}, for {horizon:g} s": fork_table(fork)

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
-from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName
+from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName, Trust
 from ..output import RunFolder, conclude, progress
 from ..reports.motions import (
     agreement,
@@ -56,6 +57,7 @@ def evaluate(
     table: bool = False,
     out: Path | None = None,
     force: Force = False,
+    trust: Trust = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
@@ -81,7 +83,6 @@ def evaluate(
     at_least("seed", seed, 0)
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
-    named_policies(policies)
     scenes = list(
         _scenes(
             arm,
@@ -92,17 +93,18 @@ def evaluate(
             level=level,
             suit=suit,
             gravity=gravity,
+            trusted=trust,
         )
     )
     for chosen in scenes[:1]:
-        _check(chosen, policies)
+        _check(chosen)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
     results, tables, remarks = [], {}, []
     settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
-        found = run(chosen.env, policies, episodes, seed, naive=naive, **chosen.options)
+        found = run(chosen.env, chosen.policies, episodes, seed, naive=naive, **chosen.options)
         scores = list(found.scores.values())
         with_references = found if found.suit_cost is not None else None
         results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
@@ -160,8 +162,11 @@ def _scenes(
     level: str | None,
     suit: str | None,
     gravity: str | None,
+    trusted: bool,
 ) -> Iterator[Scene]:
-    of_task = partial(scene, arm, env=env, task=task, level=level, policies=policies)
+    of_task = partial(
+        scene, arm, env=env, task=task, level=level, policies=policies, trusted=trusted
+    )
     if not table:
         yield of_task(suit=suit, gravity=gravity)
         return
@@ -169,12 +174,13 @@ def _scenes(
         raise InputError("--table has its own suits, places and couplings: leave yours out")
     for coupling, worn, place in itertools.product(COUPLINGS, SUITS, PLACES):
         chosen = of_task(suit=worn, gravity=place)
-        yield Scene(env=chosen.env, options={**chosen.options, "coupling": coupling})
+        yield replace(chosen, options={**chosen.options, "coupling": coupling})
 
 
-def _check(chosen: Scene, policies: tuple[str, ...]) -> None:
+def _check(chosen: Scene) -> None:
     """Reports a mistake before a folder is made."""
-    for policy in policies:
+    named_policies(chosen.policies)
+    for policy in chosen.policies:
         needed = {} if policy in BOUNDS else needed_options(policy)
         arms = make_arms(chosen.env, 1, **chosen.options, **needed)
         if policy not in BOUNDS:

@@ -17,7 +17,7 @@ from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
-from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName
+from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
 from ..runs import scene
@@ -34,6 +34,7 @@ def simulate(
     out: Path = Path("runs/simulate"),
     video: Video = None,
     force: Force = False,
+    trust: Trust = False,
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
@@ -47,12 +48,20 @@ def simulate(
     """
     at_least("seed", seed, 0)
     chosen = scene(
-        arm, env=env, task=task, level=level, suit=suit, gravity=gravity, policies=(policy,)
+        arm,
+        env=env,
+        task=task,
+        level=level,
+        suit=suit,
+        gravity=gravity,
+        policies=(policy,),
+        trusted=trust,
     )
+    (acting,) = chosen.policies
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(policy), render_mode=mode)
-    actor = make_policy(policy, arms)
+    arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(acting), render_mode=mode)
+    actor = make_policy(acting, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []
     if video:

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification.optimizers.libraries import cma_es
 from ..backends import check_backend, run_all
-from ..options import Force, Json, PolicyName, Seed
+from ..options import Force, Json, PolicyName, Seed, Trust
 from ..output import conclude, progress, say, to_json
 
 BUDGET = 200  # evaluations
@@ -27,6 +27,7 @@ def tune(
     seed: Seed = 0,
     workers: int = -1,
     force: Force = False,
+    trust: Trust = False,
     json: Json = False,
 ) -> None:
     """Tune the options of a policy within a budget that is the same for all.
@@ -40,7 +41,7 @@ def tune(
         evaluations: Number of evaluations, 200 in the benchmark.
         workers: Number of evaluations at once; -1 uses all cores.
     """
-    given = policy_spec(policy)
+    given = policy_spec(policy, trust=trust)
     at_least("evaluations", evaluations, 1)
     at_least("seed", seed, 0)
     check_backend("loky", workers)

@@ -20,7 +20,7 @@ from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
 from ..film import Quality
-from ..options import Env, Force, Gravity, PolicyName, Seed, Suit
+from ..options import Env, Force, Gravity, PolicyName, Seed, Suit, Trust
 from ..output import say
 from ..runs import scene
 
@@ -45,13 +45,15 @@ def view(
     height: int = 960,
     quality: Quality = "fine",
     force: Force = False,
+    trust: Trust = False,
 ) -> None:
     """Watch the assisted arm move, in a window or a browser; or take a picture of it.
 
     Each next motion has the next seed.
 
     Args:
-        web: Serve to a browser instead of opening a window, without password or encryption.
+        web: Serve to a browser instead of opening a window. Only who has the printed address, which
+            holds a token, can use the page; it is not encrypted.
         host: Address that the web page listens on: localhost, which only programs on this machine
             reach, another address of this machine, or 0.0.0.0, which everyone on its networks
             reaches.
@@ -64,7 +66,8 @@ def view(
         height: Height of the snapshot [pixels].
     """
     at_least("seed", seed, 0)
-    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,))
+    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), trusted=trust)
+    (acting,) = chosen.policies
     if snapshot is not None:
         if web:
             raise InputError("both web and snapshot are given: use one of them")
@@ -77,11 +80,11 @@ def view(
     made, simulated = make_env(
         chosen.env,
         **chosen.options,
-        **needed_options(policy),
+        **needed_options(acting),
         render_mode=mode,
         render_quality=quality,
     )
-    motion = _move(made, make_policy(policy, simulated), seed)
+    motion = _move(made, make_policy(acting, simulated), seed)
     with suppress(KeyboardInterrupt):
         if web:
             _serve(motion, simulated, host, port)

@@ -52,6 +52,43 @@ def test_a_file_is_one_too(tmp_path):
         policy_spec(str(path))
 
 
+@pytest.mark.parametrize("name", ["sneaky:Policy", "sys:exit", "http.server:test", ":", "a:b:c"])
+def test_a_file_runs_no_code_unless_it_is_trusted(name, tmp_path, monkeypatch):
+    imported = tmp_path / "imported"
+    code = f"open({str(imported)!r}, 'w').close()\ndef Policy(env): pass\n"
+    (tmp_path / "sneaky.py").write_text(code)
+    monkeypatch.syspath_prepend(tmp_path)
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps({"name": name, "preload": ["http://evil.example/code.py"]}))
+    for use in (policy_spec, lambda given: make_policy(given, ArmEnv())):
+        with pytest.raises(InputError, match="importing that would run its code"):
+            use(str(path))
+    assert not imported.exists()
+    if name.startswith("sneaky"):
+        path.write_text(json.dumps({"name": name}))
+        assert policy_spec(str(path), trust=True).name == name
+        assert imported.exists()
+        sys.modules.pop("sneaky")
+
+
+def test_a_file_may_name_the_folder_of_a_run(tmp_path):
+    (tmp_path / "odd:name").mkdir()
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps({"name": str(tmp_path / "odd:name")}))
+    assert policy_spec(str(path)).name == str(tmp_path / "odd:name")
+
+
+@pytest.mark.parametrize("text", ["wearer=1,wearer.mass=2", "wearer.mass.x=1,wearer.mass=2"])
+def test_a_value_with_fields_is_refused(text):
+    with pytest.raises(InputError):
+        policy_spec(f"feedforward:{text}")
+
+
+def test_code_that_ends_the_process_is_a_mistake():
+    with pytest.raises(InputError, match=r"'sys:exit' cannot be made \(SystemExit"):
+        make_policy("sys:exit", ArmEnv())
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [({"suit": "nosuch"}, "nosuch"), ({"load": -3.0}, "load is -3"), ({"pressure": 900.0}, "900")],

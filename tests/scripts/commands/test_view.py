@@ -1,10 +1,13 @@
 """`activesuit view` and `animate`: what they draw, and one sentence for every mistake."""
 
 import itertools
+import re
 import socket
 import subprocess
 import sys
-import time
+from http.client import HTTPConnection
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from threading import Thread
 
 import mujoco
 import numpy as np
@@ -15,7 +18,8 @@ from activesuit.envs.making import make_arms
 from activesuit.envs.model import ArmConfig, compose
 from activesuit.envs.policies import make_policy
 from activesuit.envs.rendering import Renderer, RenderingUnavailableError
-from activesuit.scripts import output
+from activesuit.errors import InputError
+from activesuit.scripts import browser, output
 from activesuit.scripts.commands import animate, view
 from activesuit.scripts.film import filmed
 from activesuit.scripts.main import main
@@ -287,21 +291,73 @@ def test_a_snapshot_replaces_nothing_unasked(capsys, tmp_path, opengl):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("host", ["localhost", "0.0.0.0"])
-def test_the_web_page_listens_where_it_is_told(host):
+def test_the_web_page_listens_on_its_address_and_asks_for_the_token(host):
     port = free_port()
     serve = f"from activesuit.scripts.browser import served; served({host!r}, {port}); input()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     # A process can have one viewer only.
-    with subprocess.Popen([sys.executable, "-c", serve], stdin=subprocess.PIPE) as viewer:
+    with subprocess.Popen([sys.executable, "-uc", serve], **pipes) as viewer:
         try:
-            deadline = time.monotonic() + 120
-            while not answers("127.0.0.1", port):
-                assert viewer.poll() is None
-                assert time.monotonic() < deadline
-                time.sleep(0.1)
+            line = next(line for line in viewer.stdout if line.startswith("open http://"))
+            address, token = re.search(r"(http://\S+:\d+)/\?token=(\S+)", line).groups()
+            assert address.endswith(f":{port}")
             # Another address of this machine, as far as a listener is concerned.
             assert answers("127.0.0.2", port) == (host == "0.0.0.0")
+            ours, foreign = f"localhost:{port}", "evil.example"
+            assert asked(port, "/", Host=ours)[0] == 403
+            assert asked(port, f"/?token={token}", Host=foreign)[0] == 403
+            assert (
+                asked(port, f"/?token={token}", Host=ours, Origin="http://evil.example")[0] == 403
+            )
+            status, page, cookie = asked(port, f"/?token={token}", Host=ours)
+            assert (status, "<html" in page.lower()) == (200, True)
+            cookie = {"Cookie": cookie.split(";")[0]}
+            assert asked(port, "/web_client.js", Host=ours, **cookie)[0] == 200
+            assert asked(port, "/web_client.js", Host=ours)[0] == 403
+            socket_of_page = {"Host": ours, **cookie, "Origin": f"http://{ours}", **UPGRADE}
+            assert asked(port, "/state?sid=1", **socket_of_page)[0] == 101
+            assert asked(port, "/drop?sid=1", **socket_of_page)[0] == 403
+            socket_of_page["Origin"] = "http://localhost:3000"
+            assert asked(port, "/state?sid=1", **socket_of_page)[0] == 403
         finally:
             viewer.kill()
+
+
+UPGRADE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
+}
+
+
+def asked(port, path, **headers):
+    """Status, text and cookie of the answer to a request with exactly these header fields."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection.putrequest("GET", path, skip_host=True, skip_accept_encoding=True)
+    for name, value in headers.items():
+        connection.putheader(name, value)
+    connection.endheaders()
+    answer = connection.getresponse()
+    text = "" if answer.status == 101 else answer.read().decode(errors="replace")
+    connection.close()
+    return answer.status, text, answer.getheader("Set-Cookie")
+
+
+class AnswersEveryone(BaseHTTPRequestHandler):
+    def do_GET(self):
+        self.send_response(200)
+        self.end_headers()
+
+
+def test_a_viewer_that_answers_everyone_is_not_announced():
+    with HTTPServer(("127.0.0.1", 0), AnswersEveryone) as server:
+        Thread(target=server.handle_request, daemon=True).start()
+        with pytest.raises(InputError, match="answers requests without a token"):
+            browser._check_locked("localhost", server.socket)
+    with socket.create_server(("0.0.0.0", 0)) as open_to_all:
+        with pytest.raises(InputError, match="does not listen on localhost alone"):
+            browser._check_locked("localhost", open_to_all)
 
 
 def test_a_taken_port_is_one_sentence(capsys):
