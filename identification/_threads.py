@@ -1,4 +1,4 @@
-"""Independent work in threads, of which Ctrl-C keeps what is finished."""
+"""Independent calls in threads, where Ctrl-C keeps the finished results."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar, cast

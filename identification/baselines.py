@@ -1,4 +1,4 @@
-"""What describes curves without memory, beside which a hysteresis model has to be worth it."""
+"""Models without memory, which a hysteresis model has to outperform."""
 
 from collections.abc import Callable, Sequence
 
@@ -24,10 +24,10 @@ def baseline_errors(curves: Sequence[Curve]) -> dict[str, float]:
 
 
 def predictions(asked: Sequence[Question], curves: Sequence[Curve]) -> dict[str, float]:
-    """Returns the NRMSE with which models without memory predict what is left out of their fit.
+    """Returns the NRMSE with which models without memory predict data left out of their fit.
 
     Args:
-        asked: What is left out, and what is known instead.
+        asked: Parts that are left out, each with the curves that are fitted instead.
         curves: All curves, whose largest torque divides the errors.
     """
     found = {}

@@ -1,7 +1,7 @@
-"""What measured curves can tell about an intended motion: range, reversals, rates and cycles.
+"""Comparison of measured curves with an intended motion: range, reversals, rates and cycles.
 
-A fit is known where its curves have been. Whether it holds for another motion depends on how that
-motion differs from them, which this module puts into numbers and words.
+A fit is tested by its curves only. Whether it is valid for another motion depends on how that
+motion differs from them, which this module expresses in numbers and sentences.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,20 +19,20 @@ from .curves import Curve
 from .design import BRANCHES
 from .motion_files import Motion
 
-SMALLEST = 0.02  # of a motion's range, assumed: smaller swings are none
-DEEP = BRANCHES  # reversals within each other, as in `nested_motion`: deeper is not asked for
-FINE = 1 / BRANCHES  # of the range: the shortest branch of `nested_motion`, likewise
-ENOUGH_CYCLES = 3  # assumed: the third cycle tells whether the change from the first goes on
-WHOLE = 0.9  # of a motion's range: a branch that long is half a cycle
-BEYOND = 0.01  # of the range of the curves, by which a motion may leave it
-NEAR = 2.0  # times a rate or a depth that was measured, assumed to be like it
-PARTS = 10  # of a branch, of which the fastest says its rate
+SMALLEST = 0.02  # assumed share of a motion's range: smaller swings do not count
+DEEP = BRANCHES  # reversals within each other, as in `nested_motion`: more are not required
+FINE = 1 / BRANCHES  # shortest required branch over the range, as in `nested_motion`
+ENOUGH_CYCLES = 3  # assumed number: the third shows whether the change from the first continues
+WHOLE = 0.9  # share of a motion's range: a branch of that length is half a cycle
+BEYOND = 0.01  # tolerated excursion of a motion beyond the range of the curves, over that range
+NEAR = 2.0  # assumed ratio to a measured rate or depth, up to which both are alike
+PARTS = 10  # number of parts of a branch; the fastest part gives its rate
 DESIGNED = "the record that `activesuit design` writes"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage:
-    """What motions of one joint have in them.
+    """Range, reversals, rates and cycles of motions of one joint.
 
     A branch is the way from one reversal to the next, or from or to an end of a motion. Swings
     below 2 % of a motion's range, or within its noise, count as none.
@@ -46,7 +46,7 @@ class Coverage:
             them at an extreme of the whole motion so far.
         branches: The shortest, the median and the longest branch, as shares of the range.
         rates: Rate of the slowest and of the fastest branch [rad/s], each that of the fastest of
-            ten parts of it, over all motions that come with their time; None if none does.
+            ten parts of it, over all motions with known times; None if there are none.
         cycles: The most whole cycles of one motion: half the number of its branches over at least
             90 % of its range.
     """
@@ -64,12 +64,12 @@ class Coverage:
         return self.range[1] - self.range[0]
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns it as plain values."""
+        """Returns all fields as plain values."""
         return asdict(self)
 
 
 def coverage(curves: Sequence[Curve]) -> Coverage:
-    """Returns what measured curves have in them.
+    """Returns the coverage of measured curves.
 
     Raises:
         InputError: There is no curve.
@@ -78,7 +78,7 @@ def coverage(curves: Sequence[Curve]) -> Coverage:
 
 
 def motion_coverage(motions: Iterable[Motion]) -> Coverage:
-    """Returns what motions of one joint have in them.
+    """Returns the coverage of motions of one joint.
 
     Args:
         motions: Times, if they are known, and angles of each.
@@ -107,7 +107,7 @@ def motion_coverage(motions: Iterable[Motion]) -> Coverage:
 
 
 def any_motion(measured: Coverage) -> Coverage:
-    """Returns what any motion needs in the range and at the rates of measured curves."""
+    """Returns the coverage that any motion needs in the range and at the rates of the curves."""
     return Coverage(
         range=measured.range,
         reversals=DEEP,
@@ -119,11 +119,11 @@ def any_motion(measured: Coverage) -> Coverage:
 
 
 def shortfalls(measured: Coverage, needed: Coverage) -> list[str]:
-    """Returns a sentence for each thing that a motion needs and the curves do not tell.
+    """Returns a sentence for each need of a motion that the curves do not cover.
 
     Args:
-        measured: What the curves have.
-        needed: What the intended motion has.
+        measured: Coverage of the curves.
+        needed: Coverage of the intended motion.
     """
     found = (_range, _nesting, _branches, _rates, _cycles)
     return [sentence for one in found if (sentence := one(measured, needed))]
@@ -179,7 +179,7 @@ class _Branches(NamedTuple):
 def _ends(angle: Array, turns: list[int]) -> list[int]:
     """Returns the samples where branches end: the first and the last one, and turns between.
 
-    The first and the last are extremes too, since a motion that has just turned is still in the
+    The first and the last are extremes too, because just after a turn a motion is still within the
     noise.
     """
     if not turns:
@@ -191,7 +191,7 @@ def _ends(angle: Array, turns: list[int]) -> list[int]:
 
 
 def _rate(angle: Array, time: Array, dead_band: float) -> float:
-    """Returns the rate of a branch [rad/s]: of the fastest of its parts, none as short as noise."""
+    """Returns the rate of the fastest part of a branch [rad/s]; no part is as short as noise."""
     way = np.abs(angle - angle[0])
     parts = int(np.clip(way[-1] / dead_band, 1, PARTS))
     levels = np.linspace(0, way[-1], parts + 1)
@@ -218,14 +218,14 @@ def _range(measured: Coverage, needed: Coverage) -> str:
 def _nesting(measured: Coverage, needed: Coverage) -> str:
     if measured.nesting >= min(needed.nesting, DEEP):
         return ""
-    why = "a model that agrees with them may have other loops inside these"
+    why = "models that agree with them may differ in the loops inside these"
     if measured.nesting == 0:
-        why = "curves that never turn back do not tell loops"
+        why = "curves that never turn back do not identify loops"
     elif measured.nesting == 1:
         why = "first-order curves do not identify nested loops"
     return (
-        f"the intended motion reverses inside other reversals {needed.nesting} deep, the curves at "
-        f"most {measured.nesting}: {why}; measure {DESIGNED}"
+        f"the intended motion has reversals nested {needed.nesting} deep, the curves at most "
+        f"{measured.nesting}: {why}; measure {DESIGNED}"
     )
 
 

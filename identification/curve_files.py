@@ -27,10 +27,10 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
     measurement. Empty lines and lines that begin with `#` are skipped.
 
     Returns:
-        The curves, which remember the name of the file and its hash.
+        The curves, with the name of the file and its hash.
 
     Raises:
-        InputError: The file is missing or holds anything that is not a usable curve; the message
+        InputError: The file is missing or contains anything but usable curves; the message
             names the line.
     """
     path = Path(path)

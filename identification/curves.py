@@ -26,7 +26,7 @@ class Curve:
         name: A label, unique in its file.
         role: "fit" for identification, "predict" for a curve that is kept to test the model.
         weight: How much its squared errors count beside those of the other curves, > 0.
-        time: The time of each sample [s], shape (n,), strictly increasing; None if nobody knows.
+        time: The time of each sample [s], shape (n,), strictly increasing; None if unknown.
     """
 
     angle: Array
@@ -96,9 +96,9 @@ class Curve:
         back = np.flatnonzero(np.diff(time) <= 0)
         if back.size:
             at = int(back[0]) + 1
-            told = time_goes_wrong(time[at - 1], time[at])
+            fault = time_goes_wrong(time[at - 1], time[at])
             raise InputError(
-                f"curve {self.name!r}: the time {told} at sample {at}: put the samples in the "
+                f"curve {self.name!r}: the time {fault} at sample {at}: put the samples in the "
                 "order of measurement"
             )
 
@@ -171,7 +171,7 @@ class Curves(list[Curve]):
 
 
 def time_goes_wrong(before: float, after: float) -> str:
-    """Returns in words what time does between two samples that it should not [s]."""
+    """Returns a phrase for the wrong step of time between two samples [s]."""
     if after == before:
         return f"stands still at {after:.12g} s"
     return f"runs back from {before:.12g} to {after:.12g} s"
@@ -180,7 +180,7 @@ def time_goes_wrong(before: float, after: float) -> str:
 def noise_floor(curves: Sequence[Curve]) -> float:
     """Estimates the standard deviation of the torque noise [N·m] from its second differences.
 
-    The median makes it blind to the few samples at a reversal; smooth curves sampled densely
+    The median makes it insensitive to the few samples at a reversal; smooth curves sampled densely
     contribute nothing.
     """
     second = np.concatenate([np.diff(curve.torque, 2) for curve in curves])

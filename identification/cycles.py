@@ -10,7 +10,7 @@ from ..errors import InputError
 from ..hysteresis.loops import TOLERANCE, reversals
 from .curves import Curve, Curves
 
-FEWEST = 2  # cycles after the first, of which a mean can be taken
+FEWEST = 2  # fewest cycles after the first of which a mean is taken
 
 
 def averaged_cycles(curves: Sequence[Curve]) -> Curves:

@@ -1,8 +1,8 @@
-"""The next record to measure: a motion that tells apart what first-order curves do not.
+"""The next record to measure: a motion that distinguishes models that first-order curves do not.
 
 Models that agree on first-order curves differ where a reversal lies inside others. One record that
-reverses many times, each time nearer to the middle of the range, shows all depths at once; that
-every branch has another rate shows beside whether the torque depends on it.
+reverses many times, each time nearer to the middle of the range, shows all depths at once. Every
+branch has another rate, so that the record also shows whether the torque depends on the rate.
 """
 
 import math
@@ -16,13 +16,13 @@ from ..checks import number
 from ..errors import InputError
 from .curves import RADIANS_AT_MOST
 
-BRANCHES = 9  # before the way out, each a ninth of the range shorter than the one before
-MIN_RATE, MAX_RATE = 0.02, 0.5  # rad/s, assumed: slow, and the fastest of the simulated rig
-SAMPLE_RATE = 25.0  # Hz, assumed: as the simulated rig samples
-SHORTEST = 1.0  # s, assumed: a motor speeds up and slows down meanwhile
-LONGEST = 3600.0  # s, which the simulated rig takes at most
-MOST = 1_000_000  # samples
-GOLDEN = (math.sqrt(5) - 1) / 2  # its multiples, modulo 1, spread evenly however many they are
+BRANCHES = 9  # number of branches on the way inwards, each a ninth of the range shorter
+MIN_RATE, MAX_RATE = 0.02, 0.5  # assumed rates [rad/s]: slow, and the fastest of the simulated rig
+SAMPLE_RATE = 25.0  # assumed rate [Hz], that of the simulated rig
+SHORTEST = 1.0  # assumed time of a branch [s], in which a motor speeds up and slows down
+LONGEST = 3600.0  # longest record of the simulated rig [s]
+MOST = 1_000_000  # largest number of samples
+GOLDEN = (math.sqrt(5) - 1) / 2  # golden ratio; its multiples modulo 1 spread evenly, however many
 
 
 class Design(NamedTuple):
@@ -61,17 +61,17 @@ def nested_motion(
     in their logarithm, in an order that depends neither on depth nor on direction; a branch takes a
     second at least, so that a motor can follow.
 
-    Measured beside five first-order curves, it lowered the error on random motions of 42 of 60 fits
-    to truths outside the models' classes, four more first-order curves that of 29. On other truths,
-    which decided about its shape, reversals on the way out as well made it twice as long and fits
-    no better (77 instead of 82 of 96 lower).
+    Added to five first-order curves, it lowered the error on random motions in 42 of 60 fits to
+    truths outside the models' classes; four more first-order curves lowered it in 29. Its shape was
+    chosen on other truths: there, reversals on the way out as well doubled its length and did not
+    improve the fits (77 instead of 82 of 96 lower).
 
     Args:
         start: Angle at which it begins and ends [rad], one end of the range.
         end: The other end of the range [rad].
         min_rate: Rate of the slowest branch [rad/s].
         max_rate: Largest rate of a branch [rad/s].
-        sample_rate: Number of samples in a second [Hz], at least.
+        sample_rate: Least number of samples per second [Hz].
 
     Raises:
         InputError: A number is out of its range, or the record would take more than an hour.

@@ -1,4 +1,4 @@
-"""What a user should know about a fit before trusting it."""
+"""Sentences about a fit that a user should know before trusting it."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -17,14 +17,15 @@ from .fits.play import LARGEST, without_play
 from .fits.search import MARGIN
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
-DISORDER = 0.2  # of the peak
-LITTLE_MOTION = 0.05  # rad
-USUAL_PEAK = (0.01, 1000.0)  # N·m, of a joint in a suit, with a factor of ten or more on each side
-USUAL_RATE = (1e-3, 30.0)  # rad/s, of a branch; slower takes an hour, faster is no joint's
-COARSE = 0.1  # of the range between two samples
-COUNTS = 100  # of an encoder over the range: fewer hide torques of 0.3 % of the peak
-REPEATED = 0.2  # of all samples, whose angle is that of the sample before
-RETURNED = 0.05  # of the span
+DISORDER = 0.2  # largest plausible error, as a share of the peak
+LITTLE_MOTION = 0.05  # smallest plausible range of angles [rad]
+# Peak torques of a joint in a suit [N·m], with a factor of ten or more on each side.
+USUAL_PEAK = (0.01, 1000.0)
+USUAL_RATE = (1e-3, 30.0)  # rates of a branch [rad/s]; slower takes an hour, faster is no joint's
+COARSE = 0.1  # largest distance between two samples, as a share of the range
+COUNTS = 100  # encoder counts over the range: fewer hide torques of 0.3 % of the peak
+REPEATED = 0.2  # share of samples that repeat the angle of the one before
+RETURNED = 0.05  # shortest way back that counts, as a share of the span
 
 
 def diagnostics(
@@ -89,7 +90,7 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
         if step > COARSE * np.ptp(one.angle):
             found.append(
                 f"samples of curve {one.name!r} are up to {step:.2g} rad apart, more than "
-                f"{COARSE:.0%} of its range, and nothing tells what happens between: sample finer"
+                f"{COARSE:.0%} of its range, and the torque between them is unknown: sample finer"
             )
             break
     for one in curves:
@@ -99,8 +100,8 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
         if np.ptp(one.angle) < COUNTS * count and whole and np.mean(steps == 0) > REPEATED:
             found.append(
                 f"the angles of curve {one.name!r} come in steps of {count:.2g} rad, "
-                f"{np.ptp(one.angle) / count:.0f} over its range, between which the torque goes on "
-                "alone: measure with a finer encoder, or keep one sample of each step"
+                f"{np.ptp(one.angle) / count:.0f} over its range, and the torque changes within a "
+                "step: measure with a finer encoder, or keep one sample of each step"
             )
             break
     copies = [
@@ -119,8 +120,8 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
 def _safety(model: Held) -> list[str]:
     low, high = model.angle_range
     found = [
-        f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is held outside, "
-        "since curves that reach farther might show more"
+        f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is kept constant "
+        "outside, since curves that reach farther might show more"
     ]
     if model.certificate().margin <= MARGIN + NEAR:
         found.append(

@@ -1,9 +1,9 @@
-"""The models that the curves do not tell apart, and how far the torque may be from all of them.
+"""The models that the curves do not distinguish, and a band of the torque over all of them.
 
-Models that agree on the curves part beyond them, and one that fits at the noise may be of another
-kind than the joint. So a band of the torque rests on two things: how far the models that predict
-left-out curves nearly as well are from each other, and how much larger than the noise the error of
-these predictions may be. The spread alone is no measure of the error: what no model has is in none.
+Models that agree on the curves may differ beyond them, and one that fits at the noise may be of
+another kind than the joint. So a band of the torque has two parts: the spread of the models that
+predict left-out curves nearly as well, and the error of these predictions in excess of the noise.
+The spread alone does not measure the error, because it misses effects that no model has.
 """
 
 import math
@@ -29,10 +29,10 @@ from .selection import Candidate
 from .thinning import thinned
 from .uncertainty.uncertainty import refits
 
-NEARLY = 1.3  # times the least left-out error, up to which a model is a member
-NESTED = 2  # reversals within each other, from which on a curve tests loops inside loops
+NEARLY = 1.3  # largest left-out error of a member, relative to the least one
+NESTED = 2  # reversals within each other, from which on a curve tests nested loops
 SHARPNESS = 2  # power of weights; with 1 bands are wider in the class, and cover hardly more
-LEVEL = 0.9  # of a band, usually
+LEVEL = 0.9  # default level of a band
 LIMIT = 0.95  # probability below the upper limit of the excess
 
 
@@ -46,8 +46,9 @@ class Member:
         initial_torque: Torque with which the curves begin [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         error: Root mean square error of its predictions of left-out curves [N·m].
-        weight: Share in the mean of the ensemble: the inverse square of what its squared error may
-            be beyond the noise, which is that of the best one and the difference to it.
+        weight: Share in the mean of the ensemble, proportional to the inverse square of the upper
+            limit of its squared error beyond the noise: that of the best member, plus the
+            difference of their squared errors.
     """
 
     name: str
@@ -66,9 +67,9 @@ class Ensemble:
         members: Models with their weights, whose sum is 1.
         excess: Deviation that the best member may have from the joint [N·m]: the root of the upper
             95 % limit of its squared error less that of the noise.
-        nested: Names of the curves with loops inside loops that fits to the others predicted. With
-            any, the excess is that of their prediction, and without one that of all left-out
-            curves, which say less about other motions.
+        nested: Names of the curves with nested loops, which fits to the other curves predicted. If
+            there are any, the excess is that of these predictions, and otherwise that of all
+            left-out curves, which say less about other motions.
         noise: Noise of the measured torque.
     """
 
@@ -85,8 +86,8 @@ class Ensemble:
         angles and rates of the fitted curves; where a member meets its pole it is infinite.
 
         Args:
-            curve: Motion; its torque only counts where the fit began with the measured one.
-            level: Share of the samples that the band shall hold, between 0 and 1.
+            curve: Motion; its torque is used only where the fit began with the measured one.
+            level: Share of the samples that the band is to contain, between 0 and 1.
 
         Raises:
             InputError: The level is out of its range, or a member cannot begin there.
@@ -144,9 +145,8 @@ def ensemble(
 ) -> Ensemble | None:
     """Joins the candidates that predict left-out curves nearly as well as the best.
 
-    Curves with loops inside loops are the test of what lies beyond first-order curves: every
-    candidate is fitted to all curves but these and predicts them, which counts beside its other
-    left-out errors.
+    Curves with nested loops test the models beyond first-order curves: every candidate is fitted to
+    all other curves and predicts these, which counts beside its other left-out errors.
 
     Args:
         candidates: Models that were tried; those that could not be fitted are left out.
@@ -165,7 +165,7 @@ def ensemble(
     nested = [curve for curve in curves if _nesting(curve) >= NESTED]
     others = [curve for curve in curves if curve not in nested]
     if not others:
-        nested = []  # then the left-out curves are of that kind themselves
+        nested = []  # the left-out curves are nested themselves
     beyond: dict[str, Array] = {}
     for one in tried:
         errors = _errors(one.name, others, nested, seed, options.get(one.name, {}))
@@ -266,7 +266,7 @@ def excess(errors: Array, noise: Noise) -> float:
     """
     memory, white = GRID.T
     alike = 1 + 2 * ((1 - white) * memory) ** 2 / (1 - memory**2)
-    count = min(errors.size, noise.freedom)  # as many samples as the noise was estimated from
+    count = min(errors.size, noise.freedom)  # no more samples than the noise was estimated from
     lower = 1 - _quantile(LIMIT) * np.sqrt(2 * alike / count)
     least = float(noise.weight @ (noise.variance * np.maximum(lower, 0)))
     return math.sqrt(max(float(np.mean(errors**2)) - least, 0))
@@ -289,7 +289,7 @@ def _errors(
     seed: int,
     options: Mapping[str, Any],
 ) -> Array | None:
-    """Returns what a model misses curves by that its fit has not seen; None where that fails."""
+    """Returns the errors of a model on curves outside its fit; None if it cannot predict them."""
     if not nested:
         return np.empty(0)
     try:

@@ -16,7 +16,7 @@ STYLES = ("-", "--", ":", "-.")
 def loops_figure(
     families: Mapping[str, Sequence[Curve]], fits: Mapping[str, Mapping[str, Fit]]
 ) -> Figure:
-    """Draws the measured loops of each joint and what each fit makes of them.
+    """Draws the measured loops of each joint and the torque of each fit.
 
     Args:
         families: Curves by joint name; fitted and predicted ones get a column each, if there are
@@ -58,7 +58,7 @@ def _draw_loops(ax, curves: Sequence[Curve], fits: Mapping[str, Fit]) -> None:
         for (label, fit), color, style in zip(fits.items(), COLORS, STYLES, strict=False):
             ax.plot(
                 angle,
-                fit.predict(curve)[drawn],  # along all samples, as the memory needs them
+                fit.predict(curve)[drawn],  # torque along all samples, which the memory needs
                 style,
                 color=color,
                 lw=1.4,

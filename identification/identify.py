@@ -35,16 +35,17 @@ from .thinning import thinned, thinning_note
 from .trials import Trial, fit_trial, optimizer_trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
-SURELY, NEAR = 5.0, 0.02  # deviations of the noise, and share of the peak, that are no difference
-TRIALS = 30  # of an optimizer, as in Li et al. 2022
+SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
+TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """What `identify` found.
+    """Result of `identify`.
 
     Attributes:
-        model: The best trial's model, held outside the fitted angles if it is safe inside only.
+        model: The best trial's model; if it is safe at the fitted angles only, its torque is
+            constant outside them.
         model_name: The name of the model.
         method: The name of the method that found it.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
@@ -56,20 +57,20 @@ class Fit:
         trials: Every finished trial, by index; with method "auto" that of the chosen model.
         curves: The measured curves, those with role "predict" too, less the tare, and with the
             torques that they would have had at the end of the measurement.
-        diagnostics: What speaks against trusting the model, as sentences; empty if nothing does.
+        diagnostics: Reasons to doubt the model, as sentences; empty if there are none.
         why: The reason of the choice that method "auto" made, as a sentence; else empty.
         candidates: All models that method "auto" tried, the best prediction first; else empty.
         ensemble: Candidates that predict left-out curves nearly as well as the best, of which
             `band` is made; None unless the method is "auto", or where all meet a pole.
         interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
         fitted_start: Whether the initial torque was fitted too.
-        coverage: What the fitted curves have in them.
-        shortfalls: What the intended motions need and the curves do not tell, as sentences.
-        tare: Offset of the torque sensor that was taken off the curves [N·m].
-        softening: Change of the torque over the cycles that was taken off the curves; None if none
-            was.
-        judgement: What the residual says about the model, with the verdict; None where the model
-            meets its pole on the curves.
+        coverage: Range, reversals, rates and cycles of the fitted curves.
+        shortfalls: Requirements of the intended motions that the curves do not cover, as sentences.
+        tare: Offset of the torque sensor that was subtracted from the curves [N·m].
+        softening: Change of the torque over the cycles that was removed from the curves; None if
+            none was.
+        judgement: Verdict on the model by its residual; None where the model meets its pole on the
+            curves.
     """
 
     model: HysteresisModel
@@ -111,12 +112,12 @@ class Fit:
     def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
         """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
 
-        The band of `uncertainty` holds if the model is right in kind; this one is about what the
-        fitted curves leave open between kinds of model too, see `Ensemble.band`.
+        The band of `uncertainty` is valid if the kind of model is right; this one also covers the
+        differences between kinds of model that the curves allow, see `Ensemble.band`.
 
         Args:
-            curve: Motion; its torque only counts where the fit began with the measured one.
-            level: Share of the samples that the band shall hold, between 0 and 1.
+            curve: Motion; its torque is used only where the fit began with the measured one.
+            level: Share of the samples that the band is to contain, between 0 and 1.
 
         Raises:
             InputError: The method is not "auto", or see `Ensemble.band`.
@@ -134,11 +135,11 @@ class Fit:
         return NOT if self.judgement is None else self.judgement.verdict
 
     def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
-        """Returns how sure the parameters and the torque of the model are.
+        """Returns the uncertainty of the parameters and of the torque of the model.
 
         Args:
-            samples: Number of models to draw that noisy repetitions of the curves would have given;
-                with method "auto" of all kinds in the ensemble, by their weight.
+            samples: Number of models to draw, as fits to noisy repetitions of the curves would give
+                them; with method "auto" of all kinds in the ensemble, by their weight.
             seed: Seed of their noise.
 
         Raises:
@@ -206,25 +207,25 @@ def identify(
         seed: Seed of all random numbers.
         workers: The number of threads; -1 uses all cores.
         on_trial: Function that gets each trial as it finishes, in any order.
-        tare: Offset of the torque sensor [N·m], which is taken off all curves; "zero" is the mean
-            torque with which they begin, "fitted" the one that the certified fit prefers (of
+        tare: Offset of the torque sensor [N·m], which is subtracted from all curves; "zero" is the
+            mean torque with which they begin, "fitted" the one that the certified fit prefers (of
             Jiles-Atherton with method "auto").
-        rate: What of the torque depends on the rate and is fitted beside the certified model:
+        rate: Rate-dependent part of the torque that is fitted beside the certified model:
             nothing ("none"), a dashpot ("viscous"), or a dashpot and a Maxwell element
             ("relaxing"); the model is then `Viscoelastic`, and the curves need times.
         play: Whether the certified model is fitted behind a gap in the transmission ("fitted"), at
             which contact opens at zero torque, or without one ("none"); the model is then
             `Backlash`, if a gap was found.
-        softening: Whether the curves are freed from a change of the torque over their cycles, which
-            is found beside the certified fit as the tare is ("fitted"), or have none ("none"). The
-            model is then that of the end of the measurement.
-        needed: What the intended motions have in them, as `motion_coverage` tells; the verdict and
-            the diagnostics then say where the curves fall short of it.
+        softening: Whether a change of the torque over the cycles is estimated with the certified
+            fit, as the tare is, and removed from the curves ("fitted"), or there is none ("none").
+            The model is then that of the end of the measurement.
+        needed: Coverage of the intended motions, as `motion_coverage` returns it; the verdict and
+            the diagnostics then state where the curves fall short of it.
         **options: Options of the method (`swarm_size`, `temperature`, `budget`,
             `max_evaluations`, ...).
 
     Returns:
-        The best trial's model, its errors, and what speaks against trusting it.
+        The best trial's model, its errors, and reasons to doubt it.
 
     Raises:
         InputError: Unknown model, method or option, one that the method would ignore, no curve to
@@ -292,7 +293,7 @@ def identify(
 def _completed(
     found: Fit, tare: float, change: Softening | None, rate: Rate, play: Play, softening: Softens
 ) -> Fit:
-    """Returns a fit with its corrections, and remarks on terms that were looked for in vain."""
+    """Returns a fit with its corrections, and remarks on terms that were fitted but not found."""
     remarks = []
     if softening == "fitted" and change is None:
         remarks.append("no change from cycle to cycle was found: leave --softening out")
@@ -322,7 +323,7 @@ def _automatic(
     workers: int,
     on_trial: Callable[[Trial], None] | None,
 ) -> Fit:
-    """Returns the fit of the model that predicts best what is left out, with the ensemble."""
+    """Returns the fit of the model that predicts left-out data best, with the ensemble."""
     choice = choose(measured, seed=seed, workers=workers, options=ways)
     name, trial = choice.chosen.name, _chosen_trial(choice.chosen)
     if on_trial is not None:
@@ -353,8 +354,8 @@ def _measured(curves: Curves) -> Curves:
         )
     if not any(map(turns_back, measured)):
         raise InputError(
-            "no curve turns back, and one way alone tells nothing of the loss: measure the return "
-            "of at least one curve too"
+            "no curve turns back, and one direction of motion alone does not show the loss: "
+            "measure the return of at least one curve too"
         )
     return measured
 
@@ -369,7 +370,7 @@ def _refuse_weights(curves: Sequence[Curve]) -> None:
 
 
 def _chosen_trial(chosen: Candidate) -> Trial:
-    assert chosen.model is not None  # what could not be fitted is never chosen
+    assert chosen.model is not None  # a candidate without a fit is never chosen
     return Trial(
         index=0,
         model=chosen.model,

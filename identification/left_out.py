@@ -1,4 +1,4 @@
-"""What is left out of a fit, to see whether the model predicts it."""
+"""Parts of the curves that are left out of a fit, to test the predictions of the model."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,18 +11,18 @@ from ..errors import InputError
 from ..hysteresis.loops import reversals
 from .curves import Curve
 
-LEAST_KNOWN = 1 / 3  # of a record, which the first fit knows
-BLOCKS = 3  # of a record, at most
-BEYOND = 0.01  # of the range that is known: a block may go so far beyond it
+LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
+BLOCKS = 3  # largest number of parts of a record that are left out
+BEYOND = 0.01  # tolerated excursion of a part beyond the known range, over that range
 
 
 class Question(NamedTuple):
-    """A part of the curves that a fit of the others shall predict.
+    """A part of the curves that a fit to the others has to predict.
 
     Attributes:
         known: Curves to fit.
         curve: Curve along which the model runs, from its beginning.
-        asked: Which of its samples the prediction is judged by.
+        asked: Samples of it on which the prediction is judged.
     """
 
     known: list[Curve]
@@ -35,14 +35,14 @@ class Question(NamedTuple):
 
 
 def questions(curves: Sequence[Curve]) -> list[Question]:
-    """Returns what is left out of curves, one part after the other.
+    """Returns the parts of curves to leave out, one after the other.
 
-    Of several curves each is left out in turn, but for the one that reaches farthest: no curve
-    tells a model of many weights what lies beyond it, and a score of such a guess would decide
-    against it whatever it does inside. Of one record the end is left out, from a reversal on; the
-    model runs through all that comes before, so that its memory is right there, and the next fit
-    knows that part too (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). Here too the
-    part that is known has reached all angles of what comes.
+    Of several curves each is left out in turn, except the one that reaches farthest: no other curve
+    determines a model of many weights there, and the score of such an extrapolation would decide
+    against it, however well it predicts inside. Of one record the end is left out, from a reversal
+    on; the model runs through all samples before, so that its memory is right there, and the next
+    fit includes that part too (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). Here too
+    the known part has reached all angles of the left-out one.
 
     Raises:
         InputError: There is no curve, or one record reaches its range at its end only.

@@ -5,7 +5,7 @@ import numpy as np
 from ..arrays import Array
 from .curves import Curve, noise_floor
 
-CERTAIN = 4.0  # deviations of the noise by which a torque tells the face that is touched
+CERTAIN = 4.0  # deviations of the noise, above which a torque shows the face in contact
 
 
 def played(angle: Array, gap: float) -> Array:

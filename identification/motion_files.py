@@ -20,7 +20,7 @@ TIMES = ("time_s", "time")
 
 
 class Motion(NamedTuple):
-    """A motion of one joint: times [s], or None if nobody knows, and angles [rad], (n,) each."""
+    """A motion of one joint: times [s], or None if unknown, and angles [rad], (n,) each."""
 
     time: Array | None
     angle: Array
@@ -36,8 +36,8 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
         joint: Name of the joint; None if the file has one joint only.
 
     Raises:
-        InputError: The file is missing, has none of these columns, or holds anything but a motion;
-            the message names the line.
+        InputError: The file is missing, has none of these columns, or contains anything but a
+            motion; the message names the line.
     """
     path = Path(path)
     rows = rows_of(path, content_of(path, "motion", LARGEST, "thin it"), "motion", HEADER)

@@ -1,4 +1,4 @@
-"""How far a Jiles-Atherton model is from measured curves: the losses that a fit minimizes."""
+"""Errors of a Jiles-Atherton model on measured curves: the losses that a fit minimizes."""
 
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, field
@@ -20,9 +20,9 @@ InitialTorque = float | Literal["measured", "identified"]
 # In deviations of the noise: Huber's constant (Holland and Welsch, Commun. Stat. A 6 (1977) 813),
 # with which the pseudo-Huber loss too keeps 95 % of the efficiency of least squares.
 OUTLYING = 1.345
-FEWEST_SAMPLES = 10  # of all curves that are fitted, for five parameters
-LEAST_PEAK = 1e-9  # N·m: squares of much smaller torques lose their digits
-LEAST_NOISE = 1e-3  # of the peak, so that curves without noise have a scale
+FEWEST_SAMPLES = 10  # least number of samples of all fitted curves, for five parameters
+LEAST_PEAK = 1e-9  # least peak [N·m]: squares of much smaller torques lose their digits
+LEAST_NOISE = 1e-3  # least noise over the peak, so that curves without noise have a scale
 
 
 @dataclass(eq=False)
@@ -120,7 +120,7 @@ class CurveObjective:
         return torque
 
     def derivatives(self, row: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the Jacobian of the torque by one parameter row, shape (samples, numbers).
+        """Returns the Jacobian of the torque for one parameter row, shape (samples, parameters).
 
         It is not finite from the pole on.
         """
@@ -148,7 +148,7 @@ class CurveObjective:
         errors = self.responses(parameters)
         errors -= self.torque
         if self.loss == "robust":
-            with np.errstate(over="ignore", invalid="ignore"):  # ends as infinity below
+            with np.errstate(over="ignore", invalid="ignore"):  # overflow becomes infinity below
                 errors *= np.sqrt(2 / (1 + np.hypot(1, errors / self._outlying)))
         errors *= self._scale
         total = np.einsum("ij,ij->i", errors, errors)
@@ -159,7 +159,7 @@ class CurveObjective:
         return np.where(np.isfinite(total), total, np.inf)
 
     def _units(self) -> list[float]:
-        """Returns in what unit the errors of each curve count [N·m]."""
+        """Returns the torque that divides the errors of each curve [N·m]."""
         if self.loss == "sse":
             return [1.0] * len(self.curves)
         if self.normalize == "family":
@@ -173,7 +173,7 @@ class CurveObjective:
         return peaks
 
     def _given_torques(self) -> NDArray[np.float64] | None:
-        """Returns the torque at the beginning of each curve; None where the rows hold it."""
+        """Returns the torque at the beginning of each curve; None where the rows contain it."""
         if self.initial_torque == "identified":
             return None
         if self.initial_torque == "measured":

@@ -1,4 +1,4 @@
-"""The methods of `identify`, and the checks of what a user asks of them."""
+"""The methods of `identify`, and the checks of their options."""
 
 import inspect
 from typing import Any, get_args
@@ -86,7 +86,7 @@ def check_options(
 
 
 def check_corrections(tare: object, softening: Softens) -> None:
-    """Refuses corrections of the curves that are unknown, or cannot be told from each other.
+    """Refuses corrections of the curves that are unknown, or not identifiable together.
 
     Raises:
         InputError: `softening` is unknown, or it and the tare are fitted.
@@ -105,5 +105,5 @@ def _own_options(model: str, method: str) -> list[str]:
     function = FITS[model] if method == "certified" else OPTIMIZERS[method]
     names = list(inspect.signature(function).parameters)
     if method in SWARMS:
-        names[-1:] = SwarmOptions.__annotations__  # in place of **common
+        names[-1:] = SwarmOptions.__annotations__  # names behind **common
     return [name for name in names if name not in SET_BY_IDENTIFY]

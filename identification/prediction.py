@@ -1,4 +1,4 @@
-"""What a model predicts along measured curves, and how far it is from them."""
+"""The torque that a model predicts along measured curves, and its errors."""
 
 from collections.abc import Sequence
 from typing import cast
@@ -58,12 +58,12 @@ def nrmse(errors: Array, curves: Sequence[Curve]) -> float:
 
 
 def price(numbers: int, samples: int) -> float:
-    """Returns by which factor more numbers of a model must divide its error to be worth having.
+    """Returns the factor by which additional parameters must reduce the error of a model.
 
     That is the Bayesian information criterion for independent noise (Schwarz 1978).
 
     Args:
-        numbers: How many more numbers the model has.
-        samples: How many samples it is fitted to.
+        numbers: Number of additional parameters.
+        samples: Number of samples that the model is fitted to.
     """
     return float(samples ** (numbers / (2 * samples)))

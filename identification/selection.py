@@ -1,4 +1,4 @@
-"""Which model to identify: the simplest of those that predict curves they were not fitted to."""
+"""Choice of the model: the simplest of those that predict curves outside their fits."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,8 +18,8 @@ from .left_out import Question, questions
 from .objective import InitialTorque
 from .prediction import nrmse, predicted, torque_errors
 
-WORTH_IT = 0.95  # of the error without memory: a memory that saves less is within chance
-AS_GOOD = 1.1  # times the best score: among those the model with fewest parameters is chosen
+WORTH_IT = 0.95  # ratio to the error without memory: a smaller improvement may be chance
+AS_GOOD = 1.1  # ratio to the best score up to which the model with fewest parameters is chosen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ class Candidate:
 
 
 class Choice(NamedTuple):
-    """What was chosen, and from what.
+    """The chosen model, and the candidates.
 
     Attributes:
         chosen: The chosen candidate.
@@ -73,9 +73,9 @@ class Choice(NamedTuple):
         if not name or own < WORTH_IT * self.baselines[name]:
             return ""
         return (
-            f"{name} predicts what was left out with NRMSE {self.baselines[name]:.2%}, and "
+            f"{name} predicts the left-out data with NRMSE {self.baselines[name]:.2%}, and "
             f"{self.chosen.name}, the best choice among models with a memory, with {own:.2%}: the "
-            "curves show no memory that one is needed for"
+            "curves show no memory that needs one"
         )
 
 
@@ -156,11 +156,11 @@ def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:
     score = f"with NRMSE {chosen.prediction_nrmse:.2%}"
     if chosen is not best:
         return (
-            f"{chosen.name} predicts what was left out of its fit {score}, within 10 % of the best "
+            f"{chosen.name} predicts data left out of its fit {score}, within 10 % of the best "
             f"({best.name}, {best.prediction_nrmse:.2%}), and has fewer parameters "
             f"({chosen.parameters} instead of {best.parameters})"
         )
-    text = f"{chosen.name} predicts what was left out of its fit best, {score}"
+    text = f"{chosen.name} predicts data left out of its fit best, {score}"
     if len(tried) == 1 or tried[1].model is None:
         return f"{text}; no other model was fitted"
     return (

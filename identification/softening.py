@@ -1,4 +1,4 @@
-"""How a torque changes over the cycles of a measurement: found, and taken off the curves."""
+"""Change of a torque over the cycles of a measurement: its estimate and its removal."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -19,14 +19,15 @@ from .residual.noise import independent
 from .residual.tangent import coordinates_of, tangent
 
 Softens = Literal["none", "fitted"]
-FEWEST = 2.0  # cycles in which a change can be told
-SHORTEST, LONGEST = 0.5, 3.0  # cycles, and all cycles, in which the change may fall to 1/e
-TIMES = 12  # on the grid between
-ROUNDS = 12  # at most; usual are 3
-SETTLED = 1e-4  # change of the factor between rounds
-MOST = 9.99  # times the one torque the other, first or steady: just within that of a suit file
-NEARLY = 0.995  # of the fewest cycles is enough, as records end a sample early
-UNSETTLED = 0.2  # of the change, which is still to come at the end of the curves
+FEWEST = 2.0  # fewest cycles in which a change is identifiable
+# Shortest and longest decay of the change to 1/e, in cycles and as a multiple of all cycles.
+SHORTEST, LONGEST = 0.5, 3.0
+TIMES = 12  # number of decays on the grid between them
+ROUNDS = 12  # largest number of rounds; 3 are usual
+SETTLED = 1e-4  # change of the factor between rounds at convergence
+MOST = 9.99  # largest ratio of first and steady torque, either way: just within a suit file's
+NEARLY = 0.995  # sufficient share of the fewest cycles, as records end a sample early
+UNSETTLED = 0.2  # share of the change that may remain at the end of the curves
 
 
 class Softening(NamedTuple):
@@ -52,7 +53,7 @@ class Softening(NamedTuple):
 
     @property
     def is_settled(self) -> bool:
-        """Whether little of the change was still to come at the end of the curves."""
+        """Whether little of the change remained at the end of the curves."""
         return math.exp(-self.measured / self.cycles) <= UNSETTLED
 
 
@@ -89,10 +90,11 @@ def found_softening(
 ) -> Softening | None:
     """Returns how the torque changes over the cycles of curves; None where it does not.
 
-    In turn, the model is fitted to the torque without the change, and the change beside the
-    derivatives of the torque by the model's numbers (variable projection, Golub and Pereyra 1973);
-    its cycles are the best near the best of a grid. A change that lowers the error by less than
-    its two numbers cost (the Bayesian information criterion) is none.
+    Two fits alternate: of the model to the torque without the change, and of the change beside the
+    derivatives of the torque with respect to the model's parameters (variable projection, Golub and
+    Pereyra 1973). Its number of cycles is refined from the best one of a grid. A change that lowers
+    the error by less than the cost of its two parameters (the Bayesian information criterion) does
+    not count.
 
     Args:
         curves: Curves to fit.
@@ -121,7 +123,7 @@ def found_softening(
 
 
 def _change(slow: SlowFit, curves: Curves, count: Count) -> Softening:
-    """Returns the change that explains best what a model leaves of the torque."""
+    """Returns the change that best explains the residual of a model."""
     model, start = slow.model, slow.initial_torque
     torque = np.concatenate([predicted(model, start, curve) for curve in curves])
     rest = np.concatenate([curve.torque for curve in curves]) - torque
@@ -170,7 +172,7 @@ def _error(slow: SlowFit, softening: Softening, curves: Sequence[Curve], count: 
 
 
 def _way(angle: Array) -> Array:
-    """Returns the way of a motion without the noise of its angle [rad], shape (n,)."""
+    """Returns the distance that a motion has covered, less the noise of its angle [rad], (n,)."""
     ends = [0, *reversals(angle).tolist(), angle.size - 1]
     way = np.zeros_like(angle)
     for begin, end in pairwise(ends):

@@ -13,7 +13,7 @@ from ..hysteresis import HysteresisModel
 from ..hysteresis.protocol import finite_series
 from .curves import Curve, Curves
 
-LEAST_TRAVEL = 0.1  # of the range, between two reversals of a random motion
+LEAST_TRAVEL = 0.1  # least share of the range between two reversals of a random motion
 
 
 def measure(

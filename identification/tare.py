@@ -11,8 +11,8 @@ from ..errors import InputError
 from .curves import Curve, Curves
 
 Tare = float | Literal["zero", "fitted"]
-FINE = 1e-3  # of the peak, to which a fitted offset is found
-FLAT = 1.02  # times the least error: where twice the offset fits as well, none can be told
+FINE = 1e-3  # tolerance of a fitted offset, as a share of the peak
+FLAT = 1.02  # ratio to the least error: where another offset fits as well, none is identifiable
 
 
 def tared(curves: Curves, tare: float) -> Curves:

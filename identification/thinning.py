@@ -1,4 +1,4 @@
-"""Long records made short: the samples that a fit uses, and the points that a figure draws."""
+"""Thinning of long records: the samples that a fit uses, and the points that a figure draws."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,8 +10,8 @@ from ..arrays import Array
 from ..hysteresis.loops import estimate_dead_band, reversals
 from .curves import Curve, Curves
 
-FITTED = 50_000  # samples of all curves of a fit together, about
-DRAWN = 4_000  # points of all curves of a panel together, about
+FITTED = 50_000  # approximate number of samples of all curves of a fit together
+DRAWN = 4_000  # approximate number of points of all curves of a panel together
 
 
 def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:

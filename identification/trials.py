@@ -16,7 +16,7 @@ from .objective import CurveObjective, InitialTorque
 from .optimizers.registry import LIBRARIES, OPTIMIZERS
 from .prediction import nrmse, torque_errors
 
-LIBRARY_EVALUATIONS = 5000  # as many as the paper's swarms
+LIBRARY_EVALUATIONS = 5000  # default budget of a library's optimizer, that of the paper's swarms
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,8 @@ class Trial:
 
     Attributes:
         index: The number of the trial, which determines its random numbers.
-        model: The model that it found, held outside the fitted angles if it is safe inside only.
+        model: The model that it found; if it is safe at the fitted angles only, its torque is
+            constant outside them.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
@@ -92,7 +93,7 @@ def optimizer_trial(
 
 
 class OptimizerRun(NamedTuple):
-    """What one run of an optimizer found.
+    """Result of one run of an optimizer.
 
     Attributes:
         row: The best parameters, as `CurveObjective` takes them.
@@ -124,7 +125,7 @@ def run_optimizer(
 
 
 class _Recorded:
-    """An objective that remembers when its best value improved."""
+    """An objective that records when its best value improved."""
 
     def __init__(self, objective: CurveObjective) -> None:
         self.objective = objective

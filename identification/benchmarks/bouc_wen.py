@@ -5,7 +5,7 @@
 
 The official integrator is a protected file and its phases are not seeded, so that its signals can
 be regenerated as a system but not number by number: here with Newmark's method at 15 kHz, a
-low-pass filter down to 750 Hz and our own seed. Those who have the official files load them.
+low-pass filter down to 750 Hz and our own seed. `load_official` reads the official files.
 """
 
 import math
@@ -24,19 +24,19 @@ from ...arrays import Array
 from ...errors import InputError
 from .newmark_kernels import newmark
 
-RATE = 750.0  # Hz, of the samples
+RATE = 750.0  # sampling rate [Hz]
 UPSAMPLING = (2, 2, 5)  # the integration runs at their product times RATE
 PERIOD = 8192  # samples of one period of the multisine
 BAND = (5.0, 150.0)  # Hz
 FORCE_STD = 50.0  # N
-NOISE_STD = 8e-6  # m, of the estimation data
+NOISE_STD = 8e-6  # noise of the estimation data [m]
 SWEEP = (20.0, 50.0, 10.0 / 60.0)  # Hz, Hz, Hz/s
 SWEEP_AMPLITUDE = 40.0  # N
 
 
 @dataclass(frozen=True, kw_only=True)
 class Oscillator:
-    """The parameters that can be told from data: beta only appears in products.
+    """The parameters that are identifiable from data: beta appears only in products.
 
     Attributes:
         mass: m [kg].
@@ -63,8 +63,8 @@ class Oscillator:
             force: u at 15 kHz [N], (samples,).
 
         Returns:
-            y at 750 Hz [m], (samples / 20,). The filter looks about 0.04 s ahead: the last samples
-            of a record feel its end.
+            y at 750 Hz [m], (samples / 20,). The filter looks about 0.04 s ahead: its end affects
+            the last samples of a record.
 
         Raises:
             InputError: The mass is not above 0, or `force` is not one series.
@@ -133,7 +133,7 @@ def sine_sweep() -> Array:
 def record(
     force: Array, *, noise: float = 0.0, rng: int | np.random.Generator | None = None
 ) -> Record:
-    """Returns what the true oscillator does under a force at 15 kHz, sampled at 750 Hz.
+    """Returns the response of the true oscillator to a force at 15 kHz, sampled at 750 Hz.
 
     Args:
         force: Force u at 15 kHz [N], (samples,).
@@ -182,7 +182,7 @@ def refit(force: Array, displacement: Array, *, start: Oscillator, skipped: int 
         force: u at 15 kHz [N], (20 samples,).
         displacement: y at 750 Hz [m], (samples,).
         start: First guess; every parameter keeps its sign.
-        skipped: Last samples left out, which feel the filter's end.
+        skipped: Number of last samples left out, which the filter's end affects.
 
     Raises:
         InputError: The two series do not belong together, or a parameter of `start` is 0.
@@ -215,7 +215,7 @@ def load_official(force: str | os.PathLike[str], displacement: str | os.PathLike
     """Loads a pair of the official files, such as uval_multisine.mat and yval_multisine.mat.
 
     Raises:
-        InputError: A file is missing, is no MATLAB file or does not hold exactly one series, or
+        InputError: A file is missing, is no MATLAB file or does not contain exactly one series, or
             the two are not as long.
     """
     u, y = _series(force), _series(displacement)

@@ -40,9 +40,9 @@ E, F = np.array(WALTERS_E), np.array(WALTERS_F)
 SLACK = 1  # the unit that closes the balance
 FREE = (0, 2)
 BOUNDS = tuple((float(LOWEST[i]), float(HIGHEST[i])) for i in FREE)
-OPTIMUM = 8234.071730  # $/h, of all dispatches within the limits
-RELAXED_OPTIMUM = 8233.660724  # $/h, without limits of unit 2
-REACHED = 0.01  # $/h: a cost so near the optimum, or the end of its run, has reached it
+OPTIMUM = 8234.071730  # least cost of all dispatches within the limits [$/h]
+RELAXED_OPTIMUM = 8233.660724  # least cost without limits of unit 2 [$/h]
+REACHED = 0.01  # distance [$/h] within which a cost has reached the optimum, or the end of its run
 
 
 def fuel_cost(output: ArrayLike) -> Array:

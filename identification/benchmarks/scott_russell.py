@@ -27,7 +27,7 @@ from . import scott_russell_kernels as kernels
 NAMES = ("m", "c", "k", "d_e", "alpha", "beta", "gamma", "n")
 UNITS = ("kg", "N s/m", "N/m", "m/V", "", "1/V^n", "1/V^n", "")
 
-STEP = 1e-3  # s; a step of 20 us moves x by less than 1e-5 of its peak
+STEP = 1e-3  # step [s]; one of 20 us changes x by less than 1e-5 of its peak
 BLOCK = 256  # parameter sets whose state fits a core's first cache together
 
 
@@ -180,7 +180,7 @@ def output_displacement(displacement: ArrayLike, *, length: float, angle: float)
         angle: Initial theta, between 0 and pi/2 [rad].
 
     Raises:
-        InputError: `length` or `angle` is out of range, or B is moved beyond what the links reach.
+        InputError: `length` or `angle` is out of range, or B moves beyond the reach of the links.
     """
     if not (0 < length < math.inf and 0 < angle < math.pi / 2):
         raise InputError(

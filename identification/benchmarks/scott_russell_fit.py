@@ -1,7 +1,7 @@
 """Identification of the Scott-Russell mechanism by swarms, on data made by the model itself.
 
 Kao and Fung (2009) do not publish their measurement. Ours is the mechanism with the parameters of
-their Table 2 (MPSO, n = 1), seen by their gap sensor, whose stated precision is 10 to 100 nm.
+their Table 2 (MPSO, n = 1), measured by their gap sensor, whose stated precision is 10 to 100 nm.
 """
 
 from collections.abc import Callable
@@ -52,7 +52,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class MechanismFit:
-    """What one run of a swarm found.
+    """Result of one run of a swarm.
 
     Attributes:
         parameters: m, c, k, d_e, alpha, beta, gamma, n, (8,), in the units of
@@ -120,7 +120,7 @@ def identify_mechanism(
 ) -> MechanismFit:
     """Identifies 7 parameters (n = 1), or 8, by eq. (10) within `BOUNDS`.
 
-    Both methods move with the paper's constants: w = 0.65, c1 = 0.7, c2 = 2.05.
+    Both methods use the paper's constants: w = 0.65, c1 = 0.7, c2 = 2.05.
 
     Args:
         measurement: Samples at 0.15 to 0.5 s, 1 ms apart.

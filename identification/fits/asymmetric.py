@@ -40,8 +40,8 @@ def fit_asymmetric(
         degree: Degree of the polynomial, 1 to 5.
 
     Returns:
-        The model, whose Jiles-Atherton part is held outside the angles of the curves if it is safe
-        inside only; `response(angle, initial_torque)` predicts a curve.
+        The model; its Jiles-Atherton part has a constant torque outside the angles of the curves if
+        it is safe inside only. `response(angle, initial_torque)` predicts a curve.
 
     Raises:
         InputError: There is no usable curve, they begin apart, the degree is out of its range, or

@@ -15,7 +15,7 @@ from ..curves import Curve, Curves
 from ..prediction import torque_errors
 from .search import REJECTED
 
-BEGINNINGS = 1001  # tried in each direction, up to the peak of the curves
+BEGINNINGS = 1001  # number of torques tried in each direction, up to the peak of the curves
 
 
 def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
@@ -53,20 +53,22 @@ def begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]
     """Returns whether a model can begin all curves with a torque [N·m], within its certificate."""
     try:
         states = [model.start(float(curve.angle[0]), torque) for curve in curves]
-    except InputError:  # the model cannot hold that torque there
+    except InputError:  # the model cannot have that torque there
         return False
     return all(model.start_is_certified(state) for state in states)
 
 
 def bare(model: HysteresisModel) -> JilesAtherton:
-    """Returns the Jiles-Atherton model inside a fitted one that may be held outside a range.
+    """Returns the Jiles-Atherton model of a fit, without the constant torque outside a range.
 
     Raises:
         InputError: The model is of another kind.
     """
     inner = model.model if isinstance(model, Held) else model
     if not isinstance(inner, JilesAtherton):
-        raise InputError(f"model is {model.name!r}: give a Jiles-Atherton model, held or not")
+        raise InputError(
+            f"model is {model.name!r}: give a Jiles-Atherton model, with or without an angle range"
+        )
     return inner
 
 

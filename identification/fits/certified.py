@@ -1,4 +1,4 @@
-"""The certified fit of Jiles-Atherton: least squares with exact derivatives, kept where safe."""
+"""The certified fit of Jiles-Atherton: least squares with exact derivatives, of safe models."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from .search import MARGIN, PENALTY, REJECTED, Derivatives, Evaluation, Search, 
 # Search box, in the coordinates of `hysteresis.jiles_atherton.coordinates`; angles in degrees, as
 # in the paper's Table 1.
 SHAPE = (3.0, 5000.0)  # a
-STEEPNESS = (-1.9, 2.5)  # beyond 1 safe in a range of angles only
+STEEPNESS = (-1.9, 2.5)  # steepness; models above 1 are safe in a range of angles only
 EXCESS = (0.01, 20.0)  # c - 1
 REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start is certified too
 
@@ -41,8 +41,8 @@ class CertifiedFit:
         parameters: Ms, a, alpha, c, k in degrees, shape (5,).
         initial_torque: The torque with which every curve begins [N·m]; or "measured": each begins
             with its first sample.
-        held: The range of angles [rad] outside which the torque must be held for the model to be
-            certified; None if it is certified for all angles.
+        held: The range of angles [rad] outside which the torque must be constant for the model to
+            be certified; None if it is certified for all angles.
         nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, whose weights w have the
             mean 1.
         evaluations: How often the model was evaluated on all curves; a response with all its
@@ -61,7 +61,7 @@ class CertifiedFit:
 
     @property
     def model(self) -> JilesAtherton | Held:
-        """The certified model, held outside the fitted angles if it is safe inside only."""
+        """The certified model; if safe at the fitted angles only, with constant torque outside."""
         Ms, a, alpha, c, k = self.parameters.tolist()
         inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
         return Held(model=inner, angle_range=self.held) if self.held else inner
@@ -140,7 +140,7 @@ class CertifiedProblem:
     def evaluate(self, point: Array) -> Evaluation:
         """Returns sqrt(w) (Tc - Tm) / max|Tm| along all curves, the missing margin, and the row."""
         size = point[4] - np.log(self.objective.peak)
-        if not np.log(LEAST) <= size <= np.log(MOST):  # as on curves that drive the joint
+        if not np.log(LEAST) <= size <= np.log(MOST):  # a case of curves that drive the joint
             return Evaluation(np.full(self.objective.torque.size, REJECTED), 1.0, point)
         (row,) = self.rows(point[None])
         errors = (self.objective.responses(row)[0] - self.objective.torque) * self.scale
@@ -182,7 +182,7 @@ class CertifiedProblem:
             [points, np.log(Ms), np.full(SCREENED, first / self.objective.peak)]
         )
         costs = torque.size * scores**2 + (PENALTY * missing) ** 2
-        return starts[np.argsort(costs), : self.low.size]  # NaN, past the pole, comes last
+        return starts[np.argsort(costs), : self.low.size]  # NaN costs, past the pole, are last
 
     def rows(self, points: NDArray[Any]) -> NDArray[Any]:
         """Returns the rows of points, which may be complex."""

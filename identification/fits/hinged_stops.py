@@ -13,12 +13,12 @@ from ..curves import Curve, noise_floor
 from .linear import LEAST_NOISE, MOST_PIVOTS, responses, usable
 from .projection import common_start
 
-THRESHOLDS = (0.03, 0.85)  # of the longest way out: the smallest and the largest
+THRESHOLDS = (0.03, 0.85)  # smallest and largest threshold over the longest way out
 KNOTS = 9
-WEIGHT_SPREAD = 1.0  # expected of the logarithms of the weights
-SLOPE_STEP = 1.0  # expected between neighboring slopes of h, whose mean is about 1
-LEAST_SLOPE = 0.02  # of h, so that a torque tells where a motion begins
-SMALLEST, LARGEST = -9.0, 4.0  # logarithm of a weight, beside the others
+WEIGHT_SPREAD = 1.0  # expected spread of the logarithms of the weights
+SLOPE_STEP = 1.0  # expected difference of neighboring slopes of h, whose mean is about 1
+LEAST_SLOPE = 0.02  # least slope of h, so that a torque determines where a motion begins
+SMALLEST, LARGEST = -9.0, 4.0  # logarithm of a weight, relative to the others
 STALLED = 1e-4  # relative change of cost or point that ends the search
 MOST_STEPS = 40
 

@@ -16,13 +16,13 @@ from ...hysteresis.preisach.model import Preisach
 from ...hysteresis.protocol import HysteresisModel, Numbers
 from ..curves import Curve, Curves
 
-RETURNED = 0.05  # of the span of the angles: a shorter way back shows no hysteresis
-SAME_START = 0.05  # of the span: how far apart first-order curves may begin
-LEAST_NOISE = 1e-9  # of the peak torque, so that data without noise leave no choice open either
-SLOPE_STEP = 1.0  # expected between neighbors, in peak torque over the range of the levels
-DENSITY_STEP = 10.0  # likewise, in peak torque per cell
-MOST_NUMBERS = 25_000_000  # of a matrix, of which there are five at a time: 1 GB
-MOST_PIVOTS = 100  # per unknown; usual is fewer than 3
+RETURNED = 0.05  # shortest way back that shows hysteresis, over the span of the angles
+SAME_START = 0.05  # largest distance of the beginnings of first-order curves, over the span
+LEAST_NOISE = 1e-9  # least noise over the peak, so that data without noise have one solution too
+SLOPE_STEP = 1.0  # expected difference of neighbors, in peak torque over the range of the levels
+DENSITY_STEP = 10.0  # expected difference of neighbors, in peak torque per cell
+MOST_NUMBERS = 25_000_000  # largest size of a matrix, of which there are five at a time: 1 GB
+MOST_PIVOTS = 100  # largest number of pivots per unknown; fewer than 3 are usual
 
 
 def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) -> Preisach:

@@ -17,9 +17,9 @@ from ..prediction import nrmse, price, torque_errors
 from .rate import SlowFit
 
 Play = Literal["none", "fitted"]
-LARGEST = 0.1  # of the range of angles, the widest gap that is looked for
-GAPS = 6  # on the grid, the first of them none
-CLOSE = 1e-3  # of the widest gap, how exactly the best is found
+LARGEST = 0.1  # widest gap of the search, as a share of the range of angles
+GAPS = 6  # number of gaps on the grid, of which the first is zero
+CLOSE = 1e-3  # tolerance of the best gap, relative to the widest
 
 
 class _Behind(NamedTuple):
@@ -45,17 +45,17 @@ def fit_behind_play(
 ) -> tuple[HysteresisModel, InitialTorque]:
     """Fits a hysteresis model and the gap before it.
 
-    For a given gap, the sign of the torque tells the face that is touched, and so the angle of the
+    For a given gap, the sign of the torque shows the face in contact, and so the angle of the
     suit's side, to which the model is fitted; where the torque is lost in the noise, the suit's
     side moves only as far as the joint pushes it. The gap, up to 10 % of the range, is the one for
     which the model behind it is nearest to the torque: the best of a grid, refined by Brent's
-    bounded search. A gap that lowers the error by less than its number costs (the Bayesian
-    information criterion) is none, and the model comes back as it is.
+    bounded search. A gap that lowers the error by less than the cost of its parameter (the
+    Bayesian information criterion) does not count, and the model is returned without it.
 
     Args:
         curves: Measured curves.
         fit: Fit of the hysteresis model to curves.
-        quick: The same with less effort, which tells one gap from another.
+        quick: The same with less effort, which suffices to compare gaps.
     """
     found: dict[float, _Behind] = {}
 

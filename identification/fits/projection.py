@@ -1,4 +1,4 @@
-"""The projection that fits beside an elastic polynomial share, and how they search their shapes."""
+"""The projection and the search that all fits beside an elastic polynomial use."""
 
 from collections.abc import Sequence
 
@@ -13,8 +13,8 @@ from .linear import SAME_START, usable
 from .search import REJECTED, Problem, Search, sobol_points
 
 AGREEING = 2  # runs that end at the same optimum, which ends the search
-LEAST_SCALE = 1e-9  # of the hysteretic part, in place of one that would drive the joint
-FEWEST_BEYOND = 7  # angles that take part, so that the fits leave nothing open
+LEAST_SCALE = 1e-9  # least scale of the hysteretic part, in place of one that would drive the joint
+FEWEST_BEYOND = 7  # least excess of angles over the degree, so that the fits are determined
 
 
 class BesidePolynomial:

@@ -18,8 +18,8 @@ from ..residual.noise import independent
 from ..residual.tangent import coordinates_of, tangent
 
 Rate = Literal["none", "viscous", "relaxing"]
-ROUNDS = 12  # at most; usual are 3 to 6
-SETTLED = 1e-4  # change of the torque of both elements between rounds, of the peak
+ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
+SETTLED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
 TIMES = 24  # relaxation times on the grid
 
 
@@ -38,7 +38,7 @@ class SlowFit(Protocol):
 
 
 def rate_of(model: HysteresisModel) -> Rate:
-    """Returns what of a fitted model depends on the rate."""
+    """Returns the rate-dependent part of a fitted model."""
     if not isinstance(model, Viscoelastic):
         return "none"
     return "relaxing" if model.relaxation_stiffness > 0 else "viscous"
@@ -50,14 +50,14 @@ def fit_beside_rate(
     fit: Callable[[Sequence[Curve]], SlowFit],
     quick: Callable[[Sequence[Curve]], SlowFit],
 ) -> tuple[Viscoelastic, InitialTorque]:
-    """Fits a hysteresis model and what depends on the rate beside it, in turn.
+    """Fits a hysteresis model and the rate-dependent elements beside it, in turn.
 
     Each round fits the hysteresis model to the torque less that of the elements, and then solves
-    for the elements beside the derivatives of the torque by the model's numbers, so that what the
-    model could take as well does not count (variable projection, Golub and Pereyra 1973). The
-    relaxation time is the best near the best of a grid. Dampings and stiffnesses are at least 0; a
-    Maxwell element that lowers the error by less than its numbers cost (the Bayesian information
-    criterion) is left out.
+    for the elements beside the derivatives of the torque with respect to the model's parameters, so
+    that torque that the model can describe as well does not count (variable projection, Golub and
+    Pereyra 1973). The relaxation time is refined from the best one of a grid. Dampings and
+    stiffnesses are at least 0; a Maxwell element that lowers the error by less than the cost of its
+    parameters (the Bayesian information criterion) is left out.
 
     Args:
         curves: Measured curves, with times.
@@ -89,7 +89,7 @@ def fit_beside_rate(
 
 
 def _times(curves: Sequence[Curve]) -> Array:
-    """Returns the relaxation times that curves can tell [s]: from two samples to half a curve."""
+    """Returns the relaxation times that curves can show [s]: from two samples to half a curve."""
     steps = [np.median(np.diff(times_of(curve))) for curve in curves]
     longest = max(float(np.ptp(times_of(curve))) for curve in curves)
     return np.geomspace(2 * min(steps), longest / 2, TIMES)
@@ -98,7 +98,7 @@ def _times(curves: Sequence[Curve]) -> Array:
 def _with_elements(
     model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve], times: Array
 ) -> Viscoelastic:
-    """Returns the model beside the elements that explain best what it leaves of the torque."""
+    """Returns the model beside the elements that best explain its residual."""
     rest = -torque_errors(model, start, curves)
     if not np.isfinite(rest).all():
         return Viscoelastic(model=model)

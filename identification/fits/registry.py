@@ -1,8 +1,9 @@
-"""The certified fits by the name of their model, and the door for a fit from outside.
+"""The certified fits by the name of their model, and the registration of fits from outside.
 
 A fit is a function `fit(curves, **options)` of the measured curves. It takes a random generator as
 the option `rng` if it depends on random numbers, and returns a model that is certified and
-dissipative, at least held outside the angles of the curves; or, if it knows more, a `FitResult`.
+dissipative, at least with constant torque outside the angles of the curves; or a `FitResult`, which
+has more.
 """
 
 import inspect
@@ -34,7 +35,7 @@ from .rate import Rate, fit_beside_rate
 
 
 class FitResult(Protocol):
-    """A model, with what else a fit knows about it."""
+    """A model, with further results of its fit."""
 
     @property
     def model(self) -> HysteresisModel:
@@ -57,7 +58,7 @@ class FitResult(Protocol):
         ...
 
 
-QUICK = 600  # evaluations of a fit that only tells one gap, or one round, from the next
+QUICK = 600  # evaluations of a fit that only compares gaps or rounds
 
 FitFunction = Callable[..., HysteresisModel | FitResult]
 
@@ -90,10 +91,11 @@ def register_fit(model_name: str, fit: FitFunction) -> None:
 
 
 class Fitted(NamedTuple):
-    """What a certified fit found.
+    """Result of a certified fit.
 
     Attributes:
-        model: A certified and dissipative model, at least held outside the angles of the curves.
+        model: A certified and dissipative model, at least with constant torque outside the angles
+            of the curves.
         initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
             with its first sample.
         loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
@@ -125,8 +127,8 @@ def fit_model(
         name: The name of the model.
         curves: The measured curves.
         rng: The generator that a seeded fit uses.
-        rate: What is fitted beside it: a dashpot ("viscous"), or a Maxwell element too
-            ("relaxing").
+        rate: Elements that are fitted beside it: none ("none"), a dashpot ("viscous"), or a Maxwell
+            element too ("relaxing").
         play: Whether a gap before it is fitted too ("fitted"), or there is none ("none").
         **options: The options of the fit.
 

@@ -8,23 +8,23 @@ from scipy.optimize import least_squares
 
 from ...arrays import Array
 
-MARGIN = 0.01  # of the certificate, that a fit keeps
+MARGIN = 0.01  # margin of the certificate that a fit keeps
 PENALTY = 10.0  # residual per missing margin: 0.01 of it weighs as much as 1 % noise in 100 samples
 AGREED = 1e-3  # relative difference of scores within which two runs found the same optimum
-REJECTED = 10.0  # in place of a residual that is infinite
+REJECTED = 10.0  # residual in place of an infinite one
 STALLED = 1e-5  # relative change of cost or point that ends one least-squares run
-NOISE_MARGIN = 1.03  # times the noise floor: a score below it is as good as the truth
+NOISE_MARGIN = 1.03  # ratio to the noise floor, below which a score is as good as the truth
 DIFFERENCE = 1e-5  # step of a derivative where nothing better is at hand
 DERIVATIVES_COST = 3  # model runs; a response with all its derivatives takes the time of 1.7 to 2.3
 
 
 class Evaluation(NamedTuple):
-    """What a problem says about a point.
+    """Result of a problem at a point.
 
     Attributes:
         errors: The relative errors of the torque, (samples,).
         missing: The margin that is missing to a certificate with `MARGIN`.
-        answer: What the search shall remember if this is the best point.
+        answer: Value that the search stores if this is the best point.
     """
 
     errors: Array
@@ -33,7 +33,7 @@ class Evaluation(NamedTuple):
 
 
 class Problem(Protocol):
-    """What the search minimizes: the errors of a model over a box of coordinates."""
+    """Problem of the search: the errors of a model over a box of coordinates."""
 
     low: Array
     high: Array
@@ -77,7 +77,7 @@ class Search:
         """Prepares a search.
 
         Args:
-            problem: What to minimize.
+            problem: Problem to minimize.
             budget: Largest number of evaluations.
             derivatives: The exact derivatives of the problem; by default they are differences.
         """
@@ -120,8 +120,8 @@ class Search:
         Args:
             starts: Points to begin at, the most promising one first.
             floor: The noise; a score as low as this ends the search.
-            agreeing: So many runs that end within 0.1 % of the best score found the same optimum,
-                which ends the search; 0 tries all starts.
+            agreeing: Number of runs within 0.1 % of the best score that ends the search, as they
+                found the same optimum; 0 tries all starts.
         """
         try:
             for start in starts:

@@ -1,4 +1,4 @@
-"""Optimizers of any function of a few bounded parameters: the published swarms, and others' own."""
+"""Optimizers of any function of a few bounded parameters: the published swarms, and libraries'."""
 
 from .libraries import (
     cma_es,

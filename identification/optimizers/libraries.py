@@ -1,4 +1,4 @@
-"""Other people's optimizers behind one call, with a budget of evaluations, for comparison.
+"""Optimizers of other libraries behind one call, with a budget of evaluations, for comparison.
 
 Every function here has the signature
 
@@ -6,7 +6,7 @@ Every function here has the signature
 
 and never evaluates more than `max_evaluations` points: a batch that would is cut short. SciPy's
 are always there; the genetic algorithm needs pymoo and CMA-ES needs cma, the extra `compare`.
-Options are the libraries' own defaults unless said.
+Options are the libraries' own defaults unless stated.
 """
 
 import importlib
@@ -22,10 +22,10 @@ from ...checks import at_least
 from ...errors import InputError
 from .swarm import Bounds, Objective, checked_bounds, finite_scores
 
-POPULATION = 50  # of the genetic algorithm: as many as the swarms have
-SIMPLEX_EDGE = 0.1  # of the box, for a first simplex
-SIMPLEX_CONVERGED = 1e-6  # of the box
-CMA_STEP = 0.25  # of the box, pycma's advice for a first step size
+POPULATION = 50  # individuals of the genetic algorithm: as many as particles of the swarms
+SIMPLEX_EDGE = 0.1  # edge of the first simplex, relative to the box
+SIMPLEX_CONVERGED = 1e-6  # size of the simplex, relative to the box
+CMA_STEP = 0.25  # first step size, relative to the box, as pycma advises
 # What a library gets instead of a value that is not finite: infinity breaks their arithmetic.
 DISCARDED = 1e100
 
@@ -97,7 +97,7 @@ def nelder_mead(
     """
 
     def search(budget: _Budget) -> None:
-        while True:  # until the budget is spent
+        while True:  # the spent budget ends it
             start = budget.rng.random(budget.dimensions)
             edges = np.diag(np.where(start < 0.5, SIMPLEX_EDGE, -SIMPLEX_EDGE))
             optimize.minimize(
@@ -110,7 +110,7 @@ def nelder_mead(
                     "maxfev": max_evaluations,
                     "maxiter": max_evaluations,
                     "xatol": SIMPLEX_CONVERGED,
-                    "fatol": np.inf,  # whatever the objective's unit
+                    "fatol": np.inf,  # no tolerance, whatever the objective's unit
                 },
             )
 
@@ -167,9 +167,9 @@ def cma_es(
             "bounds": [0.0, 1.0],
             "verbose": -9,
             "randn": lambda *shape: budget.rng.standard_normal(shape),
-            "seed": np.nan,  # leaves NumPy's global generator alone
+            "seed": np.nan,  # NaN leaves NumPy's global generator alone
         }
-        while True:  # until the budget is spent
+        while True:  # the spent budget ends it
             start = budget.rng.random(budget.dimensions)
             strategy = cma.CMAEvolutionStrategy(start, CMA_STEP, options)
             while not strategy.stop():

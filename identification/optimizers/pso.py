@@ -14,7 +14,7 @@ from ...published import KAO_COGNITIVE, KAO_INERTIA, KAO_SOCIAL
 from .swarm import Bounds, Callback, Objective, Swarm, SwarmOptions
 
 Inertia = Literal["tanh", "linear"] | float
-TANH_RANGE = (0.95, 0.4)  # from the first move to the last
+TANH_RANGE = (0.95, 0.4)  # inertia at the first move and at the last
 LINEAR_RANGE = (0.9, 0.4)
 LEARNING_FACTOR = 2.0  # c1 = c2 of Li et al. 2022
 

@@ -131,7 +131,7 @@ def survivors(error: Array, position: Array, decay: float, *, far_first: bool) -
     """
     best = int(error.argmin())
     away = position - position[best]
-    squared = np.einsum("ij,ij->i", away, away)  # ranks like its root
+    squared = np.einsum("ij,ij->i", away, away)  # the root gives the same ranks
     score = _ranks(error) + decay * _ranks(-squared if far_first else squared)
     keep = score.argsort(kind="stable")[: error.size // 2]
     if best not in keep:

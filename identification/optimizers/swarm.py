@@ -16,7 +16,7 @@ Objective = Callable[[Array], ArrayLike]
 Callback = Callable[[OptimizeResult], None]
 Bounds = Sequence[tuple[float, float]]
 
-FARTHEST = 1e300  # of a bound, so that no difference of positions overflows
+FARTHEST = 1e300  # largest bound, so that no difference of positions overflows
 
 
 class SwarmOptions(TypedDict, total=False):
@@ -132,7 +132,7 @@ class Swarm(ABC):
         """What is known by now; `pso` lists the fields.
 
         Raises:
-            InputError: Nothing has been told yet.
+            InputError: `tell` has not received any values yet.
         """
         if not self._history:
             raise InputError("there is no result before the first tell: ask, evaluate, then tell")
@@ -224,7 +224,7 @@ class Swarm(ABC):
         """
         options, changing, generator = _checkpoint.parts(state, cls.__name__, cls._CHANGING)
         try:
-            swarm = cls(**options, rng=generator)  # draws numbers; the state is restored after
+            swarm = cls(**options, rng=generator)  # construction draws; the state is restored after
             generator.bit_generator.state = state["rng"]
         except (TypeError, KeyError) as error:
             raise InputError(

@@ -1,1 +1,1 @@
-"""What the residual of a fit says: how noisy the torque is, and what no model described."""
+"""The residual of a fit: noise of the torque, and what the model does not describe."""

@@ -1,7 +1,7 @@
-"""Known faults of a measurement, each as what it would add to the torque.
+"""Known faults of a measurement, each as the torque that it would add.
 
-Each is one column beside the derivatives of a fit (see `identification.residual.misfit`). The one
-that explains most names the cause, and its coefficient tells the size.
+Each is one column beside the derivatives of a fit (see `identification.residual.misfit`). The
+column that explains most identifies the cause, and its coefficient is the size of the fault.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -22,10 +22,11 @@ from ..prediction import predicted
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 
-RARE = 1e-4  # probability below which a fault is told: one in thousands of fits without one
-WIDTHS = np.radians([0.2, 1.0, 4.0])  # rad, of plays and gaps: what they add is not proportional
+RARE = 1e-4  # probability below which a fault is reported: one in thousands of fits without one
+# Plays and gaps to try [rad], because the torque that they add is not proportional to them.
+WIDTHS = np.radians([0.2, 1.0, 4.0])
 NEVER_BELOW_ZERO = ("play", "gap")
-NEGLIGIBLE = 1e-6  # of a column, that the derivatives of the fit do not explain already
+NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
 
 
 class Cause(NamedTuple):
@@ -33,9 +34,9 @@ class Cause(NamedTuple):
 
     Attributes:
         name: tare, rate, play, gap or drift.
-        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play and gap, [1] a
-            curve of drift, or of one long record a cycle.
-        explained: How surely.
+        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play and gap, [1] of
+            drift, per curve, or per cycle of one long record.
+        explained: F test of its column.
         column: What a fault of size 1 adds to the torque, shape (samples,).
     """
 
@@ -46,34 +47,34 @@ class Cause(NamedTuple):
 
     @property
     def sentence(self) -> str:
-        """What was seen, and what to do about it."""
+        """The fault in words, and its remedy."""
         return _SENTENCES[self.name](self.size)
 
 
 _SENTENCES: dict[str, Callable[[float], str]] = {
     "tare": lambda size: (
         f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
-        "cannot have: fit it as the sensor's offset with --tare fitted, or zero the sensor"
+        "cannot describe: fit it as the sensor's offset with --tare fitted, or zero the sensor"
     ),
     "rate": lambda size: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
         "lags; measure slower, or fit the rate too with --rate viscous"
         if size > 0
-        else f"the torque falls by {-size:.2g} N·m with each rad/s, as no joint's does: angle and "
-        "torque are not measured at the same time; measure slower, or shift one of them"
+        else f"the torque falls by {-size:.2g} N·m with each rad/s, which no joint shows: angle "
+        "and torque are not measured at the same time; measure slower, or shift one of them"
     ),
     "play": lambda size: (
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
         "follows: there is play between encoder and joint; remove it, or measure the joint itself"
     ),
     "gap": lambda size: (
-        f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: a "
-        "face of the transmission lets go there, and another one is met; fit that gap too with "
-        "--play fitted, or remove it"
+        f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: "
+        "there the contact in the transmission changes from one face to another; fit that gap too "
+        "with --play fitted, or remove it"
     ),
     "drift": lambda size: (
         f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
-        "joint wears in, or the sensor drifts; --softening fitted takes off a change that settles; "
+        "joint wears in, or the sensor drifts; --softening fitted removes a change that settles; "
         "or cycle the joint before, and fit only the last cycles"
     ),
 }
@@ -87,15 +88,16 @@ def causes(
     slopes: Array,
     known: Noise | None = None,
 ) -> list[Cause]:
-    """Returns the faults that surely are in a residual, the surest first.
+    """Returns the faults that surely are in a residual, the most certain first.
 
     Args:
         model: Fitted model.
         initial_torque: Torque with which the curves begin [N·m], or "measured".
         curves: Fitted curves, in the order of measurement.
-        residual: What the fit leaves [N·m], shape (samples,).
-        slopes: Derivatives of the torque by what was fitted, shape (samples, p).
-        known: Noise that repeated curves tell; None estimates it.
+        residual: Residual of the fit [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the fitted parameters, shape
+            (samples, p).
+        known: Noise known from repeated curves; None estimates it.
     """
     sizes = [curve.torque.size for curve in curves]
     found: dict[str, Cause] = {}
@@ -134,7 +136,7 @@ def _columns(
                 for curve, angle in zip(curves, angles, strict=True)
             ]
         except InputError:
-            continue  # the model cannot have the torque of the begin at another angle
+            continue  # the model cannot begin with that torque at another angle
         yield name, (np.concatenate(late) - np.concatenate(torque)) / width
     if len(torque) > 1:
         yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
@@ -152,7 +154,7 @@ def _cycles(angle: Array) -> Array:
 def _coefficient(
     residual: Array, slopes: Array, column: Array, sizes: Sequence[int], noise: Noise
 ) -> float:
-    """Returns the coefficient of a column beside the slopes, by the likeliest noise."""
+    """Returns the coefficient of a column beside the slopes, under the likeliest noise."""
     memory, white = GRID[int(np.argmax(noise.weight))]
     both, _ = whiten(np.column_stack([slopes, column, residual]), sizes, memory, white)
     return float(np.linalg.lstsq(both[:, :-1], both[:, -1], rcond=None)[0][-1])

@@ -1,4 +1,4 @@
-"""The work that measured loops take: a joint that gives some back drives its wearer."""
+"""The work that measured loops take: a joint whose loops give work back drives its wearer."""
 
 import math
 from collections.abc import Sequence
@@ -12,8 +12,8 @@ from ...errors import InputError
 from ...hysteresis.loops import Branch, branches
 from ..curves import Curve, Curves, noise_floor
 
-ROUNDING = 1e-9  # rad, which times the peak is no work
-SURELY = -3.0  # standard deviations; noise alone gets there in one of 700 cases
+ROUNDING = 1e-9  # angle [rad]: its product with the peak counts as no work
+SURELY = -3.0  # standard deviations that noise alone reaches in one of 700 cases
 
 
 class LoopWork(NamedTuple):
@@ -21,7 +21,7 @@ class LoopWork(NamedTuple):
 
     Attributes:
         work: Sum over all pairs of branches of the work in the range that both share [J].
-        deviation: Standard deviation of it by the noise of the torque [J].
+        deviation: Standard deviation of the work due to the noise of the torque [J].
         rise: Sum over all branches of change of torque times change of angle [J].
     """
 

@@ -1,11 +1,11 @@
-"""Does a model describe the curves? F tests of what is left against what it might be.
+"""F tests of whether a residual is noise, and hence whether a model describes the curves.
 
 A residual that is noise has no smooth part: none over the angle, the direction of motion and the
 depth of a branch that is the same in all curves. And it has no part along the torque that a known
-fault of a rig would add. Both are columns beside the derivatives of the fit, and an F test says how
-likely noise alone explains as much (Seber and Wild 1989, Nonlinear Regression, section 5.3). The
-noise is estimated with the columns in place, so that a misfit is not taken for noise; or from
-repeated curves, where there are any.
+fault of a rig would add. Both are columns beside the derivatives of the fit, and an F test gives
+the probability that noise alone explains as much (Seber and Wild 1989, Nonlinear Regression,
+section 5.3). The noise is estimated with the columns in place, so that a misfit does not count as
+noise; or from repeated curves, where there are any.
 """
 
 import math
@@ -22,9 +22,9 @@ from ..curves import Curve, Curves
 from .noise import GRID, Noise, estimate_noise, independent, whiten
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
-LEAST_FREEDOM = 5  # samples beyond all columns; of few samples not all columns can be asked for
+LEAST_FREEDOM = 5  # least excess of samples over columns; few samples allow fewer columns
 NEARLY_NONE = 1e-6  # weight of a noise that is left out
-SAME_PATH = 0.02  # of the range, within which two curves follow one path
+SAME_PATH = 0.02  # largest distance of two curves along one path, as a share of the range
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,11 +56,12 @@ def explained(
     """Tests columns beside the derivatives of a fit.
 
     Args:
-        residual: What the fit leaves [N·m], shape (samples,).
-        slopes: Derivatives of the torque by what was fitted, shape (samples, p).
-        columns: What may be in the residual, shape (samples, q).
+        residual: Residual of the fit [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the fitted parameters, shape
+            (samples, p).
+        columns: Columns that may explain the residual, shape (samples, q).
         sizes: Number of samples of each curve.
-        known: Noise that repeated curves tell; None estimates it.
+        known: Noise known from repeated curves; None estimates it.
     """
     inner = independent(slopes)
     beside = independent(columns - inner @ (inner.T @ columns))
@@ -74,7 +75,7 @@ def explained(
             continue
         whitened, _ = whiten(np.column_stack([both, residual]), sizes, memory, white)
         triangle = np.asarray(np.linalg.qr(whitened, mode="r"))
-        # The last column holds, in turn, what each group of columns explains.
+        # The last column contains, in turn, what each group of columns explains.
         gained = float(np.sum(triangle[inner.shape[1] : both.shape[1], -1] ** 2))
         value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)
         statistic += weight * value
@@ -112,7 +113,7 @@ def smooth_columns(curves: Sequence[Curve]) -> Array:
 
 
 def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
-    """Returns the noise that curves along one path tell by their differences; None without any.
+    """Returns the noise from differences of curves along one path; None without such curves.
 
     Half the difference of two curves is free of what both have in common, a misfit too. A constant
     and a slope of each difference count as drift, and not as noise.

@@ -1,9 +1,9 @@
 """The noise of a measured torque: white noise beside slow noise, estimated from a residual.
 
-A sensor's noise has two parts: one that forgets itself from sample to sample, and one that wanders
-(an AR(1) process). Which share each has is not known but from the residual of a fit, which the fit
-has made smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545)
-takes account of that. Since no single pair of numbers is certain, what follows from the noise is
+A sensor's noise has two parts: one that is independent from sample to sample, and one that wanders
+(an AR(1) process). Their shares are known only from the residual of a fit, which the fit has made
+smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545) takes
+account of that. Since no single pair of numbers is certain, what follows from the noise is
 averaged over a grid of them, weighed by their likelihood.
 """
 
@@ -20,17 +20,17 @@ MEMORIES = (0.3, 0.5, 0.65, 0.75, 0.82, 0.88, 0.92, 0.95, 0.97, 0.98, 0.99)
 SHARES = (0.0, 0.1, 0.25, 0.5, 0.75, 0.9)
 GRID = np.array([(0.0, 0.0), *((memory, white) for memory in MEMORIES for white in SHARES)])
 """Correlation of slow noise from sample to sample, and share of white noise in the variance."""
-SIMPLER = 10.0  # times as likely beforehand: white noise alone
+SIMPLER = 10.0  # prior odds of white noise alone
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Noise of a torque, as far as a residual tells it.
+    """Noise of a torque, as estimated from a residual.
 
     Attributes:
         weight: Probability of each noise of the grid, shape (g,).
-        variance: Variance of the torque by each of them [(N·m)^2], shape (g,).
-        freedom: How many samples there are beyond the columns of the fit.
+        variance: Variance of the torque under each of them [(N·m)^2], shape (g,).
+        freedom: Number of samples less that of the columns of the fit.
     """
 
     weight: Array
@@ -71,9 +71,9 @@ def estimate_noise(columns: Array, residual: Array, sizes: Sequence[int]) -> Noi
     """Estimates the noise of curves from the residual of a fit.
 
     Args:
-        columns: Derivatives of the torque by what was fitted, shape (samples, p); they need not be
-            independent.
-        residual: Torque that is left [N·m], shape (samples,).
+        columns: Derivatives of the torque with respect to the fitted parameters, shape
+            (samples, p); they need not be independent.
+        residual: Residual torque [N·m], shape (samples,).
         sizes: Number of samples of each curve, end to end; noise is independent between curves.
     """
     basis = independent(columns)
@@ -105,7 +105,7 @@ RANK = 1e-9  # relative singular value below which columns depend on each other
 
 
 def whiten(values: Array, sizes: Sequence[int], memory: float, white: float) -> tuple[Array, float]:
-    """Returns values that are white where the noise is as told, and half its log determinant.
+    """Returns values that are white under this noise, and half its log determinant.
 
     The slow part is the state of a Kalman filter, whose innovations over their deviations are
     white.

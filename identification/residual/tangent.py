@@ -1,4 +1,4 @@
-"""What a fit of a model can reach: derivatives of the torque by the numbers that it chose."""
+"""Derivatives of the torque of a model with respect to its fitted parameters."""
 
 import copy
 import math
@@ -16,7 +16,7 @@ from ..curves import Curve
 from ..objective import InitialTorque
 from ..prediction import predicted
 
-STEP = 1e-5  # of a coordinate, relative to its size
+STEP = 1e-5  # step of a coordinate, relative to its size
 SMALLEST = 1e-3  # size of a coordinate below which steps do not shrink further
 
 Path = tuple[str | int, ...]
@@ -24,15 +24,15 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """The numbers of a fitted model as coordinates of a fit.
+    """The parameters of a fitted model as coordinates of the fit.
 
-    A number that has a least value, such as c > 1 of a certified Jiles-Atherton model, is told by
-    the logarithm of its distance from it. Numbers that are at their least value are no coordinates:
-    there the fit stops.
+    A parameter that has a least value, such as c > 1 of a certified Jiles-Atherton model, is given
+    by the logarithm of its distance from that value. A parameter at its least value is no
+    coordinate: there the fit stops.
 
     Attributes:
         names: Name of each coordinate, shape (p,).
-        values: The numbers themselves, in the model's units, shape (p,).
+        values: The parameters themselves, in the model's units, shape (p,).
         least: Least value of each; -inf where there is none.
     """
 
@@ -49,13 +49,13 @@ class Coordinates:
         return self._inner(self.values)
 
     def numbers(self, point: Array) -> Array:
-        """Returns the numbers of a point, shape (p,)."""
+        """Returns the parameters of a point, shape (p,)."""
         limited = np.isfinite(self.least)
         with np.errstate(over="ignore"):  # an interval without an end
             return np.where(limited, np.where(limited, self.least, 0) + np.exp(point), point)
 
     def slopes(self) -> Array:
-        """Returns the derivative of each number by its coordinate, shape (p,)."""
+        """Returns the derivative of each parameter with respect to its coordinate, shape (p,)."""
         return np.where(np.isfinite(self.least), self.values - self.least, 1.0)
 
     def at(self, point: Array) -> tuple[HysteresisModel, InitialTorque]:
@@ -84,7 +84,7 @@ class Coordinates:
 def coordinates_of(
     model: HysteresisModel, initial_torque: InitialTorque, *, fitted_start: bool
 ) -> Coordinates:
-    """Returns the numbers that a fit of a model chose.
+    """Returns the fitted parameters of a model as coordinates.
 
     Args:
         model: Fitted model.
@@ -106,9 +106,10 @@ def coordinates_of(
 
 
 def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
-    """Returns derivatives of the torque along curves by the coordinates, shape (samples, p).
+    """Returns derivatives of the torque with respect to the coordinates, shape (samples, p).
 
-    They are differences, one-sided where the model does not exist, or meets its pole, on one side.
+    They are differences along the curves, one-sided where the model does not exist, or meets its
+    pole, on one side.
     """
     point = coordinates.point
 
@@ -137,7 +138,7 @@ def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
 
 
 def _numbers(path: Path, content: Any, name: str = "") -> Iterator[tuple[Path, str, float, float]]:
-    """Yields path, name, value and least value of every number that a fit chooses."""
+    """Yields path, name, value and least value of every fitted parameter."""
     if isinstance(content, dict):
         model = MODELS[content["model"]]
         for key, value in content.items():

@@ -1,4 +1,4 @@
-"""Whether a fitted model describes the curves, in words that follow from printed numbers."""
+"""Verdict on whether a fitted model describes the curves, derived from printed numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,33 +21,32 @@ from .tangent import coordinates_of, tangent
 DESCRIBES = "describes the curves"
 NOT_BEYOND = "describes the curves, not beyond"
 NOT = "does not describe the curves"
-JUDGED = 5_000  # samples of all curves together, about: more take long and tell little more
-MATTERS = 1e-3  # of the peak: what a good load cell resolves; less is no misfit worth a word
-UNLIKELY = 0.005  # probability of a misfit by noise alone below which it is told
-HARDLY = 1e-3  # of the strongest direction: models of many weights have many weak ones
-UNFINISHED = 1.05  # times the least error, beyond which a search has ended too early
-TIMES_NOISE = 1.3  # beyond it a misfit is one that matters
-HARDLY_BETTER = 0.9  # times the error of a constant torque: a model that leaves so much is none
+JUDGED = 5_000  # approximate samples of all curves together: more take long and add little
+MATTERS = 1e-3  # share of the peak that a good load cell resolves: less gets no remark
+UNLIKELY = 0.005  # probability of a misfit by noise alone, below which it is reported
+HARDLY = 1e-3  # singular value over the largest one: models of many weights have many small ones
+UNFINISHED = 1.05  # ratio to the least error, from which on a search has ended too early
+TIMES_NOISE = 1.3  # ratio of residual to noise, from which on a misfit matters
+HARDLY_BETTER = 0.9  # ratio to the error of a constant torque, from which on a model is useless
 FAR = 6.0  # deviations from the neighbors, which normal noise reaches once in 500 million samples
-FEWEST_OUTLIERS = 2  # one may be a reversal
+FEWEST_OUTLIERS = 2  # a single one may be a reversal
 WANDERS = 0.3  # correlation from sample to sample that may be noise or misfit
 
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """What the residual of a fit says about its model.
+    """Verdict on a model by the residual of its fit.
 
     Attributes:
-        verdict: "describes the curves", "describes the curves, not beyond" (the intended motion has
-            something in it that they do not tell, or they hold no loops inside loops), or "does not
-            describe the curves".
-        times_noise: Root mean square of the residual over the noise; at least that where a misfit
-            hides in the noise.
+        verdict: "describes the curves", "describes the curves, not beyond" (they do not cover the
+            intended motion, or contain no nested loops), or "does not describe the curves".
+        times_noise: Root mean square of the residual over the noise; a lower limit where a part of
+            a misfit counts as noise.
         misfit: The F test of the residual's smooth part.
         noise: Noise of the torque.
-        causes: Faults of the measurement that the residual shows, the surest first.
+        causes: Faults of the measurement that the residual shows, the most certain first.
         baselines: NRMSE of models without memory on the same curves, by name.
-        remarks: All of it in sentences, for whoever should doubt.
+        remarks: Reasons to doubt the model or the curves, as sentences.
     """
 
     verdict: str
@@ -95,8 +94,8 @@ def judge(
         initial_torque: Torque with which the curves begin [N·m], or "measured".
         curves: Fitted curves.
         fitted_start: Whether the fit chose that torque.
-        beyond: Whether the intended motion has something in it that the curves do not tell; without
-            such a motion, whether the curves hold no loops inside loops.
+        beyond: Whether the curves do not cover the intended motion; without such a motion, whether
+            they contain no nested loops.
         searched: Whether a swarm or the like searched for least squares, and may have ended early.
 
     Raises:
@@ -158,7 +157,7 @@ def judge(
     if baselines[best] <= own:
         remarks.append(
             f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
-            f"{own:.2%}): they show no memory that this model would be needed for"
+            f"{own:.2%}): they show no memory that needs this model"
         )
     return Judgement(
         verdict=verdict,
@@ -172,20 +171,20 @@ def judge(
 
 
 def _reached(slopes: Array) -> Array:
-    """Returns the directions in which a fit moves the torque, without those that hardly do."""
+    """Returns the directions in which the parameters change the torque, without weak ones."""
     basis, singular, _ = np.linalg.svd(slopes, full_matrices=False)
     return basis[:, singular > HARDLY * singular[0]] if singular.size else basis
 
 
 def _unfinished(residual: Array, slopes: Array) -> float:
-    """Returns the error over the least one that the derivatives of the model promise nearby."""
+    """Returns the error over the least one nearby, predicted by the derivatives of the model."""
     basis = independent(slopes)
     least = residual - basis @ (basis.T @ residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
 
 
 def _saved(residual: Array, slopes: Array, column: Array) -> float:
-    """Returns the residual over what is left of it where a column of a fault is fitted too."""
+    """Returns the residual over the one that remains if the column of a fault is fitted too."""
     basis = independent(np.column_stack([slopes, column]))
     rest = residual - basis @ (basis.T @ residual)
     return float(np.linalg.norm(residual) / max(np.linalg.norm(rest), np.finfo(float).tiny))
@@ -201,25 +200,25 @@ def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[str]:
     apart = np.concatenate([one[1:-1] - (one[:-2] + one[2:]) / 2 for one in parts])
     scale = 1.4826 * float(np.median(np.abs(apart)))
     if scale == 0:
-        return []  # without noise, or so coarse that most samples repeat the one before
+        return []  # no noise, or torques so coarse that most samples repeat the one before
     size = np.pad(np.abs(apart), 1)
-    peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # not the neighbors of outliers
+    peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
     far = np.abs(apart[peaks & (np.abs(apart) > FAR * scale)])
     if far.size < FEWEST_OUTLIERS:
         return []
     return [
         f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
-        f"{FAR:g} times what is usual: remove these outliers, or fit against them with --objective "
-        "robust of a swarm (--method sa-pso)"
+        f"{FAR:g} times the usual deviation: remove these outliers, or use --objective robust with "
+        "a swarm (--method sa-pso)"
     ]
 
 
 def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[str]:
-    told = "of repeated curves" if known else "that is estimated beside it"
+    origin = "of repeated curves" if known else "that is estimated beside it"
     share, seldom = misfit.noise.deviation / curves.peak, max(misfit.probability, 1e-9)
     return [
-        f"the fit is at least {misfit.times_noise:.2f} times the noise {told} ({share:.2%} of the "
-        f"peak), and noise alone leaves so smooth a residual in at most {seldom:.0e} of all fits "
-        f"(told below {UNLIKELY:g}): check columns, order and begin of the curves, or choose "
-        "another model (method 'auto')"
+        f"the residual is at least {misfit.times_noise:.2f} times the noise {origin} ({share:.2%} "
+        f"of the peak), and noise alone leaves so smooth a residual in at most {seldom:.0e} of all "
+        f"fits (reported below {UNLIKELY:g}): check columns, order and beginning of the curves, or "
+        "choose another model (method 'auto')"
     ]

@@ -64,7 +64,7 @@ def convergence(config: StudyConfig, summaries: Sequence[Summary]) -> Figure:
 
 
 def evaluations_to_target(config: StudyConfig, summaries: Sequence[Summary]) -> Figure:
-    """Draws which share of the trials was within 5 % of the noise floor after how many runs."""
+    """Draws the share of trials within 5 % of the noise floor over the number of model runs."""
     figure, axes = _panels(list(config.joints))
     for summary, ax, color, style in _drawn(summaries, axes, config):
         reached = np.sort(summary.evaluations_to_target)
@@ -117,7 +117,7 @@ def _over_angle(
             for j, summary in enumerate(ours):
                 torque = _torque(summary, curve)[drawn]
                 shown = torque if quantity == "torque" else torque - measured
-                width = 1.2 if quantity == "torque" else 0.7  # of errors most is noise
+                width = 1.2 if quantity == "torque" else 0.7  # errors are mostly noise
                 ax.plot(angle, shown, lw=width, label=summary.method, **_look(j))
         ax.axhline(0, color="0.6", lw=0.6)
         ax.set_xlabel(_angle_label(curves))

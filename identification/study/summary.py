@@ -1,4 +1,4 @@
-"""What a study's trials say: a summary per joint and method, and a verdict per published claim."""
+"""Results of a study: a summary per joint and method, and a verdict per published claim."""
 
 import zlib
 from collections.abc import Mapping, Sequence
@@ -13,10 +13,11 @@ from ..curves import Curve, Curves, noise_floor
 from ..objective import CurveObjective
 from .trial import StudyConfig, StudyTrial, is_multi_order
 
-SUCCESS = 1.05  # of the noise floor
-AS_WELL = 1.1  # of the NRMSE on first-order curves; a few hundred samples of noise differ by 3 %
+SUCCESS = 1.05  # largest ratio of a successful fitness to the noise floor
+# Ratio to the NRMSE on first-order curves; a few hundred samples of noise differ by 3 %.
+AS_WELL = 1.1
 RESAMPLED = 10_000
-FEWEST = 10  # trials of either method, for a verdict
+FEWEST = 10  # least number of trials of either method for a verdict
 Verdict = Literal["reproduced", "not reproduced", "undecidable"]
 
 

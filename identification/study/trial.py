@@ -1,4 +1,4 @@
-"""A study of methods, joints and trials: what to run, one trial of it, and how it is kept.
+"""A study of methods, joints and trials: what to run, one trial of it, and how it is saved.
 
 Everything a trial does follows from the configuration, its key and the curves, so a study gives
 the same numbers on any number of workers and whether or not it was interrupted.
@@ -28,7 +28,7 @@ from ..trials import run_optimizer
 Count = Annotated[int, Field(ge=0, le=10**15)]
 Error = Annotated[FiniteFloat, Field(ge=0)]
 STUDY_METHODS = (*SWARMS, "certified", *LIBRARIES)
-CONVERGED = 1.01  # of the final fitness
+CONVERGED = 1.01  # ratio to the final fitness at convergence
 
 
 class TrialKey(NamedTuple):
@@ -116,18 +116,18 @@ class StudyConfig:
 class Prediction(NamedTuple):
     """How far a model is from a curve kept out of the fit; infinite where it meets its pole."""
 
-    largest: float  # |Tc - Tm| [N·m]
-    nrmse: float  # relative to the largest torque of the fitted curves
+    largest: float  # largest |Tc - Tm| [N·m]
+    nrmse: float  # root mean square over the largest torque of the fitted curves
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyTrial:
-    """What one trial found.
+    """Result of one trial.
 
     Attributes:
         key: Key of the trial.
         parameters: Ms, a, alpha, c, k in degrees.
-        held: The range [rad] outside which a certified fit needs its torque held, if any.
+        held: Range [rad] outside which a certified fit needs a constant torque, if any.
         fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         evaluations: How often the model was evaluated on all curves.
@@ -243,10 +243,10 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     family = Curves(curves)
     measured, rng = family.fitted(), np.random.default_rng(config.seed_of(key))
     final = CurveObjective(measured, loss="paper")
-    held = None
+    safe_range = None
     if key.method == "certified":
         fit = certified_fit(measured, rng=rng)
-        parameters, evaluations, held = fit.parameters, fit.evaluations, fit.held
+        parameters, evaluations, safe_range = fit.parameters, fit.evaluations, fit.held
         fitness = float(final(parameters)[0])
         improvements = [(spent, best / fit.nrmse * fitness) for spent, best in fit.history]
     else:
@@ -257,7 +257,7 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     return StudyTrial(
         key=key,
         parameters=tuple(map(float, parameters)),
-        held=held,
+        held=safe_range,
         fitness=fitness,
         nrmse=float(final.nrmse(parameters)[0]),
         evaluations=evaluations,

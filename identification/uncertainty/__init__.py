@@ -1,4 +1,4 @@
-"""How sure the parameters of an identified Jiles-Atherton model are."""
+"""Uncertainty of the parameters and the torque of an identified model."""
 
 from .uncertainty import Uncertainty, uncertainty
 

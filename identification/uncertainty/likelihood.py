@@ -14,11 +14,11 @@ from ..fits.search import REJECTED
 from ..objective import CurveObjective
 
 CONVERGED = 1e-10
-FIRST_STEP, FASTER = 0.5, 2.0  # of a walk, at most; from step to step
-LOST = 100.0  # times the allowed growth: no point to start the next fit from
+FIRST_STEP, FASTER = 0.5, 2.0  # longest first step of a walk, and its growth from step to step
+LOST = 100.0  # multiple of the allowed growth at which a point is no start of the next fit
 WIDEST = 10.0  # distance from the center beyond which no fit goes; extreme models take long
-LEAST_NOISE = 1e-6  # of the peak, which is what curve files resolve
-PRECISE = 1e-3  # of the distance walked
+LEAST_NOISE = 1e-6  # share of the peak that curve files resolve
+PRECISE = 1e-3  # tolerance of the end of a walk, relative to its length
 
 
 class Likelihood:
@@ -33,7 +33,7 @@ class Likelihood:
         best: The point of least squares near to it.
         cost: The sum of weighted squares there [(N·m)^2].
         variance: The variance of the torque at mean weight [(N·m)^2].
-        freedom: How many samples there are beyond the coordinates.
+        freedom: Number of samples less that of the coordinates.
     """
 
     def __init__(self, objective: CurveObjective, row: Array) -> None:
@@ -56,7 +56,7 @@ class Likelihood:
         return np.array([Ms, a, alpha / self._slope, 1 + excess, k, *first])
 
     def by_point(self, point: Array) -> Array:
-        """Returns the derivative of each parameter by its own coordinate, shape (n,)."""
+        """Returns the derivative of each parameter with respect to its coordinate, shape (n,)."""
         return np.imag(self.row(point + TINY * 1j)) / TINY
 
     def residual(self, point: Array) -> Array:
@@ -107,16 +107,16 @@ class Likelihood:
     ) -> tuple[Array, bool]:
         """Walks from `best` in a direction, along the bottom of the valley.
 
-        After each step all but the direction is fitted anew.
+        After each step all other directions are fitted anew.
 
         Args:
             direction: Direction of length 1, (n,).
             growth: Growth of the cost at which the walk ends [(N·m)^2].
-            farthest: Distance in the direction at which it ends at the latest.
+            farthest: Largest distance in the direction.
             fixed: Other directions in which not to move, (m, n).
 
         Returns:
-            Where it ends, and whether it is the cost that ended it.
+            The point where it ends, and whether the cost ended it.
         """
         kept = direction[None] if fixed is None else np.vstack([direction, fixed])
         covariance = self.covariance(self.best, prior=WIDEST**-2)

@@ -1,4 +1,4 @@
-"""What curves leave open about the parameters of a model, in words."""
+"""Combinations of parameters that curves do not determine, in words."""
 
 from collections.abc import Iterator, Sequence
 
@@ -8,11 +8,11 @@ from ...arrays import Array
 from ...hysteresis.jiles_atherton.model import PARAMETERS
 from .likelihood import Likelihood
 
-MORE_ERROR = 0.01  # of the root mean square, that counts as the same fit
+MORE_ERROR = 0.01  # increase of the root mean square that counts as the same fit
 LOOSE = np.log(1.1)  # change of a coordinate that is worth a sentence
-FARTHEST = np.log(2)  # that a sentence tells at most
-SMALL = 0.05  # that it leaves out
-ALIKE, ASIDE = 0.75, 0.5  # least ratio of two coordinates that move together; most of the others
+FARTHEST = np.log(2)  # largest change of a coordinate in a sentence
+SMALL = 0.05  # change of a coordinate that a sentence leaves out
+ALIKE, ASIDE = 0.75, 0.5  # least ratio of two coordinates that move together; largest of the others
 FACTORS = {0: "Ms", 1: "a", 3: "(c-1)", 4: "k"}  # coordinates that are logarithms
 
 
@@ -26,8 +26,8 @@ def sloppy_directions(
 
     Args:
         likelihood: The likelihood of the model.
-        units: The units in which the sentences tell the parameters, shape (n,).
-        unit_names: The units of the parameters that are told by differences; empty for the others.
+        units: The units of the parameters in the sentences, shape (n,).
+        unit_names: The units of the parameters that are given as differences; empty for the others.
     """
     names = (*PARAMETERS, "initial torque")
     growth = ((1 + MORE_ERROR) ** 2 - 1) * likelihood.variance * likelihood.freedom
@@ -42,7 +42,7 @@ def sloppy_directions(
         end, _ = likelihood.walk(direction, growth, farthest, fixed=directions[i + 1 :])
         before, after = likelihood.row(likelihood.best), likelihood.row(end)
         change = end - likelihood.best
-        told = [
+        parts = [
             f"{name} {(new - old) * unit:+.2g} {unit_name}"
             if unit_name
             else f"{name} {new / old - 1:+.0%}"
@@ -51,16 +51,16 @@ def sloppy_directions(
             )
             if abs(moved) >= SMALL
         ]
-        if told:
-            raising = "together raise" if len(told) > 1 else "raises"
+        if parts:
+            raising = "together raise" if len(parts) > 1 else "raises"
             yield (
-                f"{', '.join(told)} {raising} the error by less than {MORE_ERROR:.0%}"
+                f"{', '.join(parts)} {raising} the error by less than {MORE_ERROR:.0%}"
                 f"{_known_of_two(change)}"
             )
 
 
 def _known_of_two(change: Array) -> str:
-    """Names the ratio or product that is left, if a change is mainly one of two factors."""
+    """Names the ratio or product that is still known, if mainly two factors change."""
     first, second, *others = np.argsort(-np.abs(change)).tolist()
     alike = abs(change[second]) >= ALIKE * abs(change[first])
     aside = np.abs(change[others]).max() <= ASIDE * abs(change[second])

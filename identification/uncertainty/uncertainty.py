@@ -1,4 +1,4 @@
-"""How sure the parameters and the torque of an identified model are."""
+"""Uncertainty of the parameters and the torque of an identified model."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -31,32 +31,35 @@ from .likelihood import Likelihood
 from .sloppy_directions import sloppy_directions
 
 CONFIDENCE = 0.95
-FARTHEST = math.log(1e4)  # beyond it an interval has no end
-DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not tell
+FARTHEST = math.log(1e4)  # largest distance of the end of an interval; beyond, it has no end
+DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not determine
 UNLIKELY = 1e-3  # weight of a noise that is left out
-NEAR = 1e-3  # of the certificate's margin, within which it binds
+NEAR = 1e-3  # distance from the least margin of the certificate, within which it binds
 
 
 @dataclass(frozen=True, kw_only=True)
 class Uncertainty:
-    """What curves say about the parameters of a model, in the model's own units.
+    """Uncertainty of the parameters of a model, in the model's own units.
 
-    All is about the model that is given, linearized at it in the coordinates of the fit: the
-    logarithm of what must be above some value, and the number itself otherwise. The noise of the
-    torque is white beside slow, as the residual tells (see `identification.residual.noise`).
+    Everything is linearized at the given model in the coordinates of the fit: the logarithm of a
+    parameter that must be above some value, and the parameter itself otherwise. The noise of the
+    torque has a white and a slow part, estimated from the residual (see
+    `identification.residual.noise`).
 
     Attributes:
-        names: Names of the numbers that the fit chose, those in lists as weights[3].
-        values: The numbers, shape (n,).
-        standard_errors: Standard deviation of each number, shape (n,).
+        names: Names of the fitted parameters, those in lists as weights[3].
+        values: The parameters, shape (n,).
+        standard_errors: Standard deviation of each parameter, shape (n,).
         correlation: Correlation of their coordinates, shape (n, n).
-        condition: Condition number of the derivatives by relative changes of the numbers; it tells
-            how many times better the best known combination is known than the worst.
-        sloppy: What the curves leave open, as sentences; empty if they tell every parameter.
-        intervals: The 95 % interval of each number, lower and upper end, shape (n, 2). Each holds
-            for its own number, not for all at once. Where the certificate binds it is one-sided as
-            far as the certificate is. Where the curves set no limit an end is that of all models.
-        samples: Models that noisy repetitions of the curves would have led to, each certified.
+        condition: Condition number of the derivatives with respect to relative changes of the
+            parameters: how many times better the best known combination is known than the worst.
+        sloppy: Combinations and limits that the curves do not determine, as sentences; empty if
+            there are none.
+        intervals: The 95 % interval of each parameter, lower and upper end, shape (n, 2). Each is
+            valid for its own parameter, not for all at once. Where the certificate binds, it is
+            one-sided in the direction of the certificate's margin. Where the curves set no limit,
+            an end is that of all models.
+        samples: Models as fits to noisy repetitions of the curves would give, each certified.
         noise: Noise of the torque, for a curve of mean weight.
     """
 
@@ -76,10 +79,10 @@ class Uncertainty:
     def band(self, curve: Curve) -> tuple[Array, Array]:
         """Returns the ends of the 95 % interval of the torque along a curve [N·m], (samples,) each.
 
-        They say how far the curves tell the parameters, and hold if the model is right in kind.
+        They follow from the uncertainty of the parameters, if the kind of model is right.
 
         Args:
-            curve: Motion; its torque only counts where the fit began with the measured one.
+            curve: Motion; its torque is used only where the fit began with the measured one.
 
         Raises:
             InputError: The model cannot begin there.
@@ -102,7 +105,7 @@ def uncertainty(
     samples: int = 0,
     seed: int = 0,
 ) -> Uncertainty:
-    """Estimates how certain the parameters of a fitted model are; `Fit.uncertainty` calls it.
+    """Estimates the uncertainty of a fitted model; `Fit.uncertainty` calls it.
 
     Args:
         model: Identified model of any kind, whose fit minimized squares.
@@ -130,7 +133,7 @@ def uncertainty(
     residual = -torque_errors(model, initial_torque, measured)
     if not np.isfinite(residual).all():
         raise InputError(
-            "the model meets its pole on the curves it is asked about: give those it was fitted to"
+            "the model meets its pole on these curves: give those that it was fitted to"
         )
     scale = np.sqrt(sample_weights(measured))
     slopes = tangent(coordinates, measured) * scale[:, None]
@@ -170,13 +173,13 @@ def uncertainty(
 
 
 def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int]) -> Array:
-    """Returns the covariance of least squares, which take noise as white, under any noise.
+    """Returns the covariance of least squares, which assume white noise, under any noise.
 
     With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
     1980, Econometrica 48, 817, for errors that are not alike), here averaged over the noises.
 
     Args:
-        slopes: Derivatives of the torque by the coordinates, shape (samples, p).
+        slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
         noise: Noise of the torque.
         sizes: Number of samples of each curve.
     """
@@ -201,7 +204,7 @@ def _width(noise: Noise) -> float:
 
 
 def _spread(covariance: Array, limit: Array | None, slopes: Array) -> tuple[Array, Array]:
-    """Returns deviations downwards and upwards of what has these slopes, shape (m,) each.
+    """Returns downward and upward deviations of quantities with these slopes, shape (m,) each.
 
     A fit at the limit of its certificate cannot move beyond it: along the change that goes with the
     margin only the inner half of the spread is left.
@@ -271,7 +274,7 @@ def _directions(
     initial_torque: InitialTorque,
     fitted_start: bool,
 ) -> Iterator[str]:
-    """Yields what the curves leave open about a Jiles-Atherton model, and nothing of others."""
+    """Yields sentences on the parameters of a Jiles-Atherton model; none for other models."""
     inner = _bare(model)
     if inner is None:
         return

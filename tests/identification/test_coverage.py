@@ -93,18 +93,20 @@ def test_first_order_curves():
 def test_noise_and_pauses_are_no_reversals_and_no_rates():
     rng = np.random.default_rng(0)
     clean = motion(LOW, HIGH, 0.9, 1.2, rate=0.2, samples=400)
-    held = np.append(clean.angle, np.full(100, clean.angle[-1]))
+    paused = np.append(clean.angle, np.full(100, clean.angle[-1]))
     time = np.append(clean.time, clean.time[-1] + np.arange(1, 101) / 100)
-    found = motion_coverage([Motion(time, held + 2e-4 * rng.standard_normal(held.size))])
+    found = motion_coverage([Motion(time, paused + 2e-4 * rng.standard_normal(paused.size))])
     assert (found.reversals, found.nesting) == (2, 2)
     assert found.rates == pytest.approx((0.2, 0.2), rel=0.1)
-    stepped = motion_coverage([Motion(time, 0.01 * np.round(held / 0.01))])
+    stepped = motion_coverage([Motion(time, 0.01 * np.round(paused / 0.01))])
     assert (stepped.reversals, stepped.nesting) == (2, 2)
 
 
 def test_a_motion_that_has_just_turned_has_no_branch_there():
     found = motion_coverage([motion(1.0, 0.995, 1.01, 0, 1, 0.975, 0.994, rate=0.2)])
-    assert found.branches[0] == pytest.approx(0.025 / 1.01)  # from 1 rad on, not the 0.006 rad left
+    assert found.branches[0] == pytest.approx(
+        0.025 / 1.01
+    )  # way from 1 rad on, not the 0.006 rad left
     assert found.rates == pytest.approx((0.2, 0.2))
     assert found.cycles == 1
 
@@ -140,7 +142,7 @@ def test_what_is_covered_gets_no_sentence():
         ),
         (
             motion_coverage([motion(LOW, HIGH, 0.9, 1.4, 0.97)]),
-            "inside other reversals 3 deep, the curves at most 1: first-order curves do not",
+            "has reversals nested 3 deep, the curves at most 1: first-order curves do not",
         ),
         (motion_coverage([motion(LOW, HIGH, 1.47)]), "turns back after 0.1 rad, the curves after"),
         (motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)]), "moves at up to 1 rad/s, the curves"),
@@ -158,10 +160,10 @@ def test_curves_without_time_and_without_a_return():
     (sentence,) = shortfalls(first_order(), fast)
     assert "come without their time" in sentence
     rising = motion_coverage([motion(LOW, HIGH)])
-    assert "curves that never turn back do not tell loops" in shortfalls(rising, first_order())[0]
+    assert "that never turn back do not identify loops" in shortfalls(rising, first_order())[0]
 
 
-def test_deeper_than_the_record_is_not_asked_for():
+def test_deeper_than_the_record_is_not_required():
     points = [LOW, HIGH]
     for i in range(1, 10):
         points += [LOW + 0.03 * i, HIGH - 0.03 * i]

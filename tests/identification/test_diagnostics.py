@@ -22,7 +22,7 @@ def test_a_good_fit_is_silent():
 
 def test_a_fit_that_is_safe_in_its_range_only_says_so():
     text = said(load_curves(curves_path("shoulder")))
-    assert "safe between 0.35 and 1.22 rad only; its torque is held outside" in text
+    assert "safe between 0.35 and 1.22 rad only; its torque is kept constant outside" in text
 
 
 def test_a_fit_at_the_limit_of_the_certificate_says_so(table_2):

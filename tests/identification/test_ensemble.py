@@ -134,10 +134,10 @@ def test_numbers_are_shared_by_weight():
 
 
 def test_it_is_plain_in_json(fit):
-    told = json.loads(json.dumps(fit.ensemble.to_dict()))
-    assert [one["name"] for one in told["members"]] == [one.name for one in fit.ensemble.members]
-    assert told["excess"] == fit.ensemble.excess
-    assert told["nested"] == []
+    content = json.loads(json.dumps(fit.ensemble.to_dict()))
+    assert [one["name"] for one in content["members"]] == [one.name for one in fit.ensemble.members]
+    assert content["excess"] == fit.ensemble.excess
+    assert content["nested"] == []
 
 
 def test_bad_input(fit, elbow):

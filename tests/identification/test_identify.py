@@ -47,7 +47,7 @@ def test_certified_fit_reaches_the_noise_floor(joint):
     assert max(fit.prediction_errors.values()) < 0.35  # the noise itself reaches 0.3
 
 
-def test_a_model_that_is_safe_in_its_range_only_is_held_outside():
+def test_a_model_that_is_safe_in_its_range_only_is_constant_outside():
     curves = fitted("shoulder")
     model = identify(curves).model
     assert isinstance(model, Held)
@@ -269,7 +269,7 @@ def test_a_suit_begins_where_curves_without_a_file_do(small_family):
 
 
 def test_a_fit_from_outside_the_package(small_family, monkeypatch):
-    monkeypatch.setitem(FITS, "soft", None)  # so that the name goes after the test
+    monkeypatch.setitem(FITS, "soft", None)  # monkeypatch removes the name after the test
     del FITS["soft"]
 
     def soft(curves, scale: float = 1.0):

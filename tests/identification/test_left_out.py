@@ -92,7 +92,7 @@ def elastic(turn, seed):
 def test_auto_says_that_a_spring_needs_no_memory():
     fit = identify([elastic(turn, i) for i, turn in enumerate((0.9, 1.2, 1.57))], method="auto")
     assert fit.verdict == "does not describe the curves"
-    assert any("show no memory that one is needed for" in remark for remark in fit.diagnostics)
+    assert any("show no memory that needs one" in remark for remark in fit.diagnostics)
 
 
 @pytest.mark.parametrize("method", ["certified", "auto"])
@@ -133,7 +133,7 @@ def test_outliers_are_counted_and_noise_has_none(elbow):
         assert not [remark for remark in fit.diagnostics if "off their neighbors" in remark]
 
 
-def test_the_starts_that_agree_are_told(elbow):
+def test_the_starts_that_agree_are_reported(elbow):
     curves = with_outliers(elbow, 0)
     fit = identify(curves)
     assert fit.agreed >= 1

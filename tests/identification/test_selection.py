@@ -114,7 +114,7 @@ def test_the_choice_follows_its_rule_and_says_so(truths):
     assert fit.model == simplest.model
     assert fit.nrmse == pytest.approx(simplest.fit_nrmse)
     assert [trial.model for trial in fit.trials] == [fit.model]
-    assert "jiles-atherton predicts what was left out of its fit" in fit.why
+    assert "jiles-atherton predicts data left out of its fit" in fit.why
     parameters = {candidate.name: candidate.parameters for candidate in fit.candidates}
     assert parameters == {
         "jiles-atherton": 5,

@@ -1,4 +1,4 @@
-"""The change of a torque over the cycles of a measurement: found, taken off, and told to suits."""
+"""The change of a torque over the cycles of a measurement: found, removed, and saved in suits."""
 
 import itertools
 from dataclasses import replace
@@ -22,8 +22,8 @@ def record(model, first=1.2, cycles=2.0, noise=0.01, seed=0):
     """Returns a long record whose torque is `first` times the steady one at its beginning."""
     angle = np.concatenate([np.linspace(p, q, 60)[1:] for p, q in itertools.pairwise(TURNS)])
     torque = model.response(angle) * (1 + (first - 1) * np.exp(-gone(angle) / cycles))
-    shaken = noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(angle.size)
-    return Curve(angle, torque + shaken, "record")
+    errors = noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(angle.size)
+    return Curve(angle, torque + errors, "record")
 
 
 @pytest.mark.parametrize("first", [1.2, 0.9])
@@ -46,8 +46,8 @@ def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
 def test_a_suit_of_the_fit_softens(elbow):
     fit = identify([record(elbow)], softening="fitted")
     joint = SuitJoint.from_fit(fit)
-    new, worn = joint.after(0).response([1.57])[0], joint.after(np.inf).response([1.57])[0]
-    assert new / worn == pytest.approx(1.2, abs=0.01)
+    new, used = joint.after(0).response([1.57])[0], joint.after(np.inf).response([1.57])[0]
+    assert new / used == pytest.approx(1.2, abs=0.01)
     assert SuitJoint.from_fit(identify([record(elbow, 1.0)])).softening is None
 
 
@@ -81,7 +81,7 @@ def test_nothing_is_found_where_nothing_changes(elbow):
         assert "no change from cycle to cycle was found: leave --softening out" in fit.diagnostics
 
 
-def test_a_change_that_has_not_settled_is_told(elbow):
+def test_a_change_that_is_not_complete_is_reported(elbow):
     fit = identify([record(elbow, first=1.5, cycles=10.0)], softening="fitted")
     assert not fit.softening.is_settled
     assert any("is extrapolated: measure more cycles" in remark for remark in fit.diagnostics)
@@ -94,7 +94,7 @@ def test_two_cycles_less_a_sample_are_two(elbow):
     assert identify([short], softening="fitted").softening.first > 1.1
 
 
-def test_a_change_beyond_what_a_suit_may_have_is_held_within(elbow):
+def test_a_change_beyond_the_limits_of_a_suit_is_limited(elbow):
     angle = record(elbow, noise=0.0).angle
     left = 1 - gone(angle) / gone(angle)[-1]
     curve = Curve(angle, elbow.response(angle) * (4 * left + 0.05), "record")
@@ -117,7 +117,7 @@ def test_every_kind_of_model_and_auto_take_it(elbow):
         assert fit.softening.first / fit.softening.steady == pytest.approx(1.2, abs=0.03)
 
 
-def test_what_cannot_be_told_is_refused(elbow):
+def test_what_is_not_identifiable_is_refused(elbow):
     whole = record(elbow)
     short = replace(whole, angle=whole.angle[:119], torque=whole.torque[:119])
     with pytest.raises(InputError, match=r"through 0.992 cycles of their range: .* at least 2"):

@@ -368,7 +368,7 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     out = tmp_path / "auto"
     result = json.loads(run(capsys, "identify", ELBOW, "--method", "auto", "--json"))
     assert result["model_name"] == "jiles-atherton"
-    assert "predicts what was left out" in result["why"]
+    assert "predicts data left out" in result["why"]
     assert result["certificate"]["certified"]
     assert {one["name"] for one in result["candidates"]} > {"bouc-wen", "preisach"}
     assert max(result["prediction_max_error"].values()) < 0.25

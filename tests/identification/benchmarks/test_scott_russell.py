@@ -74,7 +74,7 @@ def test_same_hysteresis_as_the_library(n):
     V = mechanism.voltage(mechanism.time_points(step=step))
     force = model.response(V, initial_torque=k * d_e * V[0])
     velocity = np.gradient(x, step)
-    left = m * np.gradient(velocity, step) + c * velocity + k * x  # of eq. (2)
+    left = m * np.gradient(velocity, step) + c * velocity + k * x  # left side of eq. (2)
     # Later than 0.05 s, where the start's transient no longer outruns finite differences.
     np.testing.assert_allclose(left[500:-2], force[500:-2], rtol=0, atol=2e-6 * force.max())
 

@@ -11,7 +11,7 @@ from helpers import sweep
 
 START, TURNS, UNSEEN = 0.52, (0.87, 1.22, 1.57), (0.75, 1.05, 1.4)
 POLYNOMIAL = (0.0, 3.0, -6.0, 4.0)
-NOISE = 0.01  # of the peak
+NOISE = 0.01  # noise over the peak
 
 
 def family(model, turns=TURNS, first_torque=0.0, noise=0.0, seed=0):
@@ -66,7 +66,7 @@ def test_what_is_returned_is_certified(name, degree, request):
         assert found.start_is_certified(found.start(START, common_torque(found, curves)))
 
 
-def test_a_model_that_is_safe_in_its_range_only_is_held_outside(shoulder):
+def test_a_model_that_is_safe_in_its_range_only_is_constant_outside(shoulder):
     known = Asymmetric(model=shoulder, polynomial=(0.0, 0.0, 1.0))
     found = fit_asymmetric(family(known), 0)
     assert isinstance(found.model, Held)

@@ -101,9 +101,9 @@ def test_history_and_model(elbow, shoulder):
     assert best[-1] == fit.nrmse
     assert 32 <= spent[0] <= spent[-1] <= fit.evaluations <= 200
     assert fit.model.in_unit("deg").Ms == fit.parameters[0]
-    held = certified_fit(family(shoulder, 0.0), rng=0)
-    assert isinstance(held.model, Held)
-    assert held.model.angle_range == held.held == (0.52, 1.57)
+    limited = certified_fit(family(shoulder, 0.0), rng=0)
+    assert isinstance(limited.model, Held)
+    assert limited.model.angle_range == limited.held == (0.52, 1.57)
 
 
 def test_two_searches_that_end_in_one_wrong_optimum_are_not_the_end():

@@ -74,7 +74,7 @@ def test_the_truth_is_within_its_interval(viscous):
         known = fit.uncertainty()
         low, high = known.intervals[known.names.index("damping")]
         inside.append(low <= 0.3 <= high)
-    assert np.sum(inside) >= 11  # of 95 %: fewer come by chance in 1 of 1,600
+    assert np.sum(inside) >= 11  # nominal 95 %: fewer come by chance in 1 of 1,600
 
 
 def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
@@ -89,7 +89,7 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     assert [rate_of(model) for model in drawn] == ["viscous"] * 3
 
 
-def test_elements_that_were_looked_for_in_vain_are_told(elbow, viscous):
+def test_elements_that_were_not_found_are_reported(elbow, viscous):
     fit = identify(measured(viscous), rate="relaxing")
     assert rate_of(fit.model) == "viscous"
     assert "no relaxation was found beside the dashpot: use --rate viscous" in fit.diagnostics
@@ -103,7 +103,7 @@ def test_auto_chooses_among_models_beside_the_dashpot(viscous):
     assert all(rate_of(one.model) == "viscous" for one in fit.candidates if one.model)
 
 
-def test_a_model_that_is_held_stays_held(shoulder):
+def test_a_model_with_an_angle_range_keeps_it(shoulder):
     truth = Viscoelastic(model=Held(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
     fit = identify(measured(truth), rate="viscous")
     assert isinstance(fit.model, Viscoelastic)

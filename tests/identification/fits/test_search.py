@@ -49,7 +49,7 @@ def test_it_finds_the_optimum(kind):
 
 @pytest.mark.parametrize("kind", [exact, lambda problem: None], ids=["exact", "differences"])
 def test_what_lacks_its_margin_is_never_the_best(kind):
-    problem = Bowl(wall=0.5)  # beyond the optimum
+    problem = Bowl(wall=0.5)  # a wall beyond the optimum
     search = Search(problem, 300, kind(problem))
     search.run([np.array([0.9, 0.9]), np.array([-0.5, 0.0])])
     assert search.best is not None

@@ -238,7 +238,7 @@ def test_ask_and_tell_is_the_function(name):
     swarm = CORES[name](BOUNDS, **options)
     while not swarm.stopped:
         positions = swarm.ask()
-        np.testing.assert_array_equal(positions, swarm.ask())  # until it is told
+        np.testing.assert_array_equal(positions, swarm.ask())  # the same until `tell`
         fitness = hurdles(positions)
         positions[:] = np.nan  # the caller's own copy
         swarm.tell(fitness)

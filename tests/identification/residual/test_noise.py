@@ -1,4 +1,4 @@
-"""Noise that is white, slow, or both: whitening, and what a residual tells about it."""
+"""Noise that is white, slow, or both: whitening, and its estimate from a residual."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_whitening_is_the_inverse_of_a_cholesky_factor(memory, white):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
-def test_a_residual_tells_its_noise(memory):
+def test_a_residual_identifies_its_noise(memory):
     sizes, found = [200, 200, 200], []
     columns = np.vander(np.linspace(-1, 1, 600), 6)
     for seed in range(10):

@@ -40,7 +40,7 @@ def test_right_models_are_not_doubted(elbow, memory):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
-def test_a_model_of_the_wrong_kind_is_told(memory):
+def test_a_model_of_the_wrong_kind_is_reported(memory):
     for seed in range(4):
         fit = identify(family(STOPS, memory=memory, seed=seed))
         assert fit.verdict == NOT
@@ -159,7 +159,7 @@ def test_the_verdict_knows_the_intended_motion(elbow):
     assert identify([*curves, record]).verdict == DESCRIBES
 
 
-def test_a_search_that_ended_early_is_told(elbow):
+def test_a_search_that_ended_early_is_reported(elbow):
     fit = identify(
         family(elbow), method="pso", trials=1, swarm_size=10, max_iterations=3, workers=1
     )

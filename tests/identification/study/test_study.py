@@ -188,11 +188,11 @@ def test_prediction_errors_by_hand():
         assert found.nrmse == pytest.approx(np.sqrt(np.mean(error**2)) / peak, rel=1e-9)
 
 
-def test_motions_that_turn_more_than_once_are_told_from_first_order_curves():
+def test_motions_that_turn_more_than_once_are_distinguished_from_first_order_curves():
     assert not any(map(is_multi_order, ELBOW))
     assert all(map(is_multi_order, MOTIONS))
     low, high = ELBOW[-1].angle[0], ELBOW[-1].angle.max()
-    for curve in MOTIONS:  # so that they ask for no extrapolation
+    for curve in MOTIONS:  # motions that need no extrapolation
         assert curve.angle[0] == low
         assert low <= curve.angle.min() < curve.angle.max() <= high
 

@@ -1,4 +1,4 @@
-"""What curves tell about parameters: textbook formulas, Monte Carlo, and honest intervals."""
+"""Uncertainty of parameters: textbook formulas, Monte Carlo, and honest intervals."""
 
 import re
 from dataclasses import replace
@@ -39,7 +39,7 @@ def parameters(model):
 
 
 def jacobian(model, curves):
-    """Central differences of the torque by Ms, a, alpha, c, k."""
+    """Central differences of the torque with respect to Ms, a, alpha, c, k."""
     columns = []
     for name in PARAMETERS:
         step = 1e-3 * abs(getattr(model, name))
@@ -81,12 +81,12 @@ def test_standard_errors_are_those_of_many_noisy_fits(elbow):
     noise, trials = 0.01, 150
     fits = [refined(family(elbow, noise, seed), parameters(elbow)) for seed in range(trials)]
     spread = np.std([fit.parameters for fit in fits], axis=0, ddof=1)
-    told = np.mean(
+    stated = np.mean(
         [uncertainty(elbow, family(elbow, noise, seed)).standard_errors for seed in range(10)],
         axis=0,
     )
     # The deviation of a standard deviation is 1 / sqrt(2 n) of it, 6 % here.
-    np.testing.assert_allclose(spread, told, rtol=0.25)
+    np.testing.assert_allclose(spread, stated, rtol=0.25)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
@@ -146,7 +146,7 @@ def test_published_sets_are_poorly_known():
     assert max(condition.values()) > 1e4
 
 
-def test_what_has_no_end_is_told(table_2):
+def test_an_interval_without_an_end_is_reported(table_2):
     # Far below saturation Man is a straight line, and only its slope Ms / (3a) acts.
     model = table_2["elbow-mpso"]
     found = uncertainty(model, family(model, 0.05))
@@ -217,10 +217,10 @@ def test_weights_count_like_repetitions(elbow):
     np.testing.assert_allclose(weighted.standard_errors, expected, rtol=0.1)
 
 
-def test_a_held_model_is_asked_in_its_range(elbow):
-    held = Held(model=elbow, angle_range=(0.52, 1.0))
-    curves = family(held, 0.05)
-    assert uncertainty(held, curves).noise.deviation == pytest.approx(0.05, rel=0.1)
+def test_a_model_with_an_angle_range_counts_in_its_range(elbow):
+    limited = Held(model=elbow, angle_range=(0.52, 1.0))
+    curves = family(limited, 0.05)
+    assert uncertainty(limited, curves).noise.deviation == pytest.approx(0.05, rel=0.1)
     assert uncertainty(elbow, curves).noise.deviation > 0.1
 
 
