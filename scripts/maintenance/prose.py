@@ -66,8 +66,9 @@ class Line:
     @property
     def is_fragment(self) -> bool:
         """Whether the description begins in the middle of a sentence, be it after a unit."""
-        unit, _, rest = self.text.partition(", ")
-        return _is_fragment(self.text) or (rest != "" and " " not in unit and _is_fragment(rest))
+        text = re.sub(r"^\[[^\]]*\],? (?=\w)", "", self.text)
+        after_unit = re.match(r"(?:[a-z%°]\S*|[A-Z]\S?|\S*·\S*), (?=\w)", text)
+        return _is_fragment(text) or bool(after_unit and _is_fragment(text[after_unit.end() :]))
 
 
 def _is_fragment(text: str) -> bool:
@@ -126,12 +127,13 @@ def _tokens(path: Path) -> Iterator[tokenize.TokenInfo]:
 def private_words(path: Path) -> Iterator[Line]:
     """Yields the words of `PRIVATE` in the prose of a Python file or a page."""
     if path.suffix == ".py":
-        prose = [(t.start[0], t.string) for t in _tokens(path) if t.type in PROSE and " " in t.string]
+        texts = (token for token in _tokens(path) if token.type in PROSE)
+        prose = [(token.start[0], token.string) for token in texts if " " in token.string]
     else:
         prose = list(enumerate(path.read_text(encoding="utf-8").split("\n"), 1))
     for first, text in prose:
         for number, line in enumerate(text.split("\n"), first):
-            plain = re.sub(r"``?[^`]*`?`|held[- ]out|<!--.*?-->", "", line)
+            plain = re.sub(r"``?[^`]*`?`|\{[^{}]*\}|held[- ]out\b|<!--.*?-->", "", line)
             for word in re.findall(r"(?<![\w.=/-])[A-Za-z]+(?![\w=(/]|\.\w)", plain):
                 if word.lower() in PRIVATE:
                     yield Line(path, number, word.lower())

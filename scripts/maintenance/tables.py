@@ -1,4 +1,4 @@
-"""Remakes tables of the docs from code: `python -m activesuit.scripts.maintenance.tables`.
+"""Remakes tables of the docs from code and kept results: `python -m activesuit.scripts.maintenance.tables`.
 
 Each stands between two marks of its page, so that the text around it is written by hand.
 """
@@ -17,6 +17,7 @@ from ...envs.tasks import TASKS
 from ...errors import InputError
 from ...files import write_text
 from ..output import markdown_table
+from .results import RESULT_TABLES
 
 DOCS = Path(__file__).parent.parent.parent / "docs"
 
@@ -105,8 +106,9 @@ def _number(value: float) -> str:
 
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "tasks.md": {"tasks": tasks, "levels": levels},
-    "environments.md": {"sensor suites": sensor_suites},
     "model.md": {"gains": gains},
+    **RESULT_TABLES,
+    "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
 }
 """The tables by page and mark."""
 
@@ -122,11 +124,11 @@ def page(name: str) -> str:
     """
     text = (DOCS / name).read_text(encoding="utf-8")
     for title, table in TABLES[name].items():
-        begin, end = f"<!-- made by tables.py: {title} -->\n", f"\n<!-- end: {title} -->"
+        begin, end = f"<!-- made by tables.py: {title} -->\n", f"<!-- end: {title} -->"
         if text.count(begin) != 1 or text.count(end) != 1:
             raise InputError(f"{name} has not both marks of {title!r}: put {begin!r} and {end!r}")
         before, rest = text.split(begin)
-        text = f"{before}{begin}\n{table()}\n{end}{rest.split(end)[1]}"
+        text = f"{before}{begin}\n{table()}\n\n{end}{rest.split(end)[1]}"
     return text
 
 

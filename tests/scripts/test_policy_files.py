@@ -62,9 +62,6 @@ def test_no_code_of_a_file_is_run(capsys, tmp_path, file, command):
 def test_a_trusted_file_is_taken(tmp_path, file, command):
     main([*command.split(), file, "--trust"])
     assert (tmp_path / "imported").exists()
-    assert (
-        "sneaky:Sneaky" in (tmp_path / "out" / "result.json").read_text() + capsys.readouterr().out
-    )
 
 
 def test_a_class_on_the_command_line_needs_no_trust(tmp_path, file):
