@@ -9,7 +9,7 @@ from .files import content_of
 
 LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
 DEEPEST = 50  # lists and objects inside each other; a suit file has 7
-MOST_DIGITS = 400  # of a whole number; beyond 309 it is no float
+MOST_DIGITS = 400  # limit of a whole number; with more than 309 it is no float
 REMAKE = "restore or remake it"
 
 

@@ -167,10 +167,10 @@ class SuitJoint(Strict):
         start = fit.initial_torque
         file = f" of {curves.source}" if curves.source else ""
         source = f"{fit.method} fit{file}, curves {', '.join(fitted.names)}."
-        told = fit.softening
+        change = fit.softening
         softening = None
-        if told is not None:
-            softening = Softening(first=told.first, steady=told.steady, cycles=told.cycles)
+        if change is not None:
+            softening = Softening(first=change.first, steady=change.steady, cycles=change.cycles)
         return cls.from_model(
             fit.model,
             samples=tuple(samples),

@@ -88,14 +88,14 @@ class Suit(Strict):
             joint: SuitJoint.from_fit(fit, note=note, samples=samples.get(joint, ()))
             for joint, fit in fits.items()
         }
-        told = [
+        fits_text = [
             f"{joint} from {fit.curves.source or 'curves'} by {fit.method}"
             for joint, fit in fits.items()
         ]
         try:
             return cls(
                 name=name,
-                description=description or f"Identified: {'; '.join(told)}.",
+                description=description or f"Identified: {'; '.join(fits_text)}.",
                 joints={**(base.joints if base else {}), **identified},
             )
         except ValidationError as error:

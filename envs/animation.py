@@ -13,7 +13,7 @@ from ..assets import JOINTS
 from .figures import ASSISTED_COLUMNS
 
 INCHES = 5.4  # height of the figure, whose letters grow with the picture
-TAIL = 0.22  # of the motion behind the present that shines
+TAIL = 0.22  # share of the motion, behind the present, that shines
 BACKGROUND, INK, GRID = "#1f252e", "#e3e8ee", "#39424e"
 SUIT, WEARER = "#62b4f5", "#ff8b3d"
 

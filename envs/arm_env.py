@@ -43,7 +43,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
       (differences, low-pass of 20 Hz), motor torque over peak, previous action;
     - cuffs: forces on upper arm, forearm and hand [N], noisy;
     - interaction: torque between person and suit at the four joints [N·m], as pads would tell it,
-      noisy and 0.05 s old: the wearer's torque without what his own arm needs;
+      noisy and 0.05 s old: the wearer's torque without what the bare arm needs;
     - emg: the wearer's voluntary torque at the four joints [N·m], 0.05 s ahead, noisy, through a
       low-pass of 6 Hz;
     - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1

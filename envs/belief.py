@@ -166,7 +166,7 @@ class BelievedWeight:
         data, torque = mujoco.MjData(model), np.zeros(model.nv)
         assisted = [JOINTS.index(joint) for joint in ASSISTED]
 
-        def held(pose: Array) -> Array:
+        def static_torque(pose: Array) -> Array:
             for chain in places:
                 data.qpos[chain] = pose
             mujoco.mj_kinematics(model, data)
@@ -174,7 +174,7 @@ class BelievedWeight:
             mujoco.mj_rne(model, data, 0, torque)
             return np.sum([torque[chain] for chain in places], axis=0)[assisted]
 
-        self._torque = Trigonometric(held, len(JOINTS), 1)
+        self._torque = Trigonometric(static_torque, len(JOINTS), 1)
 
     def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
         """Returns the weight of what one model has and the other has not."""

@@ -48,7 +48,7 @@ from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .tasks import Task
 
 Rows = NDArray[np.int64]
-TINIEST = 1e-6  # of an effort that scales a reward
+TINIEST = 1e-6  # least effort that scales a reward
 SCALED_BY = 5  # motions of the task, by which efforts are scaled
 
 
@@ -76,7 +76,7 @@ class Episodes:
             default.
         belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
             that of the configuration, such as {"suit": "elbow.json"}.
-        taught: Whether `reset` may tell wearers what to foresee.
+        taught: Whether `reset` takes torques that wearers have learned.
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **arm: Fields of `ArmConfig`.
 
@@ -222,7 +222,7 @@ class Episodes:
             seeds: Seed of each of them; None goes on with the seed that the row has.
             stagger: Whether the episodes end at random times, so that later ones do not all begin
                 together.
-            taught: Torque that wearers foresee beside that of their bare arms [N·m], shape
+            taught: Learned torque of the wearers beside that of their bare arms [N·m], shape
                 (k, samples, 4).
         """
         memory = self.simulation.memory
@@ -279,8 +279,8 @@ class Episodes:
     def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is made up when read."""
         memory = self.simulation.memory
-        measured, told = memory.measured[row].copy(), memory.told[row].copy()
-        return Info(measured.item(TIME), partial(self._read, measured, told))
+        measured, sums = memory.measured[row].copy(), memory.told[row].copy()
+        return Info(measured.item(TIME), partial(self._read, measured, sums))
 
     @property
     def terms(self) -> Array:
@@ -337,13 +337,13 @@ class Episodes:
         self.simulation.restore(self._all, saved["state"])
         self._judge(self._all, False)
 
-    def _read(self, measured: Array, told: Array) -> dict[str, Any]:
-        costs, periods, ended = told[COST:PERIODS], int(told[PERIODS]), bool(told[ENDED])
+    def _read(self, measured: Array, sums: Array) -> dict[str, Any]:
+        costs, periods, ended = sums[COST:PERIODS], int(sums[PERIODS]), bool(sums[ENDED])
         return {
             **snapshot(measured, self.simulation.columns),
-            "clipped_actions": int(told[CLIPPED]),
-            "diverged": bool(told[DIVERGED]),
-            "reward_terms": dict(zip(TERMS, told[TERM:COST].tolist(), strict=True)),
+            "clipped_actions": int(sums[CLIPPED]),
+            "diverged": bool(sums[DIVERGED]),
+            "reward_terms": dict(zip(TERMS, sums[TERM:COST].tolist(), strict=True)),
             "cost_terms": cost_terms(costs, periods),
             "is_success": is_success(costs, periods, self.task, ended=ended),
         }

@@ -50,7 +50,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
     usual = dict(LEVELS[level])
     terms, own = dict(usual.pop("randomize", {})), given.get("randomize") or {}
     if "suit" in given and "suit" in usual:
-        usual.pop("pressure", None)  # of the level's own suit
+        usual.pop("pressure", None)  # the level's own suit has it
     if given.get("suit") == NO_SUIT:
         terms.pop("pressure", None)
     if given.get("coupling") != "cuffs":

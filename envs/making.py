@@ -113,7 +113,7 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     own = _overridden(type(arm))
     if own:
         raise InputError(
-            f"the class of {env_id!r} has its own {', '.join(own)}, which rows of arms cannot "
-            "have: change the task or the options instead"
+            f"{env_id!r} overrides {', '.join(own)} of ArmEnv, which the vector environment would "
+            "ignore: change its task or options instead"
         )
     return arm.rows(rows, **{"max_episode_steps": limit, **of_rows})

@@ -1,4 +1,4 @@
-"""What differs from episode to episode beside the motion: a suit, its pressure, how it is worn."""
+"""Differences between episodes beside the motion: suit, pressure, fit on the arm, and others."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -140,8 +140,8 @@ class Randomization:
             raise InputError(
                 "randomize has a suit, its pressure or cycles, and suit is 'none': name a suit"
             )
-        worn = [worn_suit(replace(config, suit=suit)) for suit in self.suits or (config.suit,)]
-        suits = tuple(suit for suit in worn if suit is not None)
+        found = [worn_suit(replace(config, suit=suit)) for suit in self.suits or (config.suit,)]
+        suits = tuple(suit for suit in found if suit is not None)
         entries = [entry for suit in suits for entry in suit.joints.values()]
         if self.suit == "samples" and not any(entry.samples for entry in entries):
             raise InputError(

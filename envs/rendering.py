@@ -31,8 +31,8 @@ class _Quality:
 
     shadowsize: int  # pixels; 0 draws no shadows
     offsamples: int  # a pixel; more than 0 smooths edges
-    numslices: int  # around a round shape
-    numstacks: int  # along it
+    numslices: int  # number of slices around a round shape
+    numstacks: int  # number of stacks along it
     reflection: bool
 
     def ask(self, model: mujoco.MjModel) -> None:

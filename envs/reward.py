@@ -1,4 +1,4 @@
-"""The reward of a control period, in [0, 1], and the costs that are told beside it.
+"""The reward of a control period, in [0, 1], and the costs that are reported beside it.
 
 With x the root mean square over four joints of torque over strength, e that of the tracking error,
 and d that of the command's change over both motors,
@@ -28,19 +28,19 @@ TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad
 CHANGE_SCALE = 0.25
 LOST = 1.0  # rad of tracking error at an assisted joint at which an episode ends
-LEAST_EFFORT = 0.01  # of strength, for arms that need none
+LEAST_EFFORT = 0.01  # share of strength, for arms that need none
 
 COSTS = (
     *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking"),
     *("effort", "hand_error", "tilt", "slowness"),
 )
 CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
-TERM, COST = 0, len(TERMS)  # where terms and costs begin in what is told of an episode
+TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
 PERIODS, CLIPPED, DIVERGED, ENDED, TOLD = range(COST + len(COSTS), COST + len(COSTS) + 5)
-MEANS = ("tracking", "effort")  # of which sums of squares are kept
-ROUNDING = 1e-3  # of a motor's load, by which its protection, once a period, misses 1
+MEANS = ("tracking", "effort")  # costs that keep sums of squares
+ROUNDING = 1e-3  # share of a motor's load that its protection, once a period, misses
 TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
-SLOW = 0.01  # m/s, below which a hand need not be quick
+SLOW = 0.01  # [m/s], greatest speed of a hand that need not be quick
 NEAR = 0.001  # rad from the end of its range where a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
 EVERY = 5  # samples of which one counts for `suited_effort`
@@ -226,7 +226,7 @@ def watch(
         measured: Measurements of all rows.
         sensordata: Sensors of the physics.
         hand: Place of the hand in them, shape (3,).
-        told: What is told of the episodes.
+        told: Reward terms and costs of the episodes.
         dt: Control period [s].
     """
     for k in range(rows.shape[0]):

@@ -28,7 +28,7 @@ Bools = NDArray[np.bool_]
 class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDArray[Any]]):
     """Rows of arms in one process: row i is `ArmEnv` with the seed of row i, to the last bit.
 
-    Everything that is not told here is as in `ArmEnv`, per row: actions are (num_envs, motors),
+    Everything that is not said here is as in `ArmEnv`, per row: actions are (num_envs, motors),
     observations (num_envs, size). Each answer is made of new arrays.
 
     Args:
@@ -139,7 +139,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         Args:
             seed: Seed of row 0, where row i has seed + i; or one seed for every row.
             options: None, or a dict: "reset_mask", an array of num_envs booleans that is true for
-                the rows to reset; "taught", torques that the wearers foresee beside those of their
+                the rows to reset; `taught`, learned torques of the wearers beside those of their
                 bare arms [N·m], shape (rows to reset, samples, 4), where the environment was made
                 with taught=True.
 

@@ -17,9 +17,9 @@ from .protocol import finite_series
 
 NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
-LARGEST_DEAD_BAND = 0.25  # of the angle's range, for records of a few samples per branch
-TOLERANCE = 0.02  # of the angle's range, within which a loop closes
-LARGEST = 1e100  # of a measured number, so that squares and products stay finite
+LARGEST_DEAD_BAND = 0.25  # share of the angle's range, for a few samples per branch
+TOLERANCE = 0.02  # gap of a closed loop, relative to the angle's range
+LARGEST = 1e100  # largest measured number: squares and products stay finite
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -27,7 +27,7 @@ class Branch:
     """The part of a record between two reversals; neighbors share the sample at the turn.
 
     Attributes:
-        direction: Sign of the motion: +1 for growing angles, -1 for falling ones.
+        direction: Sign of the motion: +1 for rising angles, -1 for falling ones.
         start: Index of the first sample in the record.
         stop: Index after the last sample, so that record[start:stop] is the branch.
         angle: Angles as measured [rad], shape (n,); jitter and dwell included.

@@ -11,9 +11,9 @@ from ..arrays import Array
 from ..errors import InputError
 from .loops import LARGEST, finite_record
 
-OPEN_AT_MOST = 0.25  # of the angle's range: a wider gap, or a longer way back, is no single loop
-TANGENT_SPAN = 0.05  # of the angle's range
-LARGEST_TANGENT_SPAN = 0.25  # of the angle's range
+OPEN_AT_MOST = 0.25  # share of the angle's range; a wider gap, or a longer way back, is no loop
+TANGENT_SPAN = 0.05  # share of the angle's range
+LARGEST_TANGENT_SPAN = 0.25  # share of the angle's range
 SMALLEST_SPAN = 1 / LARGEST  # rad
 
 

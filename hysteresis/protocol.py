@@ -107,7 +107,7 @@ class HysteresisModel(ABC):
 
     @cached_property
     def _parameters(self) -> Array:
-        """The same, writable as MuJoCo's memory is: read-only arrays have kernels compiled twice."""
+        """The same, writable as MuJoCo's memory: kernels compile anew for read-only arrays."""
         return self.parameter_vector.copy()
 
     @property

@@ -12,7 +12,7 @@ from ..arrays import Array
 from ..errors import InputError
 from .loops import Branch, angle_noise, branches, estimate_dead_band, finite_record
 
-BANDWIDTH = 0.15  # of the range of a branch, for the local regression
+BANDWIDTH = 0.15  # bandwidth of the local regression, relative to a branch's range
 KNOTS_PER_BANDWIDTH = 8
 NEIGHBORS = 5  # least number of samples in a local regression
 TIP_EXCESS = 1.5  # standard errors; keeps the bias of a tip near half the noise or below

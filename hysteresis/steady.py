@@ -13,8 +13,8 @@ from .protocol import HysteresisModel
 
 TOLERANCE = 1e-6  # largest change from one cycle to the next, over the range of the torque
 MOST_CYCLES = 128
-FEWEST_CYCLES = 8  # with which the search begins; it doubles them
-SAMPLES = 201  # per branch
+FEWEST_CYCLES = 8  # first number of cycles of the search, which doubles them
+SAMPLES = 201  # number of samples per branch
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -118,11 +118,11 @@ def _check_locked(host: str, listening: socket.socket) -> None:
         raise InputError(
             "this version of MuJoCo does not listen on localhost alone: use MuJoCo 4.0"
         )
-    own = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(address, address)
+    own = str({"0.0.0.0": "127.0.0.1", "::": "::1"}.get(address, address))
     deadline = time.monotonic() + START
     while True:
+        connection = HTTPConnection(own, port, timeout=START)
         try:
-            connection = HTTPConnection(own, port, timeout=START)
             connection.request("GET", "/")
             answer = connection.getresponse().status
             break

@@ -1,4 +1,4 @@
-"""Warnings of MuJoCo: told once at the end of a command, not logged in the working folder."""
+"""Warnings of MuJoCo: printed once at the end of a command, not logged in the working folder."""
 
 import re
 import sys

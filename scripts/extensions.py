@@ -5,7 +5,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from ..errors import InputError
 
-GROUP = "activesuit"  # of the entry points; each names a module that registers what it adds
+GROUP = "activesuit"  # entry points; each names a module that registers what it adds
 
 
 @cache

@@ -12,7 +12,7 @@ from .curve_joints import joint_of
 
 ANY = "any"
 MOTION = ".csv"  # how the names of files of motions end
-MOTIONS = 20  # of a task, as `evaluate` takes
+MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
 def needed_coverage(

@@ -33,7 +33,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     },
 }
 PARALLEL = {"ppo": 8, "sac": 1}
-CHECKPOINTS = 10  # per run
+CHECKPOINTS = 10  # number per run
 REPLAY = "replay.pkl"
 
 

@@ -30,7 +30,7 @@ COMMANDS = {
     "validate": "Validate an identified suit model in closed loop.",
     "policies": "List the policies, with the sensors that they need and their options.",
     "benchmark": "Compare controllers over tasks, levels and suits.",
-    "knowledge": "Show what it buys to know the memory of a suit.",
+    "knowledge": "Measure how much a hysteresis model improves assistance.",
     "tune": "Tune the options of a policy within a budget that is the same for all.",
     "branch": "Show what the next second of a motion would be under each of some policies.",
     "envelope": "Measure the work envelope: unsuited, suited and assisted.",
@@ -80,8 +80,8 @@ def _interruptible() -> Iterator[None]:
         came.append(number)
         raise KeyboardInterrupt
 
-    heard = [one for one in SIGNALS if signal.getsignal(one) is not signal.SIG_IGN]
-    before = {one: signal.signal(one, interrupt) for one in heard}
+    handled = [one for one in SIGNALS if signal.getsignal(one) is not signal.SIG_IGN]
+    before = {one: signal.signal(one, interrupt) for one in handled}
     try:
         yield
     except Exception as error:

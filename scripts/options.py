@@ -186,7 +186,7 @@ Use = Annotated[
     str | None,
     choice(
         uses,
-        "Motions that the model is for, to be told what the curves do not tell about them: a "
+        "Motions that the model is for; the answer is what the curves leave open about them: a "
         "shipped task; a CSV file with the column angle_rad, or the angles of all joints, and "
         "time_s; or any motion in the range of the curves.",
         "none",

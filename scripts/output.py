@@ -36,7 +36,7 @@ __all__ = [
 console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
 Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
-QUIET = 3.0  # s, at least, between two lines about progress
+QUIET = 3.0  # [s], least time from one line about progress to the next
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 
 

@@ -51,5 +51,5 @@ def _sentence(box: str) -> str:
             part = []
         else:
             part.append(" ".join(text.split()))
-    told = [one.strip() for one in parts if not one.startswith(ADVICE)]
-    return "; ".join(one for one in told if one)
+    sentences = [one.strip() for one in parts if not one.startswith(ADVICE)]
+    return "; ".join(one for one in sentences if one)

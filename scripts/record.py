@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 
 RECORD = ".activesuit"
-FIRST_LINE = "activesuit "  # and the name of the command; each other line names a file it wrote
+FIRST_LINE = "activesuit "  # the command's name follows; each other line names a file it wrote
 LONGEST = 1 << 20  # bytes of a record; a longer one is not ours
 FEW = 3  # names of foreign files in a sentence
 

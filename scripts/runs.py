@@ -21,7 +21,7 @@ from .options import ENV, GRAVITY
 from .own_files import is_own
 
 COMMAND = "this command"
-OUR_MODULE = "activesuit:"  # before an id, as Gymnasium takes it in worker processes
+OUR_MODULE = "activesuit:"  # prefix of an id, for Gymnasium's worker processes
 
 
 @dataclass(frozen=True, kw_only=True)

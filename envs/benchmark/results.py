@@ -15,7 +15,7 @@ from ..levels import LEVELS
 from ..tasks import TASKS
 
 RESULTS = "results.jsonl"
-Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # of an effort or an error
+Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
 LARGEST = 2**28  # bytes
 
 
@@ -29,7 +29,7 @@ class Result:
         believed: Suit that controllers believe in.
         policy: Name of the policy in tables.
         options: Policy and options as plain values.
-        effort: Effort of the settled wearer over strength; infinite where the policy failed.
+        effort: Effort of the adapted wearer over strength; infinite where the policy failed.
         tracking: Tracking error [rad], likewise.
         success: Whether the motion went well.
         failed: Why the policy could not act; None if it could.

@@ -39,7 +39,7 @@ class Setting(NamedTuple):
     Attributes:
         task: Name of the task.
         level: Name of the level.
-        believed: Name of the suit that controllers believe in: the worn one, but at "shift".
+        believed: Name of the suit that controllers believe in: the true one, but at "shift".
     """
 
     task: str
@@ -49,12 +49,12 @@ class Setting(NamedTuple):
     @property
     def options(self) -> dict[str, Any]:
         """Options of the environment."""
-        worn = {} if self.level == "shift" else {"suit": self.believed}
-        return {**worn, "level": self.level, "task": task_of_suite(self.task)}
+        changes = {} if self.level == "shift" else {"suit": self.believed}
+        return {**changes, "level": self.level, "task": task_of_suite(self.task)}
 
     @property
     def worn(self) -> str:
-        """Name of the suit that is worn; at "shift" it is that of the level."""
+        """Name of the wearer's suit; at "shift" it is that of the level."""
         return str(LEVELS[self.level].get("suit", self.believed))
 
 
@@ -86,9 +86,9 @@ class Trial(NamedTuple):
 class Suite:
     """What a benchmark runs.
 
-    At "nominal" and "randomized" controllers believe in the suit that is worn, at its usual
-    pressure. At "shift" they believe in the same suits, and an EMU-like one at 40 kPa is worn: so
-    once another family, and once the right one at another pressure.
+    At "nominal" and "randomized" controllers believe in the wearer's suit, at its usual
+    pressure. At "shift" they believe in the same suits, and the wearer's is an EMU-like
+    one at 40 kPa: so once another family, and once the right one at another pressure.
 
     Attributes:
         name: Name of the suite.
@@ -97,7 +97,7 @@ class Suite:
         levels: Names of levels.
         believed: Names or files of suits that controllers believe in.
         episodes: Number of motions of each policy, at least 8.
-        coupling: How the exoskeleton is held to the arm.
+        coupling: Connection of the exoskeleton to the arm.
 
     Raises:
         InputError: A name is unknown, or there are too few motions.

@@ -1,4 +1,4 @@
-"""One trial of the benchmark: a policy, on all motions of a setting, with settled wearers.
+"""One trial of the benchmark: a policy, on all motions of a setting, with adapted wearers.
 
 A worker runs it on one thread, so that trials may run beside each other.
 """
@@ -17,8 +17,8 @@ from .results import Result
 from .suite import Suite, Trial
 
 LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
-DIGITS = 6  # of efforts and errors
-SMALLEST = 12  # decimals, beyond which an error is rounding
+DIGITS = 6  # significant digits of efforts and errors
+SMALLEST = 12  # number of decimals; smaller errors are rounding
 
 
 def run_trial(suite: Suite, trial: Trial) -> Result:

@@ -29,7 +29,7 @@ def tunable(name: str) -> dict[str, tuple[float, float]]:
 
 
 def tuning_cost(spec: PolicySpec) -> float:
-    """Returns the mean effort of settled wearers at the level "randomized", over strength.
+    """Returns the mean effort of adapted wearers at the level "randomized", over strength.
 
     Args:
         spec: Policy with its options.
@@ -51,7 +51,7 @@ def tuning_cost(spec: PolicySpec) -> float:
             traces = rollout(wearers.arms, policy, seeds, taught=taught)
             lost = any(trace.terminated for trace in traces)
             found.append(WORST if lost else float(np.mean(score(spec.name, traces).effort)))
-        except InputError:  # the arm is lost even where it is led
+        except InputError:  # the arm is lost even where it is guided
             found.append(WORST)
         finally:
             wearers.close()

@@ -50,7 +50,7 @@ class Envelope:
             axes of the torso [m], shape (n, 3).
         effort: Share of isometric strength that the easiest posture takes, that of the joint with
             the largest share [1], shape (n,).
-        posture: That posture, in the order of `JOINTS` [rad], shape (n, 4).
+        posture: Easiest posture, in the order of `JOINTS` [rad], shape (n, 4).
         postures: How many postures were examined.
     """
 
@@ -126,7 +126,7 @@ def work_envelope(
 
     Args:
         config: Wearer, suit, exoskeleton, load and place.
-        condition: What is worn.
+        condition: Whether there is a suit, an exoskeleton and its torque.
         branch: Where the joints of the suit come from.
         measured: Whether the joints of a suit only take angles in the ranges of its file, for which
             its models were identified. Without, they move as far as the suited arm does, and the
@@ -150,13 +150,13 @@ def work_envelope(
     flag("measured", measured)
     within("spacing", spacing, *SPACINGS, " m")
     at_least("wrist_angles", wrist_angles, 2)
-    held = Holding.of(config, condition, branch, measured=measured)
-    low, high = held.range[-1]
+    holding = Holding.of(config, condition, branch, measured=measured)
+    low, high = holding.range[-1]
     wrist = np.linspace(low, high, wrist_angles)
-    points = _lattice(held.reach, spacing)
+    points = _lattice(holding.reach, spacing)
     found = []
     for begin in range(0, len(points), PART):
-        found.append(held.easiest(points[begin : begin + PART], wrist))
+        found.append(holding.easiest(points[begin : begin + PART], wrist))
         on_progress(min(begin + PART, len(points)) / len(points))
     effort, posture = (np.concatenate([part[i] for part in found]) for i in range(2))
     there = np.isfinite(effort)

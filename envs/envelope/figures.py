@@ -36,7 +36,7 @@ SMOOTHED = 12  # passes over the corners of a drawn surface
 
 
 def sections_figure(envelopes: Sequence[Envelope]) -> Figure:
-    """Draws what can be held in three planes, a row for each branch.
+    """Draws the hand positions that can be kept in three planes, a row for each branch.
 
     Gray is what the hand reaches in any of the envelopes of the row at any effort.
 
@@ -55,7 +55,7 @@ def sections_figure(envelopes: Sequence[Envelope]) -> Figure:
             ax.set(title=title, xlabel=f"{AXES[right]} [m]", ylabel=f"{AXES[up]} [m]")
             ax.set_aspect("equal")
             if right == 1:
-                ax.invert_xaxis()  # as the wearer sees it
+                ax.invert_xaxis()  # the wearer sees it so
         axes[0].annotate(
             *(branch, (-0.28, 0.5)),
             xycoords="axes fraction",
@@ -81,22 +81,22 @@ def _draw_section(
     half = 2 + int(max(np.abs(columns).max(), np.abs(rows).max()))
     line = (np.arange(-half, half) + 0.5) * envelope.spacing
     # 1 where the hand can be; and 1/2 where holding it there takes the share that counts.
-    reached, held = np.zeros((2, 2 * half, 2 * half))
+    reached, kept = np.zeros((2, 2 * half, 2 * half))
     reached[rows + half, columns + half] = 1
-    held[rows + half, columns + half] = np.clip(1 - envelope.effort[inside] / (2 * HELD), 0, 1)
+    kept[rows + half, columns + half] = np.clip(1 - envelope.effort[inside] / (2 * HELD), 0, 1)
     ax.contourf(line, line, reached, levels=[0.5, 2], colors=["0.5"], alpha=0.12)
-    if held.max() < 0.5:
+    if kept.max() < 0.5:
         return
     color, style = COLORS[envelope.condition], STYLES.get(envelope.condition, "-")
     opacity = FILLED.get(envelope.condition, 0)
-    ax.contourf(line, line, held, levels=[0.5, 2], colors=[color], alpha=opacity)
-    ax.contour(line, line, held, levels=[0.5], colors=[color], linestyles=[style], linewidths=1.6)
+    ax.contourf(line, line, kept, levels=[0.5, 2], colors=[color], alpha=opacity)
+    ax.contour(line, line, kept, levels=[0.5], colors=[color], linestyles=[style], linewidths=1.6)
 
 
 def envelope_picture(
     envelopes: Sequence[Envelope], *, width: int = 900, height: int = 900
 ) -> NDArray[np.uint8]:
-    """Renders the arm with what can be held around it, shape (height, width, 3).
+    """Renders the arm with the hand positions that can be kept, shape (height, width, 3).
 
     Args:
         envelopes: Envelopes of one arm, inner ones first; those that hold nothing are left out.
@@ -109,11 +109,11 @@ def envelope_picture(
     spec = arm_spec(envelopes[0].config)
     torso, shoulder = spec.body("torso"), spec.body("shoulder")
     for envelope in envelopes:
-        held = envelope.cells[envelope.effort <= HELD]
-        if not held.size:
+        kept = envelope.cells[envelope.effort <= HELD]
+        if not kept.size:
             continue
         mesh = f"envelope_{envelope.condition}"
-        vertices, faces = _surface(held)
+        vertices, faces = _surface(kept)
         spec.add_mesh(
             name=mesh,
             uservert=(vertices * envelope.spacing).ravel(),

@@ -22,11 +22,11 @@ SAMPLES = 201  # angles of a joint at which its torques are tabulated, as many a
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Holding:
-    """An arm that is held still; positions are in the frame of the torso.
+    """An arm at rest; positions are in the frame of the torso.
 
     Attributes:
         range: Range of every joint [rad], shape (4, 2).
-        resistance: Torque against which each joint is held without gravity, of suit and relaxed
+        resistance: Torque that keeps each joint in place without gravity, of suit and relaxed
             arm, at equal distances over its range [N·m], shape (4, 201).
         strength: Least and greatest torque that the wearer can give at the same angles [N·m], shape
             (2, 4, 201).
@@ -61,17 +61,17 @@ class Holding:
             InputError: See `work_envelope`.
             PoleError: A steady cycle meets the pole of an uncertified model.
         """
-        worn = _worn(config, condition)
-        model = compose(worn, drawn=False)
+        variant = _variant(config, condition)
+        model = compose(variant, drawn=False)
         joints = [model.joint(joint).id for joint in JOINTS]
         span = model.jnt_range[joints]
-        if measured and worn.suit != NO_SUIT:
-            for name, entry in load_suit(worn.suit).joints.items():
+        if measured and variant.suit != NO_SUIT:
+            for name, entry in load_suit(variant.suit).joints.items():
                 span[JOINTS.index(name)] = np.clip(entry.range, *span[JOINTS.index(name)])
         angle = np.linspace(span[:, 0], span[:, 1], SAMPLES)
         stiffness, rest = model.jnt_stiffness[joints], model.qpos_spring[model.jnt_qposadr[joints]]
         resistance = stiffness * (angle - rest)
-        for name, entry in resisting_joints(worn).items():
+        for name, entry in resisting_joints(variant).items():
             joint = JOINTS.index(name)
             low, high = span[joint]
             cycle = steady_cycle(
@@ -81,10 +81,10 @@ class Holding:
                 start_torque=entry.start_torque,
             )
             resistance[:, joint] += cycle.rising if branch == "loading" else cycle.falling
-        strength = strength_limits(isometric_strength(worn.wearer), angle, np.zeros_like(angle))
+        strength = strength_limits(isometric_strength(variant.wearer), angle, np.zeros_like(angle))
         motor = np.zeros(len(JOINTS))
         if condition in ("assisted", "unlimited"):
-            for joint, one in worn.exo.motors.items():
+            for joint, one in variant.exo.motors.items():
                 motor[JOINTS.index(joint)] = one.continuous_torque
         if condition == "unlimited":
             motor[[JOINTS.index(joint) for joint in ASSISTED]] = np.inf
@@ -170,7 +170,7 @@ class Holding:
         return low, high, (high - low) / (SAMPLES - 1)
 
 
-def _worn(config: ArmConfig, condition: Condition) -> ArmConfig:
+def _variant(config: ArmConfig, condition: Condition) -> ArmConfig:
     if config.coupling != "rigid":
         raise InputError(
             f"coupling is {config.coupling!r}: leave it 'rigid'; the conditions say whether there "

@@ -13,7 +13,7 @@ from numba import njit
 
 from ...arrays import AnyArray
 
-ROUNDING = 1e-9  # rad, by which an angle may miss its range
+ROUNDING = 1e-9  # [rad], distance by which an angle may miss its range
 
 
 @njit(cache=True)
@@ -144,18 +144,18 @@ def easiest_postures(
         wrist: Angles of the wrist [rad], shape (w,).
         grip: Distance of the grip from the wrist [m], and its direction with the wrist straight
             [rad], shape (2,).
-        gravity: See `holding_torque`, as for the next four.
-        outward: See there.
-        lengths: See there.
-        mass: See there.
-        center: See there.
+        gravity: Gravity, as in `holding_torque`, which also describes the next four.
+        outward: Outward direction.
+        lengths: Lengths of the links.
+        mass: Masses of the links.
+        center: Centers of mass of the links.
         low: Lower end of the range of each joint [rad], shape (4,).
         high: Upper end [rad], shape (4,).
         step: Distance of the angles of the tables [rad], shape (4,).
-        resistance: See `holding_torque`.
-        weakest: See `share_of_strength`, as for the next two.
-        strongest: See there.
-        motor: See there.
+        resistance: Resistance, as in `holding_torque`.
+        weakest: Weakest torque, as in `share_of_strength`, which also describes the next two.
+        strongest: Strongest torque.
+        motor: Motor torque.
         scratch: Angles and torques of a posture, shape (2, 4).
         effort: The least share, NaN where the hand cannot be, shape (n,).
         posture: The posture that takes it [rad], shape (n, 4).

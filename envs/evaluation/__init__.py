@@ -1,4 +1,4 @@
-"""Closed-loop evaluation of policies: motions, settled wearers, references, bounds and scores."""
+"""Closed-loop evaluation of policies: motions, adapted wearers, references, bounds and scores."""
 
 from .bounds import BOUNDS
 from .compare import FIRST_SEED, REFERENCES, Evaluation, evaluate

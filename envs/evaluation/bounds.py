@@ -1,6 +1,6 @@
 """The clairvoyant: what motors can do for one who knows the suit and the whole motion.
 
-What a led wearer and the motors give together is what the motion takes, and becomes the motors'
+What a guided wearer and the motors give together is what the motion takes, and becomes the motors'
 plan: within their peaks, rationed where their heat would bind, their lag inverted. After three
 passes little is left to take over. It is a bound for motions that follow the intention, in
 practice; no theorem.
@@ -18,7 +18,7 @@ from ..policies.planned import Planned
 from .settled import Wearers, smoothed
 
 PASSES = 3
-COOLNESS = 0.999  # of the heat that a plan may reach, so that the protection does not act
+COOLNESS = 0.999  # share of the heat limit that a plan may use: the protection does not act
 BOUNDS = ("clairvoyant-suit", "clairvoyant")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
 

@@ -121,7 +121,7 @@ def branch(
     Every policy has watched: it got the observations of the past, so that its memory is right, and
     what it answered to them did not count. The bounds plan the whole motion, and their plans are
     taken from the branch point on. The wearer has learned nothing of suit and exoskeleton, because
-    what he would have learned hangs on the policy. An arm that is lost ends its branch.
+    what a wearer would have learned depends on the policy. An arm that is lost ends its branch.
 
     Args:
         env_id: Id of a registered environment.

@@ -29,9 +29,9 @@ from .statistics import Interval, mean_interval, ratio_interval
 
 Make = Callable[[ArmVectorEnv], Policy]
 Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
-FIRST_SEED = 10_000  # of evaluations, far from those of training
+FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 REFERENCES = ("unsuited", "suited")
-LEAST_COST = 0.01  # of strength, that a suit must cost for relief to have a meaning
+LEAST_COST = 0.01  # share of strength that a suit must cost for relief to have a meaning
 _EXO = ("exo", "misalignment", "belief", "sensors", "sensing")
 _SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
@@ -178,7 +178,7 @@ def evaluate(
     for name in reversed(REFERENCES) if references else ():
         options = reference_options(name, env_options)
         wearers = Wearers(env_id, episodes, **options, effort_scale=scale)
-        scale = wearers.arms.episodes.effort_scale  # of the suited arm, for all
+        scale = wearers.arms.episodes.effort_scale  # the suited arm's, for all
         scores[name] = _score(
             name, make_policy("none", wearers.arms), wearers, seeds, settled, on_policy
         )

@@ -81,7 +81,7 @@ def rollout(
         arms: Vector environment with as many rows as seeds.
         policy: Policy that acts on the observations of all rows.
         seeds: Seed of each row; the row's episode is the first of that seed.
-        taught: Torque that the wearers foresee beside those of their bare arms [N·m], shape (rows,
+        taught: Learned torque of the wearers beside that of their bare arms [N·m], shape (rows,
             samples, 4), for arms that were made with taught=True.
         on_step: Function that is called before every control period with its number, from 0.
 

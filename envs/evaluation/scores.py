@@ -16,7 +16,7 @@ from .rollout import Trace
 
 Values = tuple[float, ...]
 BEGINNING = 0.5  # s
-TINY = 1e-9  # of a sum of rewards
+TINY = 1e-9  # a sum of rewards that counts as none
 
 
 @dataclass(frozen=True, kw_only=True)

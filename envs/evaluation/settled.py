@@ -1,4 +1,4 @@
-"""The settled wearer: one who has repeated a motion until nothing is left to learn.
+"""The adapted wearer, who has repeated a motion until nothing is left to learn.
 
 Learning ends where u = (forgetting · own + rate · torque) / (forgetting + rate), with the torque
 that the motion takes under the policy. That torque is read from rollouts of an arm which stiff
@@ -22,11 +22,11 @@ from .rollout import Trace, rollout
 
 ROLLOUTS = 2
 SMOOTHING = 2  # control periods, by which torque is smoothed: nobody learns faster changes
-SHARE = RATE / (RATE + FORGETTING)  # of a load, which is learned in the end
+SHARE = RATE / (RATE + FORGETTING)  # share of a load that is learned in the end
 
 
 class Wearers:
-    """Wearers of one kind of arm in three states: naive, led by stiff hands, and settled.
+    """Wearers of one kind of arm in three states: naive, guided by stiff hands, and adapted.
 
     Args:
         env_id: Id of a registered environment.
@@ -34,7 +34,7 @@ class Wearers:
         **options: Options of the environment.
 
     Attributes:
-        arms: Rows of arms whose wearers can be taught; policies are made for them.
+        arms: Rows of arms that take learned torques; policies are made for them.
     """
 
     def __init__(self, env_id: str, rows: int, **options: Any) -> None:
@@ -56,7 +56,7 @@ class Wearers:
         """Returns the motions of wearers who have learned them under the policy.
 
         Raises:
-            InputError: The policy ends episodes although the arm is led.
+            InputError: The policy ends episodes although the arm is guided.
         """
         return rollout(self.arms, policy, seeds, taught=self.lesson(policy, seeds))
 
@@ -67,7 +67,7 @@ class Wearers:
             The torque beside that of the bare arm, shape (rows, samples, 4).
 
         Raises:
-            InputError: The policy ends episodes although the arm is led.
+            InputError: The policy ends episodes although the arm is guided.
         """
         taught = np.zeros((len(seeds), self._led.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
@@ -75,7 +75,7 @@ class Wearers:
         return taught
 
     def learned(self, traces: Sequence[Trace]) -> Array:
-        """Returns what wearers learn of motions that were led just now, as `lesson` does [N·m]."""
+        """Returns what wearers learn of guided motions, as `lesson` does [N·m]."""
         own = self._led.episodes.simulation.own_torque(np.arange(len(traces)))
         torque = smoothed([trace.human_torque for trace in traces], own.shape[1])
         return SHARE * (torque - own)
@@ -84,15 +84,15 @@ class Wearers:
         """Returns the motions of arms that stiff hands lead along the intention.
 
         Raises:
-            InputError: The policy ends episodes although the arm is led.
+            InputError: The policy ends episodes although the arm is guided.
         """
         traces = rollout(self._led, policy, seeds, taught=taught)
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise InputError(
                     f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
-                    "it is led along the motion, so that no wearer can settle: use settled=False, "
-                    "or mend the policy"
+                    "it is guided along the motion, so that no wearer can adapt: use "
+                    "settled=False, or mend the policy"
                 )
         return traces
 

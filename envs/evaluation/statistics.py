@@ -3,11 +3,11 @@
 The intervals of means and ratios are bootstrap-t: each resample is studentized by its own
 jackknife standard error (Efron & Tibshirani 1993, "An introduction to the bootstrap", chapters 11
 and 12). In 2,000 repeats with 20 (50) motions, which the tests repeat, nominal 95 % intervals
-held the truth in 95.5 (95.7) % for normal values, 95.2 (94.8) % for gamma values of shape 2, 93.9
-(94.8) % for t values with 5 degrees of freedom, 95.0 (94.9) % for paired differences of values with
-a correlation of 0.9, and 95.0 (95.5) % for ratios whose denominators have a coefficient of
-variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of such values held it
-in only 91 to 94 % with 20 motions.
+contained the truth in 95.5 (95.7) % for normal values, 95.2 (94.8) % for gamma values of shape 2,
+93.9 (94.8) % for t values with 5 degrees of freedom, 95.0 (94.9) % for paired differences of values
+with a correlation of 0.9, and 95.0 (95.5) % for ratios whose denominators have a coefficient of
+variation of 0.3; the binomial error is 0.5 %. Percentile and BCa intervals of such values had it in
+only 91 to 94 % with 20 motions.
 """
 
 from collections.abc import Callable
@@ -28,9 +28,9 @@ FEWEST_MOTIONS = 8
 # Of 4 runs a resample repeats a single one in 1.6 % of cases and has no error of its own, which
 # decides about the ends of the interval; of 5 in 0.2 %.
 FEWEST_RUNS = 5
-FEWEST_RESAMPLES = 200  # so that at the highest level one lies beyond each end
+FEWEST_RESAMPLES = 200  # one lies beyond each end at the highest level
 LEVELS = 0.5, 0.99
-LEAST_ERROR = 0.2  # of the data's standard error, for resamples that happen to be nearly constant
+LEAST_ERROR = 0.2  # share of the data's standard error, for resamples that are nearly constant
 BLOCK = 2**20  # values of a series that are resampled at a time
 
 Estimate = Callable[[NDArray[np.int64]], tuple[Array, Array]]
@@ -159,8 +159,8 @@ def interquartile_mean_interval(
     The interquartile mean is that of Agarwal et al. (2021), "Deep RL at the edge of the statistical
     precipice". They resample runs task by task, as their runs of two tasks are two trainings. Here
     all episodes of a run share one training, so that whole runs are resampled: with 10 runs that
-    differ twice as much as their episodes the interval then held the truth in 95 % of repeats,
-    while resampling episode by episode, or episodes within each run, held it in 42 to 43 %. The
+    differ twice as much as their episodes the interval then contained the truth in 95 % of repeats,
+    while resampling episode by episode, or episodes within each run, had it in 42 to 43 %. The
     standard error is that of a trimmed mean (Tukey & McLaughlin 1963), by runs.
 
     Args:
@@ -188,7 +188,7 @@ def improvement_interval(one: ArrayLike, other: ArrayLike, *, level: float = 0.9
     X is the score of a run of one policy, Y that of a run of the other in the same episode; all
     pairs of runs count, as in Agarwal et al. (2021). The interval is method 5 of Newcombe (2006),
     Statistics in Medicine 25, 559-573, with runs as the independent values. It needs no resamples,
-    and it keeps a width where every run of one policy is better; bootstraps do not, and held the
+    and it keeps a width where every run of one policy is better; bootstraps do not, and had the
     truth in only 62 % of repeats with 5 runs each and a truth of 0.92, this one in 95 %. With many
     episodes that vary on their own it is wider than needed.
 

@@ -1,4 +1,4 @@
-"""Validation of a believed suit against a worn one: its torque along real motions, then relief.
+"""Validation of a believed suit against the true one: its torque along real motions, then relief.
 
 Torque comes first, because motors and wearer blur it: a torque that is 20 % too large everywhere
 still gives back 93 % of what the true model does.
@@ -32,8 +32,8 @@ without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
 TRUE, BOUND = "true model", "clairvoyant"
-LEAST_TORQUE = 0.01  # N·m, that a joint must resist somewhere to be judged
-FARTHEST = 0.2  # s, up to which a lag is sought
+LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
+FARTHEST = 0.2  # [s], greatest lag that is sought
 FINEST = 0.001  # s, its resolution
 
 
@@ -80,7 +80,7 @@ class TorqueErrors:
 
     @property
     def nrmse(self) -> Interval | None:
-        """NRMSE of the joint whose interval ends highest, which decides; None without joints."""
+        """NRMSE of the worst joint (highest upper limit), which sets the verdict; None if none."""
         found = [error.nrmse for error in self.joints.values()]
         return max(found, key=lambda one: one.high, default=None)
 
@@ -92,7 +92,7 @@ class TorqueErrors:
 
 @dataclass(frozen=True, kw_only=True)
 class Validation:
-    """What a believed suit is worth in a worn one.
+    """What a believed suit is worth where another one is the true one.
 
     Attributes:
         torque: Torque errors along the motions under the controller that believes.
@@ -161,7 +161,7 @@ def validate(
         episodes: Number of motions, at least 8.
         seed: Seed of the first motion.
         on_policy: Function that is called after each policy with its name and its motions.
-        **env_options: Options of the environment; `suit` is the worn one.
+        **env_options: Options of the environment; `suit` is the true one.
 
     Returns:
         The evaluation, in which "by NAME" is the policy with that suit beside "true model"
@@ -169,7 +169,7 @@ def validate(
 
     Raises:
         InputError: There are fewer than 8 episodes, a suit resists none of the assisted joints that
-            the worn one resists, its model has no torque somewhere on the way, or `evaluate`
+            the true one resists, its model has no torque somewhere on the way, or `evaluate`
             raises it.
     """
     at_least("episodes", episodes, FEWEST_MOTIONS)
@@ -198,11 +198,11 @@ def validate(
 def believed_joints(
     env_id: str, believed: Mapping[str, AnySuit], policy: str, **env_options: Any
 ) -> dict[str, dict[str, SuitJoint]]:
-    """Returns the assisted joints that each believed suit and the worn one resist, as believed.
+    """Returns the assisted joints that each believed suit and the true one resist, as believed.
 
     Raises:
         InputError: The policy cannot believe a suit here, or a suit resists none of the assisted
-            joints that the worn one resists.
+            joints that the true one resists.
     """
     arms = make_arms(env_id, 1, **env_options)
     config, found = arms.episodes.simulation.config, {}
@@ -213,7 +213,7 @@ def believed_joints(
         found[name] = {joint: joints[joint] for joint in needed if joint in joints}
         if needed and not found[name]:
             raise InputError(
-                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the worn "
+                f"the believed suit {name!r} does not resist {' or '.join(needed)}, which the true "
                 "suit does: give one with a model of an assisted joint"
             )
     arms.close()
@@ -337,7 +337,7 @@ def curve_errors(joint: SuitJoint, curves: Mapping[str, tuple[Array, Array]]) ->
 
 
 def noise_of(joint: SuitJoint) -> float | None:
-    """Returns the root mean square of what a fit left of its curves [N·m]; None if not told.
+    """Returns the root mean square of what a fit left of its curves [N·m]; None if it is not known.
 
     The file has it over the largest torque of the curves, which is taken to be that of the model
     along one loading and unloading over its range.

@@ -74,7 +74,7 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
 
 
 def worn_suit(config: ArmConfig) -> Suit | None:
-    """Returns the suit at the pressure at which it is worn, with the memory that it begins with.
+    """Returns the suit at its operating pressure, with the memory that it begins with.
 
     A suit whose torque changes over its cycles is in the first of them, or after many if it is
     preconditioned.
@@ -100,7 +100,7 @@ def worn_suit(config: ArmConfig) -> Suit | None:
 
 
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
-    """Returns the joints that the suit resists, at the pressure at which it is worn.
+    """Returns the joints that the suit resists, at its operating pressure.
 
     Raises:
         InputError: See `compose`.
@@ -136,10 +136,10 @@ def _compiled(
     edits: Edits | None,
 ) -> mujoco.MjModel:
     # The content of the suit file is part of the key: a path may get a new content.
-    worn = None if suit is None else Suit.model_validate_json(suit)
-    spec = _built(config, worn, edits, drawn=drawn)
+    parsed = None if suit is None else Suit.model_validate_json(suit)
+    spec = _built(config, parsed, edits, drawn=drawn)
     also_worn = [Suit.model_validate_json(other) for other in others]
-    attach_others(spec, worn, also_worn, allow_uncertified=config.allow_uncertified)
+    attach_others(spec, parsed, also_worn, allow_uncertified=config.allow_uncertified)
     if not drawn:
         make_lean(spec)
     return spec.compile()
@@ -189,7 +189,7 @@ def _undrawn() -> mujoco.MjSpec:
 def _strip(spec: mujoco.MjSpec, config: ArmConfig) -> None:
     """Removes the parts that `config` does not have."""
     postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
-    for key in spec.keys:  # before anything that their sizes depend on
+    for key in spec.keys:  # their sizes depend on what follows
         spec.delete(key)
     if config.suit == NO_SUIT:
         remove_suit(spec)

@@ -1,4 +1,4 @@
-"""The exoskeleton on its own joints, held to the arm by compliant cuffs.
+"""The exoskeleton on its own joints, connected to the arm by compliant cuffs.
 
 arm.xml mounts the exoskeleton rigidly: its parts move with the segments of the arm, and its motors
 act on the wearer's joints. Here they become a chain of their own, beside the arm's on the torso,
@@ -209,14 +209,14 @@ def _move(spec: mujoco.MjSpec, begins: Sequence[Array]) -> None:
     spec.copy_during_attach = True  # MuJoCo can copy a spec's own bodies, not move them
     parent = spec.body("torso")
     for (part, segment), joint, begin in zip(CHAIN.items(), JOINTS, begins, strict=True):
-        limb, worn = spec.body(segment), spec.body(part)
+        limb, sleeve = spec.body(segment), spec.body(part)
         frame = parent.add_frame(pos=limb.pos + begin, quat=limb.quat)
-        parent = frame.attach_body(worn, MOVED, "")
-        spec.delete(worn)
+        parent = frame.attach_body(sleeve, MOVED, "")
+        spec.delete(sleeve)
         for kind in ("body", "geom", "site", "camera", "light"):
             for element in [parent, *parent.find_all(kind)]:
                 element.name = element.name.removeprefix(MOVED)
-        for sensor in spec.sensors:  # of something on the moved body: these are copies, too
+        for sensor in spec.sensors:  # sensors on the moved body are copies, too
             for field in ("name", "objname", "refname"):
                 setattr(sensor, field, getattr(sensor, field).removeprefix(MOVED))
         given = spec.joint(joint)

@@ -7,7 +7,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ..person import Person, Segment, isometric_strength, segments
 
-DRAWN = Person()  # whom arm.xml is drawn for
+DRAWN = Person()  # the person that arm.xml is drawn for
 ROOTS = ("legs", "torso")
 FARTHEST = 1.0  # rad from the intention, where an episode of the environment ends
 _LIMBS = {  # bodies that are as long as a segment

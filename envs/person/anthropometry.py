@@ -46,7 +46,7 @@ _SEGMENTS = {
         "hand": (78.0, 0.0056, 0.7474, 0.531, 0.454, 0.335),
     },
 }
-_SEGMENT_STATURE = {"male": 1741.0, "female": 1735.0}  # mm, of the people those lengths are of
+_SEGMENT_STATURE = {"male": 1741.0, "female": 1735.0}  # [mm], the measured people's
 
 _BOONE = "Boone and Azen 1979, men"
 _RANGES: dict[str, tuple[tuple[float, str, Grade], tuple[float, str, Grade]]] = {  # degrees

@@ -35,7 +35,7 @@ from .anthropometry import Person
 from .strength import isometric_strength
 
 _GOMI = (
-    "Gomi and Osu 1998, J. Neurosci. 18(21), second hand: stiffness of a held arm grows in "
+    "Gomi and Osu 1998, J. Neurosci. 18(21), as cited by others: stiffness of a posture rises in "
     "proportion to torque"
 )
 _ALIKE = "like the shoulder's flexion in size"
@@ -142,7 +142,7 @@ PROVENANCE: tuple[Quantity, ...] = (
 NOISE_SIZE = np.array([quantity.value for quantity in _NOISE])
 RATE, FORGETTING = _RATE.value, _FORGETTING.value
 LEAD = _LEAD.value
-# Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm led by stiff hands: those of version 0.1.
+# Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm guided by stiff hands: those of version 0.1.
 STIFF = np.array([[250.0, 250.0, 120.0, 20.0], [26.0, 30.0, 10.0, 1.0]])
 
 
@@ -167,7 +167,7 @@ class VoluntaryControl:
         noise: Signal-dependent noise in multiples of a typical one, whose standard deviation is
             2.5 % of the torque at shoulder and elbow and 4.5 % at the wrist, 0 to 10.
         tremor: Standard deviation of physiological tremor over the torque, 0 to 0.5.
-        stiff: Whether the arm is led along the intention by stiff hands instead, whose torque is
+        stiff: Whether the arm is guided along the intention by stiff hands instead, whose torque is
             that of inverse dynamics: what a person can learn at most. The other settings of
             impedance, reflex, correction and learning then mean nothing.
 

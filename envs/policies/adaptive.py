@@ -18,11 +18,11 @@ from .model_based import SHARE, ModelBased
 BELIEVED = np.array([1.0, 0.0, 0.0, 1.0])
 SPREAD = np.array([0.7, 1.0, 1.0, 0.3])  # 1, N·m/rad, N·m, 1: how wrong a belief may well be
 CUTOFF = 3.0  # Hz
-LASTING = 0.3  # s, for which an error that no term explains stays the same
-STILL = 0.02  # rad/s, below which nothing new is learned
-NOISE = 0.1  # of the torque, of pads between person and suit
+LASTING = 0.3  # [s], time for which an error that no term explains stays the same
+STILL = 0.02  # [rad/s], greatest rate at which nothing new is learned
+NOISE = 0.1  # share of the torque: noise of pads between person and suit
 QUIET = 0.2  # N·m, the least error that counts
-SCALES = (0.02, 50.0)  # of the unit hysteresis, whose certificate holds for any above 0
+SCALES = (0.02, 50.0)  # factors of the hysteresis; any above 0 keeps the certificate
 LARGEST = np.array([0.0, 40.0, 20.0, 3.0])  # bounds of the other terms
 
 
@@ -98,7 +98,7 @@ class Adaptive(ModelBased):
         """Learns from the last measurement; returns the corrected compensation [N·m], (n, 2)."""
         rate = seen["rate"]
         terms, (momentum, known) = self._terms(seen, 0.0), self._carried(seen)
-        known = known + self._weight(seen["angle"])  # whose factor is to be found
+        known = known + self._weight(seen["angle"])  # its factor is not known
         self._past.append((terms, momentum, known, rate[:, self.assisted]))
         if len(self._past) > self._late:
             self._observe(*self._past.pop(0), person(seen))

@@ -11,7 +11,7 @@ from .levers import CuffLevers
 from .model_based import SHARE, ModelBased
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
-RELIEVED = 0.7  # of the suit's torque; with all of it the arm swings in a stiff suit (see the rule)
+RELIEVED = 0.7  # share of the suit's torque; with all of it an arm in a stiff suit oscillates
 DAMPING = 1.0  # 1/s, so that a push of noise dies away within a second
 
 

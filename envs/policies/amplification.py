@@ -9,7 +9,7 @@ from .base import Arms, Seen
 from .filters import LowPass
 from .transparent import Transparent
 
-CUTOFF = 1.0  # Hz, above most of the wearer's motion
+CUTOFF = 1.0  # [Hz], faster than most of the wearer's motion
 LATE = 0.08  # s: age of the interaction torque, 0.05, the motors' lag, 0.016, and a period
 AMPLIFICATION = 2.0  # a gain of 1 around the loop, which is stable at any delay
 

@@ -14,7 +14,7 @@ class Carried:
 
     Unknown are the suit's torque and the person's, which `person` measures.
 
-    The bare arm is no part of it: `interaction_torque` is what the person gives beyond what his
+    The bare arm is no part of it: `interaction_torque` is what the person gives beyond what the
     bare arm needs, and moves these alone.
 
     Args:
@@ -40,5 +40,5 @@ class Carried:
 
 
 def person(seen: Seen) -> Array:
-    """Returns the torque that the person gives to what he carries [N·m], shape (n, 2)."""
+    """Returns the torque that the person gives to what is carried [N·m], shape (n, 2)."""
     return seen["interaction_torque"][:, ASSISTED_PLACES]

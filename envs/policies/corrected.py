@@ -15,8 +15,8 @@ from .filters import LowPass
 from .levers import CuffLevers
 from .model_based import SHARE
 
-NOISE = 1.0  # N, of a component of a cuff's force
-USUAL = 0.1  # rad, by which an arm turns in its cuffs; what no cuff tells is held to it
+NOISE = 1.0  # [N], standard deviation of a component of a cuff's force
+USUAL = 0.1  # [rad], usual turn of an arm in its cuffs: the prior where no cuff measures it
 
 
 class CorrectedCompensation(Compensation):
@@ -40,7 +40,7 @@ class CorrectedCompensation(Compensation):
     """
 
     sensors = ("encoders", "cuffs")
-    tunable: ClassVar = {}  # on cuffs, where nothing is tuned
+    tunable: ClassVar = {}  # nothing is tuned on cuffs
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class CorrectedCompensation(Compensation):
         """Returns by how much the arm is turned from the exoskeleton [rad], shape (n, 4)."""
         force = self._elastic.step(seen["cuff_force"])
         spring = self._stiffness[:, None] * self._levers(seen["angle"])
-        told = np.swapaxes(spring, 1, 2)
+        transposed = np.swapaxes(spring, 1, 2)
         little = (NOISE / USUAL) ** 2 * np.eye(spring.shape[-1])
-        pressed = told @ force[..., None]
-        return -np.linalg.solve(told @ spring + little, pressed)[..., 0].astype(np.float64)
+        pressed = transposed @ force[..., None]
+        return -np.linalg.solve(transposed @ spring + little, pressed)[..., 0].astype(np.float64)

@@ -10,7 +10,7 @@ from .carried import Carried, person
 from .compensation import Compensation
 from .filters import SecondOrderLowPass
 
-BANDWIDTH = 2.0  # Hz, at which the loop's gain is 0.31 at most (see the rule)
+BANDWIDTH = 2.0  # [Hz], limit at which the loop's gain is 0.31 at most
 
 
 class DisturbanceObserver(Compensation):
@@ -19,8 +19,8 @@ class DisturbanceObserver(Compensation):
     Law: compensation + d, with d = Q (known torque - P^-1 q): the torques of motors and person less
     what believed suit, weight, friction and inertia need for the measured motion, through a
     critically damped low-pass Q of second order.
-    Tuning rule: the person's torque is told T = 0.05 s late, so the loop from motor to wearer and
-    back has the gain |Q| |1 - exp(-jwT)|, which must stay below 1: 5 Hz and less. The default
+    Tuning rule: the person's torque is measured T = 0.05 s late, so the loop from motor to wearer
+    and back has the gain |Q| |1 - exp(-jwT)|, which must stay below 1: 5 Hz and less. The default
     leaves a factor of 2.
     Signals needed: encoders and the interaction torque. Without it the wearer is a disturbance, and
     is rejected like one.

@@ -9,7 +9,7 @@ from .belief import Belief
 from .compensation import Compensation
 
 RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load
-STILLEST = 1e-6  # rad²/s², below which no torque does work
+STILLEST = 1e-6  # [rad²/s²], squared rates at which no torque does work
 
 
 class Guard(TorquePolicy):
@@ -27,7 +27,7 @@ class Guard(TorquePolicy):
         belief: What the guard believes of person, suit and load.
 
     Attributes:
-        acted: In how many control periods it lessened a torque, shape (n,), since the reset.
+        acted: Number of control periods in which it lessened a torque, shape (n,), since the reset.
     """
 
     def __init__(self, arms: Arms, policy: Policy, belief: Belief | None = None) -> None:

@@ -61,10 +61,10 @@ class BelievedInertia:
         return matrix[ASSISTED_PLACES, ASSISTED_PLACES]
 
     def momentum(self, angle: Array, rate: Array) -> tuple[Array, Array]:
-        """Returns the momentum of the assisted joints, and by what torque motion changes it.
+        """Returns generalized momentum of the assisted joints, and its rate due to motion.
 
         The momentum p = M q' changes by the torques on the arm and by C'q', which is half the
-        derivative of q'M q' by the joint's angle.
+        derivative of q'M q' with respect to the joint's angle.
 
         Args:
             angle: Angles of the four joints [rad], shape (n, 4).

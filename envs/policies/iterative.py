@@ -13,7 +13,7 @@ from .belief import Belief, BelievedArm
 from .compensation import Compensation
 from .model_based import SHARE
 
-CUTOFF = 4.0  # Hz, up to which a cycle is learned; noise and the motors' lag are beyond
+CUTOFF = 4.0  # [Hz], greatest frequency that is learned; noise and the motors' lag are beyond
 LONGEST = 60.0  # s
 
 
@@ -21,7 +21,7 @@ class IterativeLearning(Compensation):
     """Compensates, and adds in each cycle of the work what the person still gave in the last ones.
 
     Law: u(k+1, phase) = Q[u(k, phase) + L e(k, phase + lead)], with the torque e that the person
-    gives to the suit beside what the motors relieve his own arm of, and a filter Q without delay,
+    gives to the suit beside what the motors relieve the arm of, and a filter Q without delay,
     since the whole cycle is known. It contracts by 1 - L a cycle where the person yields to the
     motors. Tuning: L is half of what would be right at once; the lead is the motors' lag. Signals:
     `interaction`, and the time of a cycle, which the task tells; where there is none the policy is
@@ -75,7 +75,7 @@ class IterativeLearning(Compensation):
         torque = super().torque(seen)
         if not self._cycle:
             return torque
-        own = self._own(seen["angle"])  # of the arm, which the motors carry too
+        own = self._own(seen["angle"])  # the arm's weight, which the motors carry too
         given = seen["interaction_torque"][:, self.assisted] + own
         self._missing[(self._period - self._late) % self._cycle] = given
         if self._period and self._period % self._cycle == 0:

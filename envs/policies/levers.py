@@ -1,4 +1,4 @@
-"""Levers of the cuffs: how the sites of the exoskeleton move where the cuffs' forces are told."""
+"""Levers of the cuffs: how the sites of the exoskeleton move where cuff forces are measured."""
 
 import mujoco
 import numpy as np

@@ -67,7 +67,7 @@ class ModelBased(TorquePolicy):
         self._friction = friction_of(arms.episodes.simulation.config.exo, friction)
 
     def begin(self, seen: Seen) -> None:
-        """Begins the suit's memory in the state in which that of the worn suit begins."""
+        """Begins the suit's memory in the state in which the true suit begins."""
         if self._suit is not None:
             self._memory = self._suit.begin(seen["angle"][:, self.assisted])
 

@@ -52,11 +52,11 @@ class ObserverAssist(ModelBased):
 
     Law: believed weight and friction, less the residual of a momentum observer of all that the bare
     arm carries. The observer knows motors, weight, friction and the person's torque.
-    Tuning rule: the person's torque is told 0.05 s late, so the loop from motor to wearer and back
-    has a gain of at most K times 0.05 s, which the default makes one half.
+    Tuning rule: the person's torque is measured 0.05 s late, so the loop from motor to wearer and
+    back has a gain of at most K times 0.05 s, which the default makes one half.
     Signals needed: encoders and the interaction torque. Without a measurement of the person the
-    residual holds his torque as well, and a policy that cancels it fights the wearer: relief is
-    then that of motors that are off.
+    residual contains the person's torque as well, and a policy that cancels it fights the
+    wearer: relief is then that of motors that are off.
     Source: De Luca and Mattone 2003 (see `MomentumObserver`).
 
     Args:

@@ -13,11 +13,11 @@ from .compensation import Compensation
 from .transparent import Transparent
 
 HARMONICS = 3  # the fundamental and two more, which tell fast ends of a motion from slow ones
-FIRST = 0.5  # Hz, between slow and fast repeated motions of an arm
+FIRST = 0.5  # [Hz], limit of slow and fast repeated motions of an arm
 SLOWEST, FASTEST = 0.15, 1.5  # Hz
 RATE = 2.0  # 1/s, so that amplitudes settle with 1 s, a third of a period of 0.3 Hz
 SLOWER = 0.3  # rate of the other pairs over that of the first, so that the frequency comes first
-WINDOW = 1.0  # s, over which the error of the prediction is weighed
+WINDOW = 1.0  # [s], length of the window that weighs the prediction's error
 LOCKED, LOST = 0.1, 0.3  # error over size of the motion, at which all and none is assisted
 STILL = 0.05  # rad, root mean square of a motion that is no rhythm yet
 

@@ -18,11 +18,11 @@ from .belief import Belief, BelievedArm
 from .compensation import Compensation
 from .filters import LowPass
 
-PERIOD = 0.05  # s, between two plans
-KNOTS = 3  # of a plan, over its horizon
-QUICKNESS = 3.0  # Hz, up to which accelerations are estimated
-SHRINKING = 0.8  # of the last plan, which no longer fits
-ELITE = 4  # of so many plans one counts: their mean is less random than the best
+PERIOD = 0.05  # [s], time from plan to plan
+KNOTS = 3  # number of knots of a plan over its horizon
+QUICKNESS = 3.0  # [Hz], bandwidth of estimated accelerations
+SHRINKING = 0.8  # share of the last plan that is kept, since it no longer fits
+ELITE = 4  # one plan in four counts: their mean is less random than the best
 SMOOTHNESS = 1.0  # cost of a correction as large as the motor's peak, beside that of strength
 FEWEST, MOST = 4, 64  # samples
 COARSENESS = 2.5  # steps of a believed arm over those of the simulated one
@@ -33,10 +33,10 @@ class PredictiveSampling(Compensation):
 
     Law: twenty times a second, plans of corrections (the last one, shrunk, and random ones around
     it, with three knots over the horizon) are simulated on a batch of the believed arm, in steps
-    two and a half times as long, whose wearer goes on as he moves now; the mean of the quarter
-    that leaves him the least torque over strength is followed (predictive sampling, Howell et al.
-    2022, arXiv 2212.00541). The state is what encoders and motors tell; the suit's memory is that
-    of an arm which is moved along.
+    two and a half times as long, whose wearer continues the present motion; the mean of
+    the quarter that leaves the wearer the least torque over strength is followed (predictive
+    sampling, Howell et al. 2022, arXiv 2212.00541). Encoders and motors give the state; the suit's
+    memory is that of an arm which is moved along.
     Tuning: spread of the samples and horizon, several times the motors' lag.
 
     With the true suit as belief it is a bound for its kind, and no controller.

@@ -13,10 +13,10 @@ GAIN = 0.5  # half of the gain at which learning no longer settles (see the rule
 class ProportionalAssist(Transparent):
     """Gives a multiple of the wearer's voluntary torque that the EMG tells, beside transparency.
 
-    Law: transparent + gain times the estimated torque, which acts 0.05 s after it is told.
-    Tuning rule: below 1. A wearer who learns a motion gives less by what he is helped; where help
-    is as much as his own torque, learning swings from one repetition to the next and does not
-    settle. The default is half of that.
+    Law: transparent + gain times the estimated torque, which acts 0.05 s after it is measured.
+    Tuning rule: below 1. A wearer who learns a motion gives less by the help; where help
+    is as much as the wearer's own torque, learning swings from repetition to repetition and
+    does not settle. The default is half of that.
     Signals needed: encoders and EMG.
     Source: Lenzi et al. 2012, Intention-based EMG control for powered exoskeletons, IEEE T-BME 59.
 

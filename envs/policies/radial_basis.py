@@ -12,8 +12,8 @@ from .belief import Belief, BelievedArm
 from .impedance import BANDWIDTH
 from .intention import intended
 
-CENTERS = (0.0, 0.6, 1.2, 1.8)  # rad, of each angle, over the reach of shoulder and elbow
-RATES = (-1.5, 0.0, 1.5)  # rad/s, of each rate, over the motions of daily work
+CENTERS = (0.0, 0.6, 1.2, 1.8)  # [rad], each angle's, over the reach of shoulder and elbow
+RATES = (-1.5, 0.0, 1.5)  # [rad/s], each rate's, over the motions of daily work
 FORGETTING = 0.05  # 1/s, so that weights decay where nothing is to be learned
 
 

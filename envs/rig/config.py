@@ -17,8 +17,8 @@ from .motion import reversals
 
 TURNS = {f"{joint}_flexion": turns for joint, turns in LI_TURNS.items()}  # rad
 LEAST_TRAVEL = 0.01  # rad; curves are named after their turn with two decimals
-SAME = 1e-6  # rad, between two angles that are meant to be one
-ROUNDING = 1e-3  # of a rate, which the digits of a file may change
+SAME = 1e-6  # [rad], distance of two angles that are meant to be one
+ROUNDING = 1e-3  # share of a rate that the digits of a file may change
 FULL_TURN = 2 * math.pi  # rad
 RATE, RATE_RANGE = 0.1, (0.01, 0.5)  # rad/s
 SAMPLE_RATE, SAMPLE_RATE_RANGE = 25.0, (1.0, 1000.0)  # Hz

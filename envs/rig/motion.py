@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ..provenance import Quantity
 
-RAMP = 0.5  # s, from rest to full rate
+RAMP = 0.5  # [s], time from rest to full rate
 
 PROVENANCE: tuple[Quantity, ...] = (
     Quantity("rig.ramp", RAMP, "s", "long beside the servo's time constant of 0.01 s", "assumed"),

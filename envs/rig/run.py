@@ -27,7 +27,7 @@ Indices = NDArray[np.int64]
 RIG = FOLDER / "mjcf" / "rig.xml"
 JOINT = "joint"
 STEP = 0.001  # s; the torsion bar of rig.xml oscillates by a quarter of a radian meanwhile
-DWELL = 0.5  # s, at rest before each curve
+DWELL = 0.5  # [s], rest before each curve
 PATIENCE = 3600.0  # s, the longest curve
 ZEROING = 50  # readings without the suit before each curve, whose mean is the sensor's zero
 

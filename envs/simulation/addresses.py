@@ -74,8 +74,8 @@ class Addresses:
         cuffs = [f"cuff_{segment}_force" for segment in CUFFS]
         forces = _indices(sensors[cuff] for cuff in cuffs if cuff in sensors)
         found = [re.fullmatch(r"(.*)(_suit(?:_\d+)?)_torque", sensor) for sensor in sensors]
-        worn = sorted((JOINTS.index(match[1]), match[2]) for match in found if match)
-        suits = [f"{JOINTS[i]}{suit}" for i, suit in worn]
+        resisting = sorted((JOINTS.index(match[1]), match[2]) for match in found if match)
+        suits = [f"{JOINTS[i]}{suit}" for i, suit in resisting]
         exo_joints = _indices(joints.get(f"exo_{joint}", joints[joint]) for joint in JOINTS)
         assisted = _indices(JOINTS.index(joint) for joint in ASSISTED)
         return cls(
@@ -94,7 +94,7 @@ class Addresses:
             ),
             hand=sensors["hand_position"] + np.arange(3),
             cuffs=(forces[:, None] + np.arange(3)).ravel(),
-            suited=_indices(i for i, _ in worn),
+            suited=_indices(i for i, _ in resisting),
             suit_torque=_indices(sensors[f"{suit}_torque"] for suit in suits),
             dissipated=_indices(sensors[f"{suit}_dissipated_energy"] for suit in suits),
             faults=fault_slots(model),

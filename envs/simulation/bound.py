@@ -29,5 +29,7 @@ def _type(value: Any) -> types.Type:
     contiguous and an array of many not, for which all kernels would be compiled a second time.
     """
     found = typeof(value)
-    filled = isinstance(found, types.Array) and found.ndim > 0 and value.size > 0
-    return found.copy(layout="A") if filled and value.strides[0] != value[0].nbytes else found
+    if isinstance(found, types.Array) and found.ndim and value.size:
+        if value.strides[0] != value[0].nbytes:
+            return found.copy(layout="A")
+    return found

@@ -42,7 +42,7 @@ class Differing:
     """Gives rows of a batch their own wearer, misalignment, load and gravity.
 
     Args:
-        config: Configuration of the arms, which rows have until told otherwise.
+        config: Configuration of the arms, which rows have at first.
         variety: What may differ.
         edits: What a task adds to the model.
 

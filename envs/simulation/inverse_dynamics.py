@@ -94,8 +94,8 @@ def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, 
     parts = [body]
     for i in range(arm.nbody):
         name = arm.body(i).name
-        worn = name.startswith("suit_") and arm.body_weldid[i] == arm.body_weldid[body]
-        if worn or (name == "payload" and last):
+        of_suit = name.startswith("suit_") and arm.body_weldid[i] == arm.body_weldid[body]
+        if of_suit or (name == "payload" and last):
             parts.append(i)
     mass, places = arm.body_mass[parts], data.xipos[parts] - data.xpos[body]
     frame = data.xmat[body].reshape(3, 3)

@@ -14,10 +14,10 @@ from ...assets import JOINTS
 from ...errors import InputError
 from .inverse_dynamics import AXIS, POSITION, Chain
 
-CLOSE = 1e-9  # m, at which a posture has brought the hand to its place
+CLOSE = 1e-9  # [m], distance at which a posture has brought the hand to its place
 CORRECTIONS = 100
 FARTHEST = 0.2  # rad, the most that a correction turns a joint
-SOFTNESS = 1e-6  # m², by which a stretched arm's correction is damped
+SOFTNESS = 1e-6  # [m²], damping of a stretched arm's correction
 MOVING = 3  # joints that bring the hand to a place: all but the wrist
 
 

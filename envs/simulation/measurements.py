@@ -27,14 +27,14 @@ _SIZES = (
     ("cuff_force", 9),  # N
     ("encoder_angle", 4),  # rad
     ("encoder_rate", 4),  # rad/s
-    ("motor_torque", 2),  # over peak
+    ("motor_torque", 2),  # torque / peak
     ("previous_action", 2),  # 1
     ("preview", 6),  # rad
     ("interaction_torque", 4),  # N·m
     ("emg", 4),  # N·m
     ("cuff_sensor", 9),  # N
     ("belief", 4),  # N·m
-    ("effort", 4),  # over strength
+    ("effort", 4),  # torque / strength
 )
 
 
@@ -53,7 +53,7 @@ NOISES = 17  # random numbers of sensors in a control period: interaction, EMG, 
 EMG_NOISES, CUFF_NOISES = 4, 8  # where the latter two begin
 
 PEAK, CONTINUOUS, TIME_CONSTANT = range(3)  # rows of `ratings` of the motors [N·m, N·m, s]
-STILL = 1e-9  # rad/s, below which an encoder's rate is zero
+STILL = 1e-9  # [rad/s], greatest rate of an encoder that counts as zero
 
 SENSED = (
     *("encoder_angle", "encoder_rate", "motor_torque", "previous_action", "preview"),
@@ -61,7 +61,7 @@ SENSED = (
 )
 """Measurements of sensors; the others are of the simulation itself."""
 
-SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # of those that are no vectors
+SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # measurements that are no vectors
 
 (
     TIME,

@@ -30,11 +30,11 @@ class Memory:
         angle: Intended joint angles [rad], shape (n, samples, 4).
         rate: Their rates [rad/s], the same shape.
         acceleration: Their accelerations [rad/s²], the same shape.
-        taught: Torque that a wearer foresees beside that of the bare arm [N·m], the same shape; no
-            samples where none is taught.
+        taught: Learned torque of a wearer beside that of the bare arm [N·m], the same shape; no
+            samples where none is given.
         gains: What a wearer foresees of the net load, gains on descriptions of the motion, shape
             (n, 4, FEATURES); none for one who never learns.
-        growing: What the wearer will foresee in the next episode, the same shape.
+        growing: Learned torque of the next episode, the same shape.
         command: Last action, shape (n, motors).
         change: Its change since the action before, shape (n, motors).
         mean_square: Running mean square of the motors' torques [N²·m²], shape (n, motors).
@@ -47,9 +47,9 @@ class Memory:
         variation: Slow noise of the muscles, tremor, and tremor a quarter period later, each with
             variance 1 in the long run, shape (n, 3, 4).
         fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
-        felt: Torque between person and suit [N·m], a ring with the step as its place, shape
-            (n, delay + 1, 4); one place that is not used without sensors that have noise.
-        shaken: Random numbers of the noise of sensors, shape (n, STRETCH, NOISES); none without.
+        felt: Measured torque between person and suit [N·m], a ring with the step as its place,
+            shape (n, delay + 1, 4); one place that is not used without sensors that have noise.
+        shaken: Random numbers of the sensors' noise, shape (n, STRETCH, NOISES); none without.
         loudness: Factor of the noise of sensors, shape (n,).
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
@@ -63,7 +63,7 @@ class Memory:
         fall: Acceleration of free fall [m/s²], where rows have places of their own, shape (n,).
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
-        told: What is told of the episode so far, shape (n, size); whoever tells gives it its size.
+        told: Reward terms and costs of the episode so far, shape (n, size), as `Episodes` sizes it.
         watched: Samples at which hands are watched, bool, shape (n, samples); whoever watches gives
             it its size, as that of the next field.
         places: Intended places of the hand in the world [m], shape (n, samples, 3).
@@ -140,7 +140,7 @@ class Memory:
             motors: Number of motors.
             delay: Delay of the wearer's reflex [control periods].
             sight: Delay of the wearer's slow correction [control periods].
-            taught: Whether wearers may be taught what to foresee.
+            taught: Whether wearers take a learned torque.
             learns: Whether wearers learn from episode to episode.
             noisy: Whether the wearer's muscles have noise or tremor.
             felt: Delay of the torque between person and suit [control periods]; None without

@@ -1,4 +1,4 @@
-"""What the wearer of one episode intends, and what loads the hand while he does it."""
+"""What the wearer of one episode intends, and what loads the hand meanwhile."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import PUSHES
 
 ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
-STRONGEST = 1000.0  # N, of a push
+STRONGEST = 1000.0  # [N], greatest push
 
 Motion = tuple[Array, Array, Array]
 """Intended angles [rad] and their two derivatives, shape (samples, 4) each."""

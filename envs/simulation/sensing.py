@@ -114,7 +114,7 @@ def touch(
 ) -> None:
     """Measures the torque between person and suit, late and noisy.
 
-    That is the wearer's torque without what his own arm needs for the present motion. `felt` is a
+    That is the wearer's torque without what the bare arm needs for the present motion. `felt` is a
     ring with the step as its place; the `here` arrays take the present motion of the arm.
     """
     for j in range(4):
@@ -180,8 +180,8 @@ def listen(
         voluntary = own[row, j] + fed[row, j] + held[row, j]
         if moved:
             noise = shaken[row, (step[row] - 1) % shaken.shape[1], EMG_NOISES + j]
-            heard = voluntary * (1.0 + loudness[row] * emg_noise * noise)
-            measured[row, EMG + j] += emg_smoothing * (heard - measured[row, EMG + j])
+            received = voluntary * (1.0 + loudness[row] * emg_noise * noise)
+            measured[row, EMG + j] += emg_smoothing * (received - measured[row, EMG + j])
         else:
             measured[row, EMG + j] = voluntary
 

@@ -1,4 +1,4 @@
-"""How an episode begins: an arm that has been held still, with whatever torque that takes."""
+"""How an episode begins: an arm at rest, with whatever torque that takes."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -8,11 +8,11 @@ from ...arrays import AnyArray
 from .wearer import BASE, RELAXATION, SLOPE, foresee
 from .wearer import DAMPING as FIXED
 
-MOST_CORRECTIONS = 30  # to settle an exoskeleton on cuffs; four are usual
-MOST_SLOPES = 4  # from which one begins anew where corrections do not end
+MOST_CORRECTIONS = 30  # limit for an exoskeleton on cuffs; four are usual
+MOST_SLOPES = 4  # number of new slopes where corrections do not end
 FARTHEST = 0.1  # rad, the most that one of them moves: far from balance the slope misleads
-NUDGE = 1e-6  # rad, for derivatives
-BALANCE = 1e-10  # N·m, at which an exoskeleton has settled
+NUDGE = 1e-6  # [rad], step of derivatives
+BALANCE = 1e-10  # [N·m], torque left of an exoskeleton at rest
 FRESH, MOVED, SETTLED = range(3)
 
 
@@ -88,7 +88,7 @@ def correct(
     moves: AnyArray,
     status: AnyArray,
 ) -> int:
-    """Moves exoskeletons that have not settled by the inverse slope; returns how many there are.
+    """Moves exoskeletons that are not at rest by the inverse slope; returns how many there are.
 
     The inverse slope improves by Broyden's update.
 
@@ -100,7 +100,7 @@ def correct(
         dofs: Degrees of freedom that nobody holds, shape (d,).
         moves: The last move of each row and the torque before it, and room for the update, shape
             (k, 4, d).
-        status: FRESH before the first move, MOVED after it, SETTLED at the end, shape (k,).
+        status: FRESH before the first move, MOVED after it, `SETTLED` at the end, shape (k,).
     """
     n, unsettled = dofs.shape[0], 0
     for k in range(rows.shape[0]):

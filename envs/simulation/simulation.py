@@ -50,7 +50,7 @@ class Start:
 
     Attributes:
         plan: What the episode asks of the wearer.
-        suit: Joints of the suit that is worn; None is the compiled one.
+        suit: Joints of the wearer's suit; None is the compiled one.
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
         payload: Load at the hand; None is that of the configuration.
         gravity: Name of the place; None is that of the configuration.
@@ -58,7 +58,7 @@ class Start:
         misalignment: Vector by which the exoskeleton is off, beside that of the configuration [m],
             shape (3,).
         loudness: Factor of the noise of sensors.
-        taught: Torque that the wearer foresees beside that of the bare arm [N·m], shape
+        taught: Learned torque of the wearer beside that of the bare arm [N·m], shape
             (samples, 4); None is none.
     """
 
@@ -106,14 +106,14 @@ class Simulation:
         variety: What may differ between rows.
         edits: What a task adds to the model.
         carries: Whether loads change during an episode; rows then may have loads of their own.
-        taught: Whether wearers may be taught what to foresee.
+        taught: Whether wearers take a learned torque.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
         model: MuJoCo model of a row, without drawings.
         memory: All that lives from reset to reset, beside the state of the physics.
         addresses: Addresses of the model.
-        suit: Joints that the compiled suit resists, at the pressure at which it is worn.
+        suit: Joints that the compiled suit resists, at its operating pressure.
         ranges: Ranges of the bare arm's joints [rad], shape (4, 2), in which motions are.
         columns: Columns of `memory.measured`, by name, of what these arms have.
         batch: The physics.
@@ -264,7 +264,7 @@ class Simulation:
         return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
     def arm_of(self, wearer: int) -> Arm:
-        """Returns the bare arm of a wearer by his number."""
+        """Returns the bare arm of a wearer by number."""
         return self._differing.arms[wearer]
 
     def own_torque(self, rows: Rows) -> Array:
@@ -414,10 +414,10 @@ class Simulation:
         return self.control.impedance(self._differing.persons[wearer])
 
     def _take_over(self, action: Array, moving: Rows) -> None:
-        """Lets motors begin with what a first action asks, and wearers with what they leave."""
+        """Starts motors at the first commanded torque, and wearers at the remainder."""
         waiting = [row for row in moving.tolist() if row in self._waiting]
         if not waiting or not np.isfinite(action[moving]).all():
-            return  # `before` says which action is not finite
+            return  # the kernel `before` reports an action that is not finite
         rows, at = np.array(waiting), self.addresses
         self._waiting.difference_update(waiting)
         if not at.motors.size:

@@ -17,8 +17,8 @@ from .inverse_dynamics import arm_torque
 BASE, SLOPE, DAMPING, RELAXATION, EXTRA = range(5)
 # Places in `ringing`: how noise and tremor go on from one control period to the next.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
-FEATURES = 10  # of the motion, from which a wearer foresees the net load
-STILL = 0.05  # rad/s, below which a motion has hardly a direction
+FEATURES = 10  # number of features of the motion that predict the net load
+STILL = 0.05  # [rad/s], least rate of a motion with a direction
 
 
 @njit(cache=True)
@@ -144,8 +144,9 @@ def learn(
 ) -> None:
     """Credits the answer that was needed now to what the motion was at an earlier sample.
 
-    Normalized least mean squares, whose rest is the balance of learning and forgetting. What grows
-    is foreseen from the next episode on: in this one reflex and correction hold the load already.
+    Normalized least mean squares, whose rest is the balance of learning and forgetting. It updates
+    `growing`, which takes effect in the next episode; in this one reflex and correction already
+    carry the load.
     """
     arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
     describe(row, sample, angle, rate, acceleration, own, features)
@@ -224,11 +225,11 @@ def act(
         ctrl[row, intention[2, j]] = total - intrinsic
         bias[row, human[j], 1] = -stiffness
         bias[row, human[j], 2] = -damping
-        felt, place = stiffness * (error + lead * slip), 0
+        sensed, place = stiffness * (error + lead * slip), 0
         if past.shape[1] > 0:
             place = step[row] % past.shape[1]
-            felt, past[row, place, j] = past[row, place, j], felt
-        fed[row, j] += lag * (reflex * felt - fed[row, j])
+            sensed, past[row, place, j] = past[row, place, j], sensed
+        fed[row, j] += lag * (reflex * sensed - fed[row, j])
         place = step[row] % seen.shape[1]
         held[row, j] = max(low, min(held[row, j] + correction * seen[row, place, j], high))
         seen[row, place, j] = stiffness * error

@@ -21,13 +21,13 @@ RAISED, IMPACT = posture(1.1, 1.45), posture(0.6, 0.7)
 DOWN, UP, PAUSE = 0.45, 0.6, 0.2  # s
 STEEPNESS = 1.6  # times the mean speed of the swing, at impact
 HANDLE, HEAD = 0.25, 0.03  # m from the grip, and radius
-HEAD_SHARE = 0.77  # of the mass; the rest is the handle
+HEAD_SHARE = 0.77  # share of the mass; the rest is the handle
 CONTACT = 8  # bit of the contacts between hammer and anvil, which nothing else has
 LEAST_REBOUND = 0.15  # exp(-2) is that of a critically damped contact
 EARLY = 0.04  # s before the swing ends, when hand and speed are watched: the anvil comes sooner
 ROUNDING = 1e-9  # s
-THROUGH = 0.03  # m, by which the swing ends behind the surface of the anvil, so that it strikes
-CONTACT_TIME = 0.016  # s, in which the hammer is thrown back; eight steps of the physics
+THROUGH = 0.03  # [m], depth of the swing's end below the anvil's surface, so that it strikes
+CONTACT_TIME = 0.016  # [s], duration of the rebound; eight steps of the physics
 ANVIL_SIZE = (0.06, 0.06, 0.02)  # m, half of its edges
 
 

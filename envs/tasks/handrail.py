@@ -13,9 +13,9 @@ from ..simulation.plan import Plan
 from .motions import between, minimum_jerk, posture, repeated, through
 from .task import SUSTAINED, Task, check_range
 
-FAR, NEAR = posture(1.1, 0.6), posture(0.45, 1.4)  # of the hand that takes hold, and lets go
-HOLD = 2.0  # s, of one hand
-RISE = 0.3  # s, in which the pull grows and fades
+FAR, NEAR = posture(1.1, 0.6), posture(0.45, 1.4)  # postures at the grip and at the release
+HOLD = 2.0  # [s], grip of one hand
+RISE = 0.3  # [s], rise and fall of the pull
 
 
 @dataclass(frozen=True, kw_only=True)

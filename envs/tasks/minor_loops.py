@@ -13,7 +13,7 @@ from .motions import growing
 from .task import SUSTAINED, Task
 
 FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
-BEGINNING = 1.0  # s, in which the motion grows from rest
+BEGINNING = 1.0  # [s], rise of the amplitude from rest
 MOVED = {"shoulder_flexion": LI_RANGES["shoulder"], "elbow_flexion": LI_RANGES["elbow"]}
 
 

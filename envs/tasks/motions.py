@@ -97,7 +97,7 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
 
     Args:
         stops: Time of each [s], rising, and its joint angles [rad], or its place [m], shape (k,)
-            each; the last one is held to the end.
+            each; the last one is kept to the end.
         samples: Number of samples.
         dt: Time between samples [s].
     """

@@ -1,4 +1,4 @@
-"""Work above the head: a tool is held still for two minutes, and the muscles tire."""
+"""Work above the head: a tool is kept in place for two minutes, and the muscles tire."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -16,7 +16,7 @@ from .motions import posture
 from .task import SUSTAINED, Task
 
 RAISED = posture(1.2, 1.2)
-SPREAD = 0.02  # rad, by which postures differ
+SPREAD = 0.02  # [rad], spread of the postures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,10 +50,10 @@ class OverheadHold(Task):
         )
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns a posture that is held; the hand is watched all the time."""
+        """Returns a constant posture; the hand is watched all the time."""
         del dt, arm
-        held = RAISED + np.array([0, *rng.uniform(-SPREAD, SPREAD, 2), 0])
-        angle = np.tile(held, (samples, 1))
+        raised = RAISED + np.array([0, *rng.uniform(-SPREAD, SPREAD, 2), 0])
+        angle = np.tile(raised, (samples, 1))
         still = np.zeros((samples, len(JOINTS)))
         return Plan(
             (angle, still, still.copy()),
@@ -63,4 +63,4 @@ class OverheadHold(Task):
 
 
 OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, effort=SUSTAINED, hand_error=0.03)
-"""A tool of 1 kg, held for 120 s within 3 cm by muscles that tire."""
+"""A tool of 1 kg, kept within 3 cm for 120 s by muscles that tire."""

@@ -25,7 +25,7 @@ class RandomMoves(Task):
 
     Attributes:
         span: Lowest and highest angle [rad] of the joints that move.
-        hold: Lowest and highest angle [rad] of the joints that are held at a random angle.
+        hold: Lowest and highest angle [rad] of the joints that stay at a random angle.
         move_time: Shortest and longest time of a move [s].
         dwell_time: Shortest and longest rest after it [s].
     """
@@ -43,7 +43,7 @@ class RandomMoves(Task):
             _check_spans(what, getattr(self, what))
         for joint in self.span.keys() & self.hold.keys():
             raise InputError(
-                f"the task's span and hold both have {joint}: a joint either moves or is held"
+                f"the task's span and hold both have {joint}: a joint either moves or stays"
             )
         for what, least in (("move_time", SHORTEST_MOVE), ("dwell_time", 0.0)):
             times = getattr(self, what)
@@ -57,11 +57,11 @@ class RandomMoves(Task):
     @property
     def about(self) -> str:
         """What the wearer does, in words."""
-        moved, held = (
+        moved, resting = (
             " and ".join(joint.replace("_flexion", "").replace("_", " ") for joint in joints)
             for joints in (self.span, self.hold)
         )
-        rest = f"; {held} is held at one" if held else ""
+        rest = f"; {resting} stays at one" if resting else ""
         return f"Between random angles: {moved or 'nothing'}{rest}."
 
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
@@ -89,14 +89,14 @@ SHOULDER_FLEXION = RandomMoves(
     span={"shoulder_flexion": SHOULDER_RANGE},
     hold={"elbow_flexion": (0.6, 1.2)},
 )
-"""The shoulder flexes and extends between random angles; the elbow is held."""
+"""The shoulder flexes and extends between random angles; the elbow stays at one."""
 
 ELBOW_FLEXION = RandomMoves(
     name="ElbowFlexion",
     span={"elbow_flexion": ELBOW_RANGE},
     hold={"shoulder_flexion": (0.4, 1.0)},
 )
-"""The elbow flexes and extends between random angles; the shoulder is held."""
+"""The elbow flexes and extends between random angles; the shoulder stays at one."""
 
 ARM_TRACKING = RandomMoves(
     name="ArmTracking",

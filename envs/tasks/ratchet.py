@@ -18,8 +18,8 @@ from .task import SUSTAINED, Task
 MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
 FREQUENCY = 1.0  # Hz
 SHOULDER = (0.7, 0.9)  # rad
-DAMPING = 400.0  # N·s/m, by which the reaction grows to its limit at a tenth of a meter per second
-BEGINNING = 1.0  # s, in which the strokes grow from rest
+DAMPING = 400.0  # [N·s/m], slope of the reaction, which has its limit at 0.1 m/s
+BEGINNING = 1.0  # [s], rise of the strokes from rest
 STROKE, STRAIGHT = JOINTS.index("elbow_flexion"), JOINTS.index("shoulder_flexion")
 
 

@@ -18,17 +18,17 @@ from .task import SUSTAINED, Task, check_range
 PANEL = np.array(
     [(0.80, across, up) for across in (0.0, 0.12) for up in (-0.48, -0.37, -0.26, -0.15)]
 )
-BENT = posture(0.6, 1.2)  # from which a posture of the first point is searched
+BENT = posture(0.6, 1.2)  # start of the search for a posture of the first point
 REACH, DWELL = 1.5, 0.5  # s
 CARRY, GRASP, RETURN = 2.0, 0.5, 1.5  # s
 LOW, HIGH = 4, 3  # points between which an object is carried
 BLOCK_SIZE = 0.05  # m, half of its edge
-BEHIND, RIM = 0.1, 0.09  # m, of the drawn panel behind its points and around them
+BEHIND, RIM = 0.1, 0.09  # [m], extent of the drawn panel behind and around its points
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReachPanel(Task):
-    """Straight reaches to random points of a panel, each held for half a second."""
+    """Straight reaches to random points of a panel, with half a second at each."""
 
     source: ClassVar[str] = (
         "Anderson and Newman 2015 (12 repeats, functional tasks); MVL work envelope; points assumed"
@@ -62,7 +62,7 @@ class ObjectRelocation(Task):
 
     Attributes:
         load: Least and greatest mass of an object [kg]; each cycle has another one, of which the
-            exoskeleton is not told.
+            exoskeleton does not know.
     """
 
     load: tuple[float, float] = (1.0, 5.0)
@@ -99,8 +99,8 @@ class ObjectRelocation(Task):
         windows = [(t, t + GRASP / 2 - dt) for start in starts for t in (start, start + away)]
         mass, time = np.zeros(samples), dt * np.arange(samples)
         for start in starts:
-            held = (start + GRASP / 2 <= time) & (time < start + away + GRASP / 2)
-            mass[held] = rng.uniform(*self.load)
+            carried = (start + GRASP / 2 <= time) & (time < start + away + GRASP / 2)
+            mass[carried] = rng.uniform(*self.load)
         motion = through_places(arm, through(stops, samples, dt)[0], BENT, dt)
         return Plan(motion, mass, watched=between(windows, samples, dt))
 

@@ -17,7 +17,7 @@ MOTION = ".csv"  # how the names of files of motions end
 HEADER = ("time", *JOINTS)
 LARGEST_GAP = 3.0  # times the usual time between samples
 LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known
-LIKE_DEGREES = 2 * np.pi  # rad, beyond which angles look like degrees
+LIKE_DEGREES = 2 * np.pi  # [rad], least angle that looks like degrees
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +35,7 @@ class RecordedMotion(Task):
     """
 
     path: str
-    duration: float = 0.0  # of the file
+    duration: float = 0.0  # the file's
 
     source: ClassVar[str] = "a file of yours"
     _recorded: ClassVar[tuple[Array, Array]]
@@ -48,12 +48,12 @@ class RecordedMotion(Task):
         super().__post_init__()
 
     def identity(self) -> dict[str, Any]:
-        """Returns class, fields and a digest of what the file held, as plain values."""
+        """Returns class, fields and a digest of the file's content, as plain values."""
         content = b"".join(part.tobytes() for part in self._recorded)
         return {**super().identity(), "content": sha256(content).hexdigest()[:16]}
 
     def motion(self, rng: np.random.Generator, samples: int, dt: float) -> Motion:
-        """Returns the motion of the file; its last posture is held to the end."""
+        """Returns the motion of the file; its last posture is kept to the end."""
         from scipy.interpolate import CubicSpline  # slow to import
 
         del rng

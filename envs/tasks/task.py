@@ -13,10 +13,10 @@ from ..model.workplace import Edits
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Motion, Plan
 
-SHORTEST, LONGEST = 0.02, 3600.0  # s, of an episode
+SHORTEST, LONGEST = 0.02, 3600.0  # [s], limits of an episode
 FARTHEST = 10.0  # m and rad, of tolerances
-SUSTAINED = 0.15  # of strength, the limit of the published work envelope (Schmidt 2001)
-LOADED = 0.30  # of strength, which a shoulder bears for 144 s (three compartments, Frey-Law 2012)
+SUSTAINED = 0.15  # share of strength, the limit of the published work envelope (Schmidt 2001)
+LOADED = 0.30  # share of strength that a shoulder bears for 144 s (Frey-Law et al. 2012)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +40,7 @@ class Task:
         place: Place whose gravity acts, unless the environment says otherwise.
         source: Where motion, loads and rule of success come from.
         carries: Whether plans have a mass (of the class).
-        period: Time of one cycle where the work is cyclic [s], which a controller may be told.
+        period: Time of one cycle where the work is cyclic [s], which a controller may know.
     """
 
     name: str

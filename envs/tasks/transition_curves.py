@@ -13,8 +13,8 @@ from ..simulation.plan import Plan
 from .motions import between, posture, through
 from .task import SUSTAINED, Task
 
-HOME = {"shoulder": 0.6, "elbow": 0.9}  # rad, of the joint that does not move
-RAMP = 2.0  # s, from the start of the range to a turn, and back
+HOME = {"shoulder": 0.6, "elbow": 0.9}  # [rad], angle of the joint that does not move
+RAMP = 2.0  # [s], time from the start of the range to a turn
 TRIES = 3  # sweeps of each joint
 SPEED = 0.2  # rad/s, mean of a sweep
 
@@ -75,7 +75,7 @@ def _there_and_back(
         low = LI_RANGES[joint][0]
         start, turn = _at(joint, low), _at(joint, angle)
         if before not in (None, joint):
-            now += RAMP  # from the one joint's start to the other's
+            now += RAMP  # the motion changes from one joint to the other
         stops += [(now, start), (now + ramp, turn), (now + 2 * ramp, start)]
         ends += [now, now + ramp, now + 2 * ramp]
         now, before = now + 2 * ramp, joint

@@ -44,7 +44,7 @@ class Asymmetric(Wrapper):
         wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Held)
         if not isinstance(self.model, HysteresisModel) or wrapped:
             raise InputError(
-                f"model is {shown(self.model)}: give one hysteresis model, bare or held in a range"
+                f"model is {shown(self.model)}: give one hysteresis model, bare or `Held`"
             )
         coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
         if len(coefficients) > LARGEST_DEGREE + 1:

@@ -43,8 +43,8 @@ class Backlash(Wrapper):
     may snap from one face to the other, and the impact takes the energy that this frees.
 
     Attributes:
-        model: Model of the suit's side, which may be held and asymmetric. A model behind play can
-            have a dashpot beside it (`Viscoelastic`), but not the other way round.
+        model: Model of the suit's side, which may be `Held` and `Asymmetric`. A model behind play
+            can have a dashpot beside it (`Viscoelastic`), but not the other way round.
         gap: Angle by which the joint can move without torque [rad].
 
     Raises:
@@ -62,7 +62,7 @@ class Backlash(Wrapper):
         refused = isinstance(self.model, Wrapper) and not isinstance(self.model, inside)
         if not isinstance(self.model, HysteresisModel) or refused:
             raise InputError(
-                f"model is {shown(self.model)}: give one model, bare, held or asymmetric; "
+                f"model is {shown(self.model)}: give one model, bare, `Held` or `Asymmetric`; "
                 "put a dashpot around the play, not behind it"
             )
         gap = number("gap", self.gap, "rad")

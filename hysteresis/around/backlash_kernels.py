@@ -1,8 +1,8 @@
 """Contact across a gap, which `Backlash` and the engine share.
 
 A model around which there is play has its kernels, its memory s and parameters p, the coefficients
-of an elastic polynomial and the range outside which its torque is held, each empty where there is
-none. The array `play` holds the gap [rad], and the angle of the suit's side [rad].
+of an elastic polynomial and the range outside which its torque is constant, each empty where there
+is none. The array `play` holds the gap [rad], and the angle of the suit's side [rad].
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -18,8 +18,8 @@ from numba import njit
 
 GAP, END, SIZE = range(3)
 ZERO = 1e-9  # N·m, largest torque that counts as none
-OPEN = ZERO / 10  # of the root at which contact opens, so that it counts as none
-TRIALS = 100  # of that root, at most; usual are 5 to 10
+OPEN = ZERO / 10  # tolerance of the root at which contact opens: it then counts as none
+TRIALS = 100  # most trials of that root; 5 to 10 are usual
 
 
 @njit
@@ -30,7 +30,7 @@ def is_sound(play):
 
 @njit
 def within(limits, angle):
-    """Returns the angle, clipped to the range outside which the torque is held, if there is one."""
+    """Returns the angle, clipped to the range outside which the torque is constant, if any."""
     if limits.size == 0 or math.isnan(angle):
         return angle
     return min(max(angle, limits[0]), limits[1])

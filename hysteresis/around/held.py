@@ -1,4 +1,4 @@
-"""`Held`: any hysteresis model, with its torque held constant outside a range of angles."""
+"""`Held`: any hysteresis model, with its torque constant outside a range of angles."""
 
 import math
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ class Held(Wrapper):
     arm goes beyond the range, measure there, or use a model that is certified at all angles.
 
     Attributes:
-        model: Inner model, neither held nor asymmetric itself. A held model can be made asymmetric,
+        model: Inner model, neither `Held` nor `Asymmetric`. A `Held` model can be made asymmetric,
             but not the other way round.
         angle_range: Lowest and highest angle that the inner model follows [rad].
 

@@ -70,7 +70,7 @@ class BacklashReference(Reference):
         # The suit's side may turn on either face of the gap, and where contact opens.
         reached = np.concatenate([[self.end], angles - self.half, angles + self.half])
         self.range = float(reached.min()), float(reached.max())
-        self.ways: dict[float, tuple[float, float]] = {}  # by direction, of the present branch
+        self.ways: dict[float, tuple[float, float]] = {}  # the present branch's ends by direction
         self.inner = model.model.reference(reached, torque)
 
     def _ahead(self, end: float) -> float:
@@ -130,7 +130,7 @@ class BacklashReference(Reference):
 _ELBOW = TABLE_2["elbow-sa-pso"]
 HELD_EXAMPLES = (
     Example(
-        name="held, elbow-sa-pso",
+        name="elbow-sa-pso in a range",
         model=Held(model=_ELBOW, angle_range=(0.7, 1.3)),
         low=0.52,
         high=1.57,

@@ -34,8 +34,8 @@ class Viscoelastic(Wrapper):
     order of the time step.
 
     Attributes:
-        model: Hysteretic part, which does not depend on the rate; it may be held, asymmetric and
-            behind play.
+        model: Hysteretic part, which does not depend on the rate; it may be `Held`, `Asymmetric`
+            and behind play.
         damping: Damping b of the dashpot [N·m·s/rad].
         relaxation_stiffness: Stiffness k of the Maxwell element [N·m/rad].
         relaxation_time: Time tau in which its torque fades to 1/e [s].

@@ -12,7 +12,7 @@ import math
 from numba import njit
 
 DAMPING, STIFFNESS, TIME, BEGUN, ANGLE, TORQUE, LOSS, SIZE = range(8)
-NUMBERS = 3  # that a user gives
+NUMBERS = 3  # parameters that a user gives
 
 
 @njit(inline="always")

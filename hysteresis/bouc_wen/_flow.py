@@ -11,11 +11,11 @@ import math
 
 from numba import njit
 
-TOLERANCE = 1e-12  # of w, for the last Taylor term; what is left out is about 1/20 of it
-SERIES_BELOW, SERIES_END = 0.125, 0.25  # of w^n: where the series takes over, and how far it goes
-SATURATED = 2e-15  # of w: closer to the fixed point w = 1 than rounding can resolve
-FAR = 1e16  # of w^n: from here on the 1 in dw/dx is lost in rounding
-HUGE = 1e300  # of w^n: a decay from above reaches it within a negligible x
+TOLERANCE = 1e-12  # last Taylor term, relative to w; the rest is about 1/20 of it
+SERIES_BELOW, SERIES_END = 0.125, 0.25  # values of w^n at which the series begins and ends
+SATURATED = 2e-15  # distance from the fixed point w = 1 that rounding cannot resolve
+FAR = 1e16  # value of w^n beyond which the 1 in dw/dx is lost in rounding
+HUGE = 1e300  # value of w^n that a decay from above reaches within a negligible x
 # No loop is without a bound: a state that a user overwrites must not hang the engine.
 MARCH_LIMIT = 100_000
 SERIES_LIMIT = 64  # terms; 28 are enough below SERIES_END
@@ -147,7 +147,7 @@ def march(w, x, sigma, direction, n):
     attracted = sigma > 0 and direction > 0
     for _ in range(MARCH_LIMIT):
         u = w**n
-        if not u < FAR:  # or NaN, which comes back as NaN at once
+        if not u < FAR:  # true for NaN too, which is returned at once
             w, x, area = far_out(w, x, direction * sigma, n)
             total += area
             if not x > 0:

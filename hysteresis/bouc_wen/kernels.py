@@ -29,7 +29,7 @@ COMPLAINTS = (
     b"give a number above 0",
     b"give a number from 1 to 1e6",
 )
-ROUNDING = 1e-9  # of z, by which rounding may lift a saturated start above the bound
+ROUNDING = 1e-9  # share of z by which rounding may lift a saturated start above the bound
 
 
 @njit(cache=True, error_model="numpy")

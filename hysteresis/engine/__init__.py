@@ -24,7 +24,7 @@ Python, with `attach`, or from MJCF:
 
 Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `start_path`* (angles that
 the memory goes through before the first step), `polynomial`* (coefficients of an elastic torque),
-`angle_range`* (outside which the torque is held), `viscoelastic`* (damping, relaxation stiffness
+`angle_range`* (the torque is constant outside), `viscoelastic`* (damping, relaxation stiffness
 and relaxation time), `gap`* (of the play between joint and model), `allow_uncertified`* ("true")
 and `taken_off`* ("true" for one that gives no torque until `replace_model` puts one of its kind
 on). Lists are numbers with blanks between them; `density` has its rows one after the other. The

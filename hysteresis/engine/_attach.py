@@ -141,7 +141,7 @@ def fault_slots(model: mujoco.MjModel) -> NDArray[np.int64]:
     """Returns where in `data.plugin_state` each hysteretic joint keeps its fault flag.
 
     A flag is 2 where the model is taken off. It is 1 from the moment at which a motion meets the
-    model's pole until the next reset. Meanwhile the joint's torque is held, and MuJoCo logs a
+    model's pole until the next reset. Meanwhile the joint's torque is constant, and MuJoCo logs a
     warning. Certified models never set it. With MuJoCo's `autoreset` on, a simulation that goes on
     to diverge is reset, and its flags too.
     """
@@ -166,7 +166,7 @@ def replace_model(
     all others are taken off.
 
     Parameters and memory are part of the simulation's state, so each row of a batch may have its
-    own. The memory starts again, where the compiled model's does unless told otherwise, and
+    own. The memory starts again, where the compiled model's does unless given otherwise, and
     `mj_forward` brings forces and sensors up to date. A reset brings the compiled model's
     parameters back.
 

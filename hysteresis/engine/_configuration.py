@@ -235,7 +235,7 @@ def read_polynomial(m, instance, polynomial, at):
 
 @njit(cache=True)
 def read_range(m, instance, limits, at):
-    """Reads the range outside which the torque is held, if there is one; returns a fault."""
+    """Reads the range outside which the torque is constant, if there is one; returns a fault."""
     if limits.size == 0:
         return FINE, JOINT
     count = parse_numbers(config(m, instance, ANGLE_RANGE, at), limits)

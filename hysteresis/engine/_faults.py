@@ -59,7 +59,7 @@ COMMON_KEYS = (
     TOO_LARGE,
     POLE,
 ) = range(20)
-SENTENCES = (  # in the order of the names above
+SENTENCES = (  # order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
     b"after a spec got its name prefix",
@@ -83,7 +83,7 @@ SENTENCES = (  # in the order of the names above
     b"which is what it measures",
     b"two of its sensors measure the same; leave one out",
     b"the model has more than 16383 joints or sensors; make it smaller",
-    b"its torque met a pole (or the parameters in its state are out of range); it is held "
+    b"its torque met a pole (or the parameters in its state are out of range); it is constant "
     b"at its last valid value, and the fault flag is set",
 )
 MODEL = len(SENTENCES)

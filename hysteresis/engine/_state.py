@@ -16,10 +16,10 @@ from .native import doubles
 
 FAULT, MEMORY = 0, 1
 OFF = 2.0  # flag of an instance that is taken off: it gives no torque
-POLYNOMIAL_LIMIT = 6  # coefficients, of angle^0 to angle^5
+POLYNOMIAL_LIMIT = 6  # number of coefficients, those of angle^0 to angle^5
 
 # A pointer-sized word holds four ids of 14 bits, the length of the polynomial (3 bits), whether the
-# torque is held outside a range, whether there is a viscoelastic part and whether there is play
+# torque is constant outside a range, whether there is a viscoelastic part and whether there is play
 # (1 bit each). Sensors count from 1; 0 is none.
 BITS, LARGEST = 14, 2**14 - 1
 TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3

@@ -19,7 +19,7 @@ from ..prandtl_ishlinskii.kernels import HEADER, START_TOLERANCE, first_motion, 
 FIRST_PLAY = 3  # numbers in s before the plays
 MOST_KNOTS = 16
 HINGE = 2 + 2 * MOST_KNOTS + MOST_KNOTS + 1  # numbers in p after the weights
-OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # among these
+OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # places
 FINE, ASCENDING, AS_MANY, POSITIVE, FEW_KNOTS, ONE_MORE = range(6)
 COMPLAINTS = (
     b"",
@@ -145,7 +145,7 @@ def work(p, s, angle, P, delta, distance, loads):
             strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
             end = min(max(p[HEADER + i] - delta * strain, x), distance)
         else:
-            slope = p[0]  # without the rounding of the sums
+            slope = p[0]  # the sums would have rounding
         if end == math.inf and slope == 0:
             return total
         there, length = Q + slope * (end - x), end - x

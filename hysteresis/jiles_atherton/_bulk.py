@@ -21,13 +21,13 @@ from numba import njit
 from .langevin import SERIES_BELOW, fma, langevin, langevin_series
 
 MAX_LANGEVIN_4TH_DERIVATIVE = 0.1307  # max |L''''|, near |x| = 1.0
-LOCAL_TOLERANCE = 1e-9  # of Ms, per step in He
-NEWTON_TOLERANCE = 1e-6  # of min(a, k); the remainder enters to second order, about 1e-12 c Ms
-RESOLUTION = 1e-14  # of the angle: no Newton step can be told from rounding below that
+LOCAL_TOLERANCE = 1e-9  # error per step in He, relative to Ms
+NEWTON_TOLERANCE = 1e-6  # relative to min(a, k); the rest enters to second order, 1e-12 c Ms
+RESOLUTION = 1e-14  # smallest Newton step above rounding, relative to the angle
 NEWTON_LIMIT = 60
 SHORT = 0.25  # |dx / k| below which the decay weights come from their series
 MARCH_LIMIT = 1_000_000
-RECOVERY_TOLERANCE = 1e-6  # of min(a, k); the energy is stationary there, so this is plenty
+RECOVERY_TOLERANCE = 1e-6  # relative to min(a, k); the energy is stationary there
 P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
 
 
@@ -206,7 +206,7 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     left = H1 - H0
     for _ in range(MARCH_LIMIT):
         per_g, first, dx = predict(left, u, slope, curvature, alpha, c, per_k)
-        if not per_g > 0:  # past the pole, or NaN
+        if not per_g > 0:  # the state is past the pole, or NaN
             return x, math.nan, man, slope, curvature
         limit = stretched(dx_max, x, per_a)
         if abs(first) <= limit:
@@ -245,7 +245,7 @@ def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
             high = abs(dx)
         elif not math.isnan(newton):
             low = abs(dx)
-        else:  # past the pole and still short of H1: no dx lands
+        else:  # the state is past the pole and short of H1: no dx lands
             break
         reach = abs(dx) + delta * newton
         if not low < reach < high:

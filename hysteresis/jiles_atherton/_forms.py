@@ -30,8 +30,8 @@ BULK, ORIGINAL, DERIVATIVE, JILES_1992 = range(4)
 CLAMPS = ("none", "jiles", "irreversible")
 NO_CLAMP, JILES_CLAMP, IRREVERSIBLE_CLAMP = range(3)
 
-TOLERANCE = 1e-9  # of Ms, error of a step
-LANDING_TOLERANCE = 1e-11  # of min(a, k), error of the field at the end of a motion
+TOLERANCE = 1e-9  # error of a step, relative to Ms
+LANDING_TOLERANCE = 1e-11  # error of the field at the end of a motion, relative to min(a, k)
 MARCH_LIMIT = 1_000_000
 LANDING_LIMIT = 80
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 
 LOG_A, STEEPNESS, LOG_EXCESS, LOG_REACH, LOG_MS = range(5)
-STEEPNESS_LIMITS = (-2.0, 1.0)  # between them every model with c > 1 is certified at all angles
+STEEPNESS_LIMITS = (-2.0, 1.0)  # every model with c > 1 between them is certified at all angles
 
 
 def unit_rows(shapes: NDArray[Any]) -> NDArray[Any]:

@@ -21,7 +21,7 @@ PARAMETER_SIZE = 11
 ANGLE, TORQUE, LOSS, FIELD, LAG, MAN, SLOPE, CURVATURE = range(8)
 MEMORY_SIZE = 8
 DEGREE = math.pi / 180
-SMALLEST = 1e-100  # of Ms, a and k; beyond it and its inverse the steps lose all their digits
+SMALLEST = 1e-100  # least Ms, a and k; beyond it and its inverse the steps lose their digits
 FINE, POSITIVE, EXTREME, AT_LEAST_0 = range(4)
 COMPLAINTS = (
     b"",
@@ -36,7 +36,7 @@ BLOCK = 32  # models of a population that take their steps together
 def begin(p, s, angle, torque):
     """Starts a motion; returns how far |M - Man| is below its bound, negative if it is above."""
     remember(p, s, angle, torque)
-    s[LOSS] = recoverable(p, angle, torque)  # so that `dissipated` begins at 0
+    s[LOSS] = recoverable(p, angle, torque)  # `dissipated` then begins at 0
     _, bound = margin_everywhere(p[MS], p[A], p[ALPHA], p[C], p[K])
     return bound - abs(s[LAG])
 

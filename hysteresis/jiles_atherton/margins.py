@@ -20,7 +20,7 @@ from numba import njit
 from ._bulk import step_field
 from .langevin import langevin
 
-CELL = 0.02  # of min(a, k), step in the effective field
+CELL = 0.02  # step in the effective field, relative to min(a, k)
 MAX_LANGEVIN_2ND_DERIVATIVE = 0.106  # max |L''|, near |x| = 1.37
 CELLS_LIMIT = 1_000_000
 BISECTIONS = 200

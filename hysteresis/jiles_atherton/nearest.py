@@ -16,9 +16,9 @@ MARGIN = 0.02  # certificate margin that the result keeps
 LEAST_EXCESS = 0.01  # least c - 1 of the result
 REACH = 5.0  # e-folds, how far the search goes to either side
 C = PARAMETERS.index("c")
-WIDEST = 100.0  # in units of a or k, where the search for a common range of angles begins
-SAMPLES = 60  # per branch
-TIE_BREAK = 1e-3  # of the curve's peak, per e-fold of a parameter that the curves do not determine
+WIDEST = 100.0  # first range of the search for common angles, in units of a or k
+SAMPLES = 60  # number of samples per branch
+TIE_BREAK = 1e-3  # share of the curve's peak per e-fold of an undetermined parameter
 
 
 class Nearest(NamedTuple):

@@ -45,7 +45,7 @@ from .kernels import (
 from .langevin import fma, langevin
 
 INITIAL = 5  # the torque at the beginning, after Ms, a, alpha, c, k
-SERIES_TERMS = 9  # of phi_4 for z < 1
+SERIES_TERMS = 9  # number of terms of phi_4 for z < 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -87,7 +87,7 @@ def carry(p, s, end, before, after):
     per_k = math.copysign(1 / k, end - x)
     f = c * slope - u * per_k
     g = 1 - alpha * f
-    by_a, slope_by_a = -x * slope / a, -(slope + x * curvature) / a  # of Man
+    by_a, slope_by_a = -x * slope / a, -(slope + x * curvature) / a  # derivatives of Man
     v_Ms = g * before[MS] - man / Ms
     v_a = g * before[A] - by_a
     v_alpha = g * before[ALPHA] - f * (man + u)

@@ -21,7 +21,7 @@ COMPLAINTS = (
     b"give increasing numbers (thresholds above 0, levels two or more)",
     b"give as many numbers as thresholds or segments between levels",
 )
-START_TOLERANCE = 1e-12  # of the sum of all |torques|, by which rounding may lift a saturated one
+START_TOLERANCE = 1e-12  # rounding of a saturated torque, relative to the sum of all |torques|
 
 
 @njit(inline="always", error_model="numpy")

@@ -175,7 +175,7 @@ def walk(p, s, angle):
         k -= 2
         base, relays = s[RECORDS + 2 * max(k, 0)], s[RECORDS + 2 * max(k, 0) + 1]
         on_branch = swept(p, bound, base)[1]
-    k = max(k, 0)  # -1 after a fall to the lowest level, which is record 0 itself
+    k = max(k, 0)  # it is -1 after a fall to the lowest level, which is record 0 itself
     weight, loss = swept(p, x, base)
     if k == CAPACITY:
         loss = 0.0

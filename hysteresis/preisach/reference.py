@@ -28,7 +28,7 @@ class PreisachReference(Reference):
         width = np.diff(self.grid)
         cell = np.searchsorted(levels, self.grid[:-1], side="right") - 1
         part = width / np.diff(levels)[cell]
-        row, column = np.tril_indices(width.size)  # up-switching, down-switching
+        row, column = np.tril_indices(width.size)  # levels of switching up and down
         weight = [model.density[i][j] for i, j in zip(cell[row], cell[column], strict=True)]
         # A cell on the diagonal is a triangle: patches in it have twice the share, or are halves.
         whole = np.where(cell[row] == cell[column], 2.0, 1.0) * np.where(row == column, 0.5, 1.0)

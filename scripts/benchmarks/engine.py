@@ -150,7 +150,7 @@ def _batch(model: mujoco.MjModel) -> Callable[[], None]:
     targets = itertools.cycle((model.key("reach").ctrl.copy(), model.key("home").ctrl.copy()))
 
     def run() -> None:
-        ctrl[:] = next(targets)  # to and fro, without resets
+        ctrl[:] = next(targets)  # a motion to and fro, without resets
         for _ in range(FRAMES):
             batch.step(nstep=SUBSTEPS)
 

@@ -20,7 +20,7 @@ from ..output import messages
 from .timing import Row, compare, measure
 
 ENV = "ActiveSuit/ArmTracking-v0"
-STEPS = 500  # of a single environment
+STEPS = 500  # number of steps of a single environment
 SOME, MANY = 64, 1024  # rows
 WORKERS = 8
 LONG = 100_000  # row-steps over which memory must not grow

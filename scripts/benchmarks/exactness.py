@@ -14,11 +14,11 @@ from ...hysteresis.engine import attach
 from ...hysteresis.reference import Example, integrate, turn_indices
 from ..output import table, to_json
 
-TOLERANCE = 1e-6  # N·m, of the kernel against its reference and against SciPy
-SUM_TOLERANCE = 1e-12  # N·m, of the engine's sum with a polynomial; without one it is exact
+TOLERANCE = 1e-6  # [N·m], kernel against reference and against SciPy
+SUM_TOLERANCE = 1e-12  # [N·m], the engine's sum with a polynomial; without one it is exact
 COLUMNS, LABELS = ("reference", "dop853", "engine"), ("reference", "DOP853", "engine")
 SEED, TURNS = 1, 40
-MARGIN = 0.05  # of the range, from its ends to a turn and at least between two turns
+MARGIN = 0.05  # share of the range: least distance of a turn from an end and from another turn
 SPEEDS = (0.5, 4.0)  # rad/s
 
 HINGE = """<mujoco><compiler angle="radian"/>

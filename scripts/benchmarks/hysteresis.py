@@ -13,7 +13,7 @@ from ...hysteresis.jiles_atherton import kernels
 from ...hysteresis.jiles_atherton.langevin import langevin
 from .timing import Row, compare, measure
 
-RANGE = {"shoulder": (20.0, 70.0), "elbow": (30.0, 90.0)}  # degrees, of the published curves
+RANGE = {"shoulder": (20.0, 70.0), "elbow": (30.0, 90.0)}  # [deg], the published curves
 CYCLES, BRANCH = 50, 450
 POPULATION = 64
 BOX = np.array([[1, 100], [3, 5000], [-10, 10], [-10, 10], [1, 1000]])  # Table 1 of Li et al. 2022

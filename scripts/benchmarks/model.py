@@ -26,8 +26,8 @@ TIME_STEPS = {  # s; cuffs do not bear longer ones
     "rigid": (0.00025, 0.0005, 0.001, 0.002, 0.004),
     "cuffs": (0.00025, 0.0005, 0.001, 0.002),
 }
-PERIOD = 0.02  # s, between two intentions, and between two readings: a multiple of all steps
-SETTLED = 50  # periods until the wearer bears what he did not foresee
+PERIOD = 0.02  # [s], time between two intentions and two readings: a multiple of all steps
+SETTLED = 50  # number of periods until the wearer carries an unforeseen load
 SEED = 0
 
 

@@ -17,7 +17,7 @@ ENV, SUIT, MOTIONS = "ActiveSuit/ArmTracking-v0", "mock-suit", 20
 PLACES = ("earth", "microgravity")
 POLICIES = ("none", "gravity", "feedforward", "compensation")
 NOMINAL = "nominal"
-SAME = 0.05  # of relief, within which two policies have no order
+SAME = 0.05  # difference of relief at which two policies have no order
 _USUAL = VoluntaryControl()
 
 
@@ -60,8 +60,8 @@ def changes() -> Iterator[tuple[str, dict[str, Any]]]:
         ("correction", (_USUAL.correction / 2, 2.0)),
     ):
         for value in values:
-            told = f"control.{name} {getattr(_USUAL, name):g} -> {value:g}"
-            yield told, {"control": {name: value}}
+            change = f"control.{name} {getattr(_USUAL, name):g} -> {value:g}"
+            yield change, {"control": {name: value}}
     exo = Exo()
     for factor in (0.5, 2.0):
         friction = {

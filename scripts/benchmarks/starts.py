@@ -15,7 +15,7 @@ from ..backends import run_all
 from ..output import Rows, messages, progress
 from .timing import seconds
 
-STARTS, STARTS_PER_REPEAT = 200, 25  # at most; fewer for a hurried benchmark
+STARTS, STARTS_PER_REPEAT = 200, 25  # most starts; a hurried benchmark has fewer
 STARTED_METHODS = ("certified", "cma-es", "de", "sa-pso", "mpso")
 # Of a certified fit: model runs and milliseconds at most, share of successful starts at least.
 RUNS_LIMIT, TIME_LIMIT, SUCCESS_LIMIT = 200, 50.0, 0.95

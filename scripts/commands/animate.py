@@ -28,7 +28,7 @@ from ..runs import scene
 
 PERIOD = 6.0  # s
 CYCLES = 2  # the last one is filmed, when the suit's memory has become periodic
-PANEL = 5 / 12  # of the width
+PANEL = 5 / 12  # share of the width
 SMALLEST, LARGEST = 120, 1920  # pixels of a side
 REACH = "a looping reach"
 # When the joints turn, as a fraction of the cycle, and where [rad].

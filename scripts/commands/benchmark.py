@@ -32,7 +32,7 @@ def benchmark(
     results: Annotated[tuple[Path, ...], tyro.conf.Positional] = (),
     /,
     suite_name: Annotated[
-        str, tyro.conf.arg(name="suite"), choice(lambda: SUITES, "For run: name of a suite.")
+        str, tyro.conf.arg(name="suite"), choice(lambda: SUITES, "Name of a suite (run).")
     ] = "quick",
     policies: tuple[str, ...] = (),
     tasks: tuple[Annotated[str, choice(task_names)], ...] = (),
@@ -55,15 +55,15 @@ def benchmark(
     Args:
         what: Whether to run a suite, make tables of results, or compare two policies.
         results: Files of results, or folders of runs, for table and compare.
-        policies: For run: policies with their options, instead of those of the suite. For compare:
+        policies: Policies with their options, instead of those of the suite (run). For compare:
             names in the results, the first of which the others are compared with.
-        tasks: For run: names of tasks, instead of those of the suite.
-        levels: For run: names of levels, instead of those of the suite.
-        believed: For run: suits that controllers believe in, instead of those of the suite.
-        episodes: For run: number of motions of each policy, at least 8; by default that of the
-            suite.
-        workers: For run: number of trials at once; -1 uses all cores, or the whole cluster.
-        backend: For run: place of the trials, processes (loky) or threads of this machine, or a
+        tasks: Names of tasks, instead of those of the suite (run).
+        levels: Names of levels, instead of those of the suite (run).
+        believed: Suits that controllers believe in, instead of those of the suite (run).
+        episodes: Number of motions of each policy, at least 8; by default that of the suite
+            (run).
+        workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
+        backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
         out: Folder for results.jsonl, tables.md and the figure of profiles: a new or an empty one,
             or that of the same benchmark, which goes on.

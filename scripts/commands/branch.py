@@ -95,8 +95,8 @@ def fork_table(fork: Fork) -> Rows:
             "/".join(f"{found[of][joint]:.2f}" for joint in ASSISTED)
             for of in ("human_torque_nm", "suit_torque_nm", "assist_torque_nm")
         )
-        told = f"{name} (lost the arm)" if future.lost else name
+        title = f"{name} (lost the arm)" if future.lost else name
         effort, regret = 100 * future.mean_effort, 100 * fork.regret(name)
         error = f"{1e3 * future.tracking:.0f}"
-        rows.append([told, f"{effort:.1f}", f"{regret:.1f}", *torques, error])
+        rows.append([title, f"{effort:.1f}", f"{regret:.1f}", *torques, error])
     return header, rows

@@ -42,7 +42,7 @@ def envelope(
     """
     options = arm.config(suit, gravity)
     config = ArmConfig.from_dict(options)
-    worn_suit(config)  # its mistakes are told before anything is computed
+    worn_suit(config)  # its mistakes are reported before anything is computed
     cases: list[tuple[Condition, Branch]] = [
         (condition, branch)
         for condition in CONDITIONS
@@ -88,7 +88,7 @@ def _branch(one: Envelope) -> str | None:
 
 
 def _table(found: Sequence[Envelope]) -> Rows:
-    header = ["condition", "branch", "held [l]", "reachable [l]", "postures [million]"]
+    header = ["condition", "branch", "can be kept [l]", "reachable [l]", "postures [million]"]
     rows = [
         [
             one.condition,
@@ -125,8 +125,8 @@ def _write(folder: RunFolder, found: Sequence[Envelope]) -> Iterator[str]:
 
 def _points(found: Sequence[Envelope]) -> Iterator[list[str]]:
     for one in found:
-        held = one.effort <= HELD
+        kept = one.effort <= HELD
         columns = (one.position, one.effort[:, None], one.posture)
-        for numbers in zip(*(column[held] for column in columns), strict=True):
+        for numbers in zip(*(column[kept] for column in columns), strict=True):
             values = (f"{value:.5g}" for column in numbers for value in column)
             yield [one.condition, _branch(one) or "", *values]

@@ -111,8 +111,10 @@ def evaluate(
         title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
         tables[title] = score_table(scores, with_references)
         if table:
-            place, worn, coupling = (chosen.options[o] for o in ("gravity", "suit", "coupling"))
-            settings[place, worn, coupling] = found
+            place, suit_name, coupling = (
+                chosen.options[o] for o in ("gravity", "suit", "coupling")
+            )
+            settings[place, suit_name, coupling] = found
             remarks.append(f"{title}: {agreement(found)}")
         else:
             tables["Cost per motion"] = effort_table(scores)
@@ -172,8 +174,8 @@ def _scenes(
         return
     if suit is not None or gravity is not None or arm.coupling is not None:
         raise InputError("--table has its own suits, places and couplings: leave yours out")
-    for coupling, worn, place in itertools.product(COUPLINGS, SUITS, PLACES):
-        chosen = of_task(suit=worn, gravity=place)
+    for coupling, suit_name, place in itertools.product(COUPLINGS, SUITS, PLACES):
+        chosen = of_task(suit=suit_name, gravity=place)
         yield replace(chosen, options={**chosen.options, "coupling": coupling})
 
 

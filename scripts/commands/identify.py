@@ -93,7 +93,7 @@ def identify(
             (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
         play: Play in the transmission, whose gap is fitted before the model (fitted), or none.
         softening: Change of the torque over the cycles of the file, which is found and taken off
-            the curves, and told in suit.json (fitted), or none.
+            the curves, and written to suit.json (fitted), or none.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -181,13 +181,13 @@ def _summary(
     fit: Fit, seed: int, use: str | None, needed: Coverage | None, found: Uncertainty | None
 ) -> dict[str, Any]:
     """Returns what result.json and --json hold."""
-    told = {
+    coverage = {
         "for": use,
         "measured": fit.coverage and fit.coverage.to_dict(),
         "needed": needed and needed.to_dict(),
         "shortfalls": fit.shortfalls,
     }
-    summary = {**fit_summary(fit, seed), "coverage": told}
+    summary = {**fit_summary(fit, seed), "coverage": coverage}
     return {**summary, "uncertainty": uncertainty_summary(found)} if found else summary
 
 
@@ -209,8 +209,8 @@ def _print(
         rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
     if fit.softening:
         first, steady, cycles, _ = fit.softening
-        told = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
-        rows.append(["torque over the last", told])
+        change = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
+        rows.append(["torque over the last", change])
     table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
     if bands:

@@ -32,7 +32,7 @@ STATIC = {
 }
 FITTED = {"MPSO": "mpso", "certified": "certified"}
 GRAVITY = "microgravity"  # where nothing but the suit is to be cancelled
-TRIALS = 5  # of MPSO, of which the best is taken
+TRIALS = 5  # number of trials of MPSO; the best one counts
 Found = dict[tuple[str, str], Knowledge]
 
 
@@ -46,7 +46,7 @@ def knowledge(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Show what it buys to know the memory of a suit.
+    """Measure how much a hysteresis model improves assistance.
 
     The shoulder and the elbow of each suit are measured on the simulated rig. Beliefs of rising
     knowledge are fitted to the same curves: none, a spring, a spring with friction, a polynomial
@@ -56,7 +56,7 @@ def knowledge(
 
     Args:
         tasks: Names of tasks.
-        suits: Names or files of suits that are worn and measured.
+        suits: Names or files of the suits that are simulated and measured.
         episodes: Number of motions, at least 8.
         out: Folder for result.json and the figure: a new or an empty one, or that of an earlier
             knowledge.
@@ -112,8 +112,8 @@ def knowledge_figure(found: Found) -> "Figure":
 
 def _beliefs(suit: str, seed: int) -> dict[str, dict[str, JointBelief]]:
     """Returns beliefs by name and joint, fitted to curves from the rig."""
-    worn = load_suit(suit)
-    joints = [joint for joint in ASSISTED if joint in worn.joints]
+    true = load_suit(suit)
+    joints = [joint for joint in ASSISTED if joint in true.joints]
     curves = {joint: _measured(suit, joint, seed) for joint in joints}
     found: dict[str, dict[str, JointBelief]] = {NONE: {}}
     for name, fit in STATIC.items():

@@ -82,12 +82,12 @@ def suits(
 def _list(json: bool) -> None:
     shipped = [load_suit(name) for name in suit_names()]
     if json:
-        told = {"label", "pressure_kpa", "description"}
+        fields = {"label", "pressure_kpa", "description"}
         print(
             to_json(
                 {
                     suit.name: {
-                        **suit.model_dump(include=told),
+                        **suit.model_dump(include=fields),
                         "joints": [*suit.joints],
                         "loss_factor": {j: _loss_factor(e) for j, e in suit.joints.items()},
                     }
@@ -150,8 +150,8 @@ def _pressure(suit: Suit) -> str:
 def _softening(entry: SuitJoint) -> str:
     if entry.softening is None:
         return "-"
-    told = entry.softening
-    return f"{told.first:.3g}, {told.steady:.3g},\n{told.cycles:.3g} cycles"
+    softening = entry.softening
+    return f"{softening.first:.3g}, {softening.steady:.3g},\n{softening.cycles:.3g} cycles"
 
 
 def _column(entry: SuitJoint) -> dict[str, str]:

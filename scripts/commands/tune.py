@@ -32,7 +32,7 @@ def tune(
 ) -> None:
     """Tune the options of a policy within a budget that is the same for all.
 
-    CMA-ES minimizes the effort of settled wearers at the level randomized, in motions that no
+    CMA-ES minimizes the effort of adapted wearers at the level randomized, in motions that no
     evaluation shows. The result is data, which --policies takes.
 
     Args:

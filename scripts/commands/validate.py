@@ -1,4 +1,4 @@
-"""`activesuit validate`: a believed suit against a worn one, first its torque and then relief."""
+"""`activesuit validate`: a believed suit against the true one, first its torque, then relief."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
@@ -42,8 +42,8 @@ from ..runs import Scene, scene
 
 GRAVITY = "microgravity"
 POLICIES = ("feedforward", "compensation")
-OTHERS = 4  # policies and references that each worn suit is evaluated with beside the believers
-Cells = dict[tuple[str, str], Validation]  # by believed and worn suit
+OTHERS = 4  # number of policies and references beside those that believe a suit
+Cells = dict[tuple[str, str], Validation]  # keys are believed and true suit
 
 
 def validate(
@@ -106,16 +106,16 @@ def validate(
     at_least("episodes", episodes, FEWEST_MOTIONS)
     at_least("seed", seed, 0)
     scenes = {
-        worn: scene(arm, env=env, suit=worn, gravity=gravity, usual={"gravity": GRAVITY})
-        for worn in plant
+        true: scene(arm, env=env, suit=true, gravity=gravity, usual={"gravity": GRAVITY})
+        for true in plant
     }
     for chosen in scenes.values():
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
     if samples:
         drawn = {"randomize": {"suit": "samples"}}
         scenes = {
-            worn: replace(chosen, options={**chosen.options, **drawn})
-            for worn, chosen in scenes.items()
+            true: replace(chosen, options={**chosen.options, **drawn})
+            for true, chosen in scenes.items()
         }
     folder = RunFolder(out, "validate", force=force) if out else None
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
@@ -134,8 +134,8 @@ def _simulated(
             del name
             bar.advance(len(traces))
 
-        for worn, chosen in scenes.items():
-            evaluations[worn], found = validate_suits(
+        for true, chosen in scenes.items():
+            evaluations[true], found = validate_suits(
                 chosen.env,
                 {labels[suit]: suit for suit in suits},
                 policy=policy,
@@ -145,7 +145,7 @@ def _simulated(
                 threads=0,
                 **chosen.options,
             )
-            cells |= {(suit, worn): found[labels[suit]] for suit in suits}
+            cells |= {(suit, true): found[labels[suit]] for suit in suits}
     return cells, evaluations
 
 
@@ -165,9 +165,9 @@ def _conclude(
     result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
     del result["suit"]
     result["cells"] = [
-        {"believed": suit, "worn": worn, **one.to_dict()} for (suit, worn), one in cells.items()
+        {"believed": suit, "worn": true, **one.to_dict()} for (suit, true), one in cells.items()
     ]
-    result["evaluations"] = {worn: found.to_dict() for worn, found in evaluations.items()}
+    result["evaluations"] = {true: found.to_dict() for true, found in evaluations.items()}
     place = f"{chosen.env}, {chosen.options['gravity']}, {policy}"
     tables, remarks = {}, []
     if len(cells) > 1:
@@ -176,21 +176,21 @@ def _conclude(
         if folder:
             folder.figure("matrix", matrix_figure(cells))
     else:
-        ((suit, worn),) = cells
-        scores = list(evaluations[worn].scores.values())
-        title = f"believes {suit}, wears {worn}"
-        tables[f"Torque, believed less true: {title}"] = torque_table(cells[suit, worn])
-        tables[f"Human torque: {place}"] = score_table(scores, evaluations[worn])
-        found = cells[suit, worn]
-        remarks += [*story(found, suit, load_suit(suit)), *_lacking(suit, worn)]
+        ((suit, true),) = cells
+        scores = list(evaluations[true].scores.values())
+        title = f"believes {suit}, wears {true}"
+        tables[f"Torque, believed less true: {title}"] = torque_table(cells[suit, true])
+        tables[f"Human torque: {place}"] = score_table(scores, evaluations[true])
+        found = cells[suit, true]
+        remarks += [*story(found, suit, load_suit(suit)), *_lacking(suit, true)]
         remarks += cuff_remarks(scores)
     conclude(result, tables, [*remarks, RULE], folder=folder, json=json)
 
 
-def _lacking(believed: str, worn: str) -> Iterator[str]:
+def _lacking(believed: str, true: str) -> Iterator[str]:
     for joint in ASSISTED:
-        if joint not in load_suit(worn).joints:
-            yield f"{joint}: nothing to assist, because {worn} has no such joint"
+        if joint not in load_suit(true).joints:
+            yield f"{joint}: nothing to assist, because {true} has no such joint"
         elif joint not in load_suit(believed).joints:
             yield f"{joint}: not assisted, because {believed} has no such joint"
 

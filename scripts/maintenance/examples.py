@@ -43,7 +43,7 @@ SMALL = (  # words of an example, and the options that it gets beside its own or
     (["kao-fung"], ["--trials", "1", "--iterations", "20"]),
     (["bench"], ["--repeats", "1"]),
 )
-SECONDS = 300  # after which an example has failed
+SECONDS = 300  # longest time of an example
 
 
 def examples() -> Iterator[list[str]]:

@@ -30,7 +30,7 @@ and a grade:
 - **identified**: fitted to curves (suits only);
 - **assumed**: ours, or known at second hand only. Replace it by what you know of your own hardware.
 
-What the numbers mean is told in [The model](model.md) and by the module that each table is of.
+[The model](model.md) and the module of each table say what the numbers mean.
 """
 
 

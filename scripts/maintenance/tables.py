@@ -1,6 +1,7 @@
-"""Remakes tables of the docs from code and kept results: `python -m activesuit.scripts.maintenance.tables`.
+"""Remakes tables of the docs: `python -m activesuit.scripts.maintenance.tables`.
 
-Each stands between two marks of its page, so that the text around it is written by hand.
+They come from code and from kept results. Each stands between two marks of its page, so that the
+text around it is written by hand.
 """
 
 import math

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 LOWEST = -1.0  # relief at which the figure begins
-LINE = 0.2  # inches, of the legend
+LINE = 0.2  # [inch], line of the legend
 
 
 def level_rows(standings: Standings, level: str) -> Rows:

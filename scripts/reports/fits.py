@@ -13,7 +13,7 @@ from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
 from .parameters import labeled
 
-MOST_ROWS = 20  # of a table on the screen
+MOST_ROWS = 20  # limit of a table on the screen
 
 
 def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
@@ -70,16 +70,16 @@ def _bands_summary(found: Ensemble, curves: Curves) -> dict[str, dict[str, float
     The half width is the mean of that of the torque without noise; what was measured has noise, so
     that it is compared with the band of measured torque.
     """
-    told = {}
+    summaries = {}
     for curve in curves.held_out():
         low, high = found.band(curve)
         least, most = found.measured_band(curve)
         inside = (least <= curve.torque) & (curve.torque <= most)
-        told[curve.name] = {
+        summaries[curve.name] = {
             "half_width": float(np.mean(high - low)) / 2,
             "inside": float(np.mean(inside)),
         }
-    return told
+    return summaries
 
 
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:

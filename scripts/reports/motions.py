@@ -90,28 +90,28 @@ def story(evaluation: Evaluation) -> Iterator[str]:
     if cost is None:
         return
     suited = evaluation.scores["suited"]
-    unsuited, worn = (
+    unsuited, in_suit = (
         100 * float(np.mean(evaluation.scores[name].effort)) for name in ("unsuited", "suited")
     )
     yield (
         f"The suit {'raises' if cost.value > 0 else 'lowers'} the wearer's effort from "
-        f"{unsuited:.1f} to {worn:.1f} % of strength, a change of {100 * cost.value:.1f} "
+        f"{unsuited:.1f} to {in_suit:.1f} % of strength, a change of {100 * cost.value:.1f} "
         f"({100 * cost.low:.1f} to {100 * cost.high:.1f}) points."
     )
     off = evaluation.scores.get("none")
     if off is not None:
         change = 100 * (np.mean(off.effort) - np.mean(suited.effort))
         relief = evaluation.relief("none")
-        told = "" if relief is None else f": relief {interval_text(relief)}"
-        yield f"The exoskeleton with its motors off adds {change:.1f} points{told}."
+        remark = "" if relief is None else f": relief {interval_text(relief)}"
+        yield f"The exoskeleton with its motors off adds {change:.1f} points{remark}."
     for name in evaluation.scores:
         relief = evaluation.relief(name)
         if name in ("unsuited", "suited", "none") or relief is None:
             continue
         share = evaluation.share_of_bound(name)
-        told = "" if share is None else f", {share.value:.0%} of the bound"
+        remark = "" if share is None else f", {share.value:.0%} of the bound"
         carried = "; above 1 it carries the person" if relief.low > 1 else ""
-        yield f"{name}: relief {interval_text(relief)}{told}{carried}."
+        yield f"{name}: relief {interval_text(relief)}{remark}{carried}."
     if evaluation.relief("suited") is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
 
@@ -159,14 +159,14 @@ def agreement(evaluation: Evaluation) -> str:
     scores = evaluation.scores
     levels = ", ".join(f"{name} {np.mean(one.reward):.2f}" for name, one in scores.items())
     beginning = 100 * fmean(fmean(one.beginning) for one in scores.values())
-    told = f"mean reward: {levels}; first half second {beginning:.1f} % of the return"
+    sentence = f"mean reward: {levels}; first half second {beginning:.1f} % of the return"
     reliefs = {name: evaluation.relief(name) for name in scores if name not in REFERENCES}
     known = {name: relief.value for name, relief in reliefs.items() if relief is not None}
     if len(known) > 1:
         rewards = [float(np.mean(scores[name].reward)) for name in known]
         found: Any = kendalltau(list(known.values()), rewards)
-        told += f"; rank correlation of reward with relief {found.statistic:.2f}"
-    return told
+        sentence += f"; rank correlation of reward with relief {found.statistic:.2f}"
+    return sentence
 
 
 def cuff_remarks(scores: Sequence[Score]) -> list[str]:

@@ -11,7 +11,7 @@ from ...assets import Suit, SuitJoint
 from ...hysteresis import HysteresisModel, PoleError
 
 TURNS = 5  # loops per joint, at equal distances
-SAMPLES = 150  # per branch
+SAMPLES = 150  # number of samples per branch
 COLUMNS = 2
 COLORS = "viridis"
 

@@ -1,4 +1,4 @@
-"""Validations of believed suits: tables, sentences, and the matrix of believed and worn suits."""
+"""Validations of believed suits: tables, sentences, and the matrix of believed and true suits."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
@@ -21,7 +21,7 @@ from ...envs.evaluation.validation import (
 from ..output import Rows
 from .motions import interval_text
 
-Cells = Mapping[tuple[str, str], Validation]  # by believed and worn suit
+Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
 
 RULE = (
     "The verdict is by the root mean square of the torque error over the largest true torque, of "
@@ -65,32 +65,32 @@ def _two_lines(one: Interval, form: str) -> str:
 
 
 def matrix_table(cells: Cells) -> Rows:
-    """Returns one row per believed suit and one column per worn one."""
+    """Returns one row per believed suit and one column per true one."""
     labels = names_of(chain(*cells))
-    believed, worn = _axes(cells)
-    rows = [[labels[one], *(_cell(cells[one, other]) for other in worn)] for one in believed]
-    return ["believes", *(f"wears\n{labels[other]}" for other in worn)], rows
+    believed, plants = _axes(cells)
+    rows = [[labels[one], *(_cell(cells[one, other]) for other in plants)] for one in believed]
+    return ["believes", *(f"wears\n{labels[other]}" for other in plants)], rows
 
 
 def matrix_figure(cells: Cells) -> Figure:
     """Draws a heat map of torque errors; each cell tells error, relief and verdict."""
     labels = names_of(chain(*cells))
-    believed, worn = _axes(cells)
-    size = (3.0 + 2.1 * len(worn), 1.4 + 1.0 * len(believed))
+    believed, plants = _axes(cells)
+    size = (3.0 + 2.1 * len(plants), 1.4 + 1.0 * len(believed))
     figure = Figure(figsize=size, layout="constrained")
     ax = figure.subplots()
-    errors = np.array([[_error(cells[one, other]) for other in worn] for one in believed])
+    errors = np.array([[_error(cells[one, other]) for other in plants] for one in believed])
     norm, colors = LogNorm(LEAST, MOST, clip=True), colormaps[COLORS]
     image = ax.imshow(np.maximum(errors, LEAST), norm=norm, cmap=colors, aspect="auto")
     for row, one in enumerate(believed):
-        for column, other in enumerate(worn):
+        for column, other in enumerate(plants):
             shade = norm(max(errors[row, column], LEAST))
             color = "black" if 0.15 < shade < 0.85 else "white"
-            told = _cell(cells[one, other])
-            ax.text(column, row, told, fontsize=9, color=color, ha="center", va="center")
-    ax.set_xticks(range(len(worn)), [labels[other] for other in worn])
+            cell = _cell(cells[one, other])
+            ax.text(column, row, cell, fontsize=9, color=color, ha="center", va="center")
+    ax.set_xticks(range(len(plants)), [labels[other] for other in plants])
     ax.set_yticks(range(len(believed)), [labels[one] for one in believed])
-    ax.set(xlabel="worn suit", ylabel="believed suit")
+    ax.set(xlabel="true suit", ylabel="believed suit")
     bar = figure.colorbar(image, ax=ax, label="torque error, RMS of the peak")
     ticks = [LEAST, *LIMITS.values(), MOST]
     bar.set_ticks(ticks, labels=[f"{tick:.0%}" for tick in ticks])
@@ -112,7 +112,7 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
     )
     nrmse = found.torque.nrmse
     if nrmse is None:
-        yield f"{believed}: {NOTHING}, as the worn suit resists no assisted joint"
+        yield f"{believed}: {NOTHING}, as the true suit resists no assisted joint"
     else:
         yield (
             f"{believed}: {found.torque.verdict} for {covered}; torque error "
@@ -143,8 +143,8 @@ def covered_text(cells: Cells) -> str:
         for joint, (low, high) in found.torque.covered.items():
             least, most = covered.get(joint, (low, high))
             covered[joint] = min(low, least), max(high, most)
-    told = (f"{joint} {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered.items())
-    return f"The motions covered {', '.join(told) or 'no joint that is judged'}."
+    ranges = (f"{joint} {low:.2f} to {high:.2f} rad" for joint, (low, high) in covered.items())
+    return f"The motions covered {', '.join(ranges) or 'no joint that is judged'}."
 
 
 def curve_table(found: Mapping[str, Mapping[str, list[CurveError]]]) -> Rows:
@@ -175,8 +175,8 @@ def names_of(suits: Iterable[str]) -> dict[str, str]:
 
 
 def _axes(cells: Cells) -> tuple[list[str], list[str]]:
-    believed, worn = zip(*cells, strict=True)
-    return list(dict.fromkeys(believed)), list(dict.fromkeys(worn))
+    believed, plants = zip(*cells, strict=True)
+    return list(dict.fromkeys(believed)), list(dict.fromkeys(plants))
 
 
 def _error(found: Validation) -> float:

@@ -66,7 +66,7 @@ class Plugin(ctypes.Structure):
     ]
 
 
-ATTRIBUTES = Plugin.attributes.offset  # of the names of the config keys, in mjpPlugin
+ATTRIBUTES = Plugin.attributes.offset  # place of the config keys' names in mjpPlugin
 
 PROBE = """<mujoco><worldbody><body>
   <joint name="probe"/><geom size=".1"/><site/></body></worldbody>

@@ -39,7 +39,7 @@ FIRST = {
 }
 
 _lock = threading.RLock()
-_plugins: dict[str, "_Registered"] = {}  # for the life of the process: C points into it
+_plugins: dict[str, "_Registered"] = {}  # C points into it as long as the process lives
 
 
 def callback(function: Callable[..., Any]) -> Any:
@@ -144,7 +144,7 @@ class _Registered:
                 return self.compile()[which].ctypes(*arguments)
             except KeyboardInterrupt:
                 _thread.interrupt_main()
-            except BaseException:  # none may pass through MuJoCo, which is told that it failed
+            except BaseException:  # none may pass through MuJoCo, which gets a failure instead
                 traceback.print_exc()
             return -1
 

@@ -164,7 +164,7 @@ def add(sentence, n, words):
 def issue(sentence):
     """Issues a sentence as a MuJoCo warning."""
     warn(sentence.ctypes.data)
-    return sentence[0]  # keeps it alive till here
+    return sentence[0]  # the reference keeps it alive till here
 
 
 @njit(cache=True)

@@ -39,13 +39,13 @@ FAULTS = (
     "drift 2 %",
     "rate 0.2 N·m·s/rad",
 )
-SURE, FAR = 1.15, 1.3  # times the noise, from which on a misfit shall be told
+SURE, FAR = 1.15, 1.3  # misfits that must be reported, relative to the noise
 
 
 def interval_case(noise: str, seed: int) -> dict[str, Any]:
     """Returns which share of the parameters, and of a random motion, intervals cover.
 
-    The model is of the truth's kind, so a misfit that is told is a false alarm.
+    The model is of the truth's kind, so a reported misfit is a false alarm.
     """
     rng = np.random.default_rng([seed, 1])
     truth = jiles_atherton(rng)
@@ -64,12 +64,12 @@ def interval_case(noise: str, seed: int) -> dict[str, Any]:
         "parameters": float(np.mean(covered)),
         "torque": float(np.mean(inside[moved])),
         "width": float(np.mean((high - low)[moved]) / 2 / NOISE),
-        "false": _told(fit),
+        "false": _is_reported(fit),
     }
 
 
 def misfit_case(noise: str, repeats: int, seed: int) -> dict[str, Any]:
-    """Returns how far a fit of a drawn truth is off, and whether that was told."""
+    """Returns how far a fit of a drawn truth is off, and whether that was reported."""
     rng = np.random.default_rng([seed, 2])
     kind = [*KINDS][seed % len(KINDS)]
     model = ("jiles-atherton", "bouc-wen", "prandtl-ishlinskii")[seed // len(KINDS) % 3]
@@ -78,11 +78,11 @@ def misfit_case(noise: str, repeats: int, seed: int) -> dict[str, Any]:
     fit = identify(curves, model=model, seed=seed, workers=1)
     off = np.concatenate([fit.predict(one) - truth.torque(one.angle) for one in curves])
     times = float(np.sqrt(1 + np.mean(off**2) / NOISE**2))
-    return {"times": times, "told": _told(fit)}
+    return {"times": times, "told": _is_reported(fit)}
 
 
-def _told(fit: Fit) -> bool:
-    """Returns whether a misfit was told."""
+def _is_reported(fit: Fit) -> bool:
+    """Returns whether a misfit was reported."""
     return fit.judgement is not None and fit.judgement.misfit.probability < UNLIKELY
 
 
@@ -189,7 +189,7 @@ def tables(results: Sequence[Mapping[str, Any]]) -> dict[str, Rows]:
             ],
             list(_interval_rows(results)),
         ),
-        f"misfits that are told (below {UNLIKELY:g})": (
+        f"reported misfits (below {UNLIKELY:g})": (
             ["noise", "each curve", f"from {SURE:g}x", f"from {FAR:g}x"],
             list(_misfit_rows(results)),
         ),
@@ -220,8 +220,8 @@ def _interval_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
 def _misfit_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
     for (noise, repeats), rows in _by_cell(results, "misfit"):
         times = np.array([row["times"] for row in rows])
-        told = np.array([row["told"] for row in rows])
-        cells = [_share(told[times >= least]) for least in (SURE, FAR)]
+        reported = np.array([row["told"] for row in rows])
+        cells = [_share(reported[times >= least]) for least in (SURE, FAR)]
         yield [noise, "once" if repeats == 1 else "twice", *cells]
 
 

@@ -26,8 +26,8 @@ from .truths import (
 )
 
 RECORDS = ("first-order curves", "and a nested record")
-RATE = math.sqrt(MIN_RATE * MAX_RATE)  # rad/s, of first-order curves
-LEAST_VISCOUS, MOST_VISCOUS = 0.02, 0.2  # of the peak, at the fastest rate
+RATE = math.sqrt(MIN_RATE * MAX_RATE)  # [rad/s], rate of first-order curves
+LEAST_VISCOUS, MOST_VISCOUS = 0.02, 0.2  # share of the peak at the fastest rate
 LEAST_GAP, MOST_GAP = 0.02, 0.06  # rad; more than a step between samples
 TURNS_UNSEEN = 8
 

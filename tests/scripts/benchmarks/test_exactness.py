@@ -20,7 +20,7 @@ WRONG = {
     "prandtl-ishlinskii stops": {"weights": [6, 4, 2.0001]},
     "prandtl-ishlinskii plays": {"thresholds": [0.05, 0.2001, 0.7]},
     "hinged stops": {"slopes": (0.4, 1, 0.3, 1.6001)},
-    "held, elbow-sa-pso": {"angle_range": (0.7001, 1.3)},
+    "elbow-sa-pso in a range": {"angle_range": (0.7001, 1.3)},
     "asymmetric, elbow-sa-pso": {"polynomial": [0.3, -0.5, 0.8001]},
 }
 
