@@ -95,7 +95,7 @@ def correct(
     Args:
         rows: The rows, shape (k,).
         torque: Torque that is left [N·m], shape (n, all dofs).
-        inverse: Inverse of its derivatives by the angles, shape (k, d, d).
+        inverse: Inverse of its derivatives with respect to the angles, shape (k, d, d).
         qpos: Angles, shape (n, all dofs).
         dofs: Degrees of freedom that nobody holds, shape (d,).
         moves: The last move of each row and the torque before it, and room for the update, shape

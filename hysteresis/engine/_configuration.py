@@ -328,7 +328,7 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
 
 @njit
 def slope_of(polynomial, angle):
-    """Returns the derivative of the polynomial by the angle."""
+    """Returns the derivative of the polynomial with respect to the angle."""
     slope = 0.0
     for power in range(polynomial.size - 1, 0, -1):
         slope = slope * angle + power * polynomial[power]

@@ -183,8 +183,8 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
         x: Effective field at H0.
         u: Lag M - Man at H0.
         man: Anhysteretic torque Man at H0.
-        slope: First derivative of Man by x at H0.
-        curvature: Second derivative of Man by x at H0.
+        slope: First derivative of Man with respect to x at H0.
+        curvature: Second derivative of Man with respect to x at H0.
         Ms: Saturation torque.
         alpha: Coupling of torque into the effective field.
         c: Reversibility.

@@ -1,4 +1,4 @@
-"""The Jiles-Atherton torque along curves, with its derivatives by every parameter.
+"""The Jiles-Atherton torque along curves, with its derivatives with respect to every parameter.
 
 Symbols and the exact step are those of `_bulk`. At a fixed effective field x the lag u obeys a
 linear equation, so its derivatives v_j = du/dq_j obey the same equation with other sources: the
@@ -119,7 +119,7 @@ def carry(p, s, end, before, after):
 
 @njit(inline="always", error_model="numpy")
 def weights_and_derivatives(z):
-    """Returns `decay_weights` and their derivatives by z: of phi_j it is j phi_(j+1) - phi_j."""
+    """Returns `decay_weights` and their derivatives d/dz: of phi_j it is j phi_(j+1) - phi_j."""
     decay, phi1, phi2, phi3 = decay_weights(z)
     phi4 = (1 / 6 - phi3) / z
     if z < 1:  # the closed form loses digits here; sum over j of (-z)^j / (j + 4)!

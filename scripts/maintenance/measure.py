@@ -130,7 +130,7 @@ def run(name: str) -> dict[str, Any]:
     command = [sys.executable, "-m", "activesuit.scripts.main", *words]
     if words[0] == "bench":
         done = subprocess.run([*command, "--json"], stdout=subprocess.PIPE, check=True)
-        return condensed(json.loads(done.stdout))
+        return {"result": condensed(json.loads(done.stdout))}
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([*command, "--out", f"{folder}/run"], stdout=subprocess.DEVNULL, check=True)
         return result_of(Path(folder, "run"))

@@ -131,14 +131,22 @@ def private_words(path: Path) -> Iterator[Line]:
         texts = (token for token in _tokens(path) if token.type in PROSE)
         prose = [(token.start[0], token.string) for token in texts if " " in token.string]
     else:
-        prose = list(enumerate(path.read_text(encoding="utf-8").split("\n"), 1))
+        page = _BLOCK.sub(_blank, path.read_text(encoding="utf-8"))
+        prose = list(enumerate(page.split("\n"), 1))
     for first, text in prose:
         for number, line in enumerate(text.split("\n"), first):
             plain = re.sub(r"``?[^`]*`?`|\{[^{}]*\}|[Hh]eld[- ]out\b|<!--.*?-->", "", line)
             plain = re.sub(r"^\s+\w+: ", "", plain)  # the name of an argument
-            for word in re.findall(r"(?<![\w.=/-])[A-Za-z]+(?![\w=(/]|\.\w)", plain):
+            for word in re.findall(r"(?<![\w.=/#-])[A-Za-z]+(?![\w=(/]|\.\w)", plain):
                 if word != "He" and word.lower() in PRIVATE:
                     yield Line(path, number, word.lower())
+
+
+_BLOCK = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
+
+
+def _blank(block: re.Match[str]) -> str:
+    return "\n" * block[0].count("\n")
 
 
 def sentence_length(page: str) -> float:

@@ -3,7 +3,7 @@
 The results are those that `measure.py` keeps in docs/measured, and docs/leaderboard.jsonl.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -273,15 +273,16 @@ def speed(topic: str) -> str:
         topic: Part of the package, as in `activesuit bench`.
     """
     rows = [
-        [one["what"], one["against"], f"{one['ratio']:.2f}", _range(one["lowest"], one["highest"])]
-        for one in kept(f"bench-{topic}")["rows"]
+        [
+            one["what"],
+            one["against"].partition(" (")[0],
+            f"{one['ratio']:.2f}",
+            f"{one['lowest']:.2f} to {one['highest']:.2f}",
+        ]
+        for one in kept(f"bench-{topic}")["result"]["rows"]
         if one["ratio"] is not None
     ]
     return markdown_table(["ours", "against", "speed, median", "lowest to highest"], rows)
-
-
-def _range(low: float, high: float) -> str:
-    return f"{low:.2f} to {high:.2f}"
 
 
 # The papers.
@@ -352,6 +353,65 @@ def relief_at(policy: str, level: str) -> str:
     return "-" if found is None else _signed(found.value)
 
 
+# Sentences of pages that are written by hand, but for their numbers.
+
+
+def _controllers() -> Iterator[str]:
+    earth = scores("earth")
+    bare, suited, off = (100 * earth[name]["effort"] for name in (*_REFERENCES, "none"))
+    yield f"from {bare:.1f} to {suited:.1f} % of strength"
+    yield f"motors off adds {off - suited:.1f} points"
+    stiff = kept("cuffs-weightless")["result"]["scores"]
+    corrected, usual = stiff["corrected"], stiff["compensation"]
+    yield f"relief is {interval(corrected['relief'])} instead of {interval(usual['relief'])}"
+    errors = (f"{1e3 * one['tracking']:.0f}" for one in (corrected, usual))
+    yield f"the tracking error {' instead of '.join(errors)} mrad"
+    found = kept("laws-earth")["result"]["scores"]
+    errors = (f"{1e3 * found[name]['tracking']:.1f}" for name in ("impedance", "compensation"))
+    yield f"to {' mrad on Earth, where compensation is at '.join(errors)}"
+
+
+def _benchmark() -> Iterator[str]:
+    def change(policy: str, level: str = "nominal") -> str:
+        return f"from {relief_at(policy, level)} to {relief_at(f'{policy}-tuned', level)}"
+
+    yield f"`proportional` rises {change('proportional')}"
+    yield f"`impedance` {change('impedance')}"
+    yield f"`iterative` falls {change('iterative')}"
+    yield f"`disturbance-observer` falls {change('disturbance-observer', 'shift')}"
+    yield f"`observer` rises {change('observer', 'shift')}"
+    best = [relief_at("clairvoyant", level) for level in standings().levels]
+    yield f"most relief at every level: {best[0]}, {best[1]} and {best[2]}"
+    better = standing("predictive", "nominal").improvement
+    if better is not None:
+        ends = f"({100 * better.low:.0f} to {100 * better.high:.0f})"
+        yield f"in {100 * better.value:.0f} % {ends} of the motions at nominal"
+    reliefs = (relief_at(name, "nominal") for name in ("predictive", "compensation"))
+    yield f"gives back {' instead of '.join(reliefs)}"
+
+
+def _environments() -> Iterator[str]:
+    earth, space = scores("earth"), scores(WEIGHTLESS)
+    pairs = {
+        name: f"{earth[name]['reward']:.2f}{between}{space[name]['reward']:.2f}"
+        for name, between in (("suited", " on Earth and "), ("unsuited", " and "))
+    }
+    both = f"{earth['compensation']['reward']:.2f} and {space['compensation']['reward']:.2f}"
+    yield f"earns {pairs['suited']} weightless, the unsuited one {pairs['unsuited']}"
+    yield f"compensation {both}"
+    rows = {(one["what"], one["against"]): one for one in kept("bench-env")["result"]["rows"]}
+    reset = rows["reset of 1024 rows", ""]["ours"]
+    yield f"takes {reset:.2f} ms a row"
+    yield f"their process {rows['memory of 1024 rows', '']['ours']:.0f} MB"
+
+
+FACTS: dict[str, Callable[[], Iterator[str]]] = {
+    "controllers.md": _controllers,
+    "benchmark.md": _benchmark,
+    "environments.md": _environments,
+}
+"""Parts of sentences by the page that has them."""
+
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
     "reproduction.md": {"fits": demo_fits, "claims": claims, "dispatch": dispatch},
@@ -364,6 +424,5 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "results.md": {"findings": findings, "settings": all_settings},
     "benchmark.md": {"better": better},
     "environments.md": {"speed": lambda: speed("env")},
-    "robot.md": {"speed": lambda: speed("engine")},
 }
 """The tables by page and mark."""

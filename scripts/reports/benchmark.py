@@ -1,11 +1,13 @@
 """The benchmark as tables, a page and a figure."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...envs.benchmark.standings import FIXED, Standings
 from ...envs.benchmark.suite import BASELINE, Setting
+from ...envs.policies import POLICIES
 from ..output import Rows, markdown_table
 from .motions import interval_text
 
@@ -14,26 +16,32 @@ if TYPE_CHECKING:
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 LOWEST = -1.0  # relief at which the figure begins
-LINE = 0.2  # [inch], line of the legend
+COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best policies
 
 
 def level_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per policy over all tasks of a level."""
-    header = ["policy", "success", "relief\n(95 % interval)", f"better than\n{BASELINE}"]
-    header.append("in most motions\nof the tasks")
+    header = ["policy", "sensors", "success", "relief\n(95 % interval)", f"better than\n{BASELINE}"]
     rows = []
     for one in standings.by_level(level):
         improvement = None if one.policy in FIXED else one.improvement
         rows.append(
             [
                 one.policy if not one.failed else f"{one.policy} ({one.failed} failed)",
+                _sensors(one.policy),
                 f"{one.success:.0%}",
                 interval_text(one.relief),
                 interval_text(improvement),
                 "-" if improvement is None or one.better is None else f"{one.better:.0%}",
             ]
         )
-    return header, rows
+    return [*header, "nearly always\nbetter in"], rows
+
+
+def _sensors(policy: str) -> str:
+    """Returns the sensor suites that a policy of this package needs, by its label."""
+    maker = POLICIES.get(policy.partition(":")[0].removesuffix("-tuned"))
+    return ", ".join(getattr(maker, "sensors", ())) or "-"
 
 
 def task_rows(standings: Standings, level: str) -> Rows:
@@ -65,13 +73,16 @@ def page(standings: Standings, title: str, figure: str) -> str:
     versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
     parts = [
         f"{title}\n\n"
-        f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
-        f"{protocol.get('suite_version')}, contract {protocol.get('contract')}, seeds from "
-        f"{protocol.get('first_seed')} ({versions}). Success is the share of motions that went "
-        "well; relief is the share of the suit's cost that is given back, the interquartile mean "
-        f"over tasks, with its 95 % interval; then the probability of less effort than {BASELINE} "
-        "on the same motion, and the share of settings in which that is at least 0.9.\n\n"
-        f"![Performance profiles]({figure})\n"
+        "**How to read this.** Each table is a level: how much differs from what a controller was "
+        "made for. *Success* is the share of motions that meet the limits of their task. *Relief* "
+        "is the share of the suit's cost that the wearer gets back: 0 is the suit without an "
+        "exoskeleton, 1 is no suit. It is the interquartile mean over tasks with a 95 % interval. "
+        f"*Better than {BASELINE}* is the probability of less effort on the same motion. *Nearly "
+        "always better in* is the share of settings where that probability is at least 0.9. A "
+        "setting is a task with a believed suit. *Sensors* are the suites that a policy needs. "
+        "`clairvoyant` is a plan that knows the true suit and the whole motion; it is the bound, "
+        f"not a controller.{_best(standings)}\n\n"
+        f"![Share of motions with at least a relief, by policy and level]({figure})\n"
     ]
     for level in standings.levels:
         parts.append(f"## {level}\n\n{markdown_table(*level_rows(standings, level))}\n")
@@ -80,29 +91,70 @@ def page(standings: Standings, title: str, figure: str) -> str:
         turned = [list(column) for column in zip(header, *rows, strict=True)]
         title = f"## {level}, by task: success and relief"
         parts.append(f"{title}\n\n{markdown_table(turned[0], turned[1:])}\n")
+    parts.append(
+        f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
+        f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
+        f"({versions}; contract {protocol.get('contract')}).\n"
+    )
     return "\n".join(parts)
 
 
+def _best(standings: Standings) -> str:
+    """Returns a sentence where the policy of the best relief has not the most success."""
+    level = standings.levels[0]
+    causal = [one for one in standings.by_level(level) if one.policy not in FIXED and one.relief]
+    if not causal:
+        return ""
+    first, most = causal[0], max(causal, key=lambda one: one.success)
+    if first.success == most.success or first.relief is None or most.relief is None:
+        return ""
+    return (
+        f" **The best relief is not the best success**: at {level} `{first.policy}` has the most "
+        f"relief ({first.relief.value:.2f}) and succeeds in {first.success:.0%} of its motions; "
+        f"`{most.policy}` succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
+    )
+
+
 def profile_figure(standings: Standings) -> "Figure":
-    """Draws performance profiles: which share of the motions has at least a relief."""
+    """Draws performance profiles: the share of motions with at least a relief."""
     from matplotlib.figure import Figure
 
-    names = [name for name in standings.policies if name not in FIXED[:2]]
-    size = 4.2 * len(standings.levels) + 1.6, max(4.2, LINE * len(names))
+    names = [name for name in standings.policies if name not in FIXED]
+    best = _first(standings, names)
+    size = 6.0, 2.8 * len(standings.levels) + 1.2
     figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(1, len(standings.levels), squeeze=False, sharey=True)[0]
+    axes = figure.subplots(len(standings.levels), 1, squeeze=False, sharex=True)[:, 0]
     relief = np.linspace(LOWEST, 1.5, 251)
+    styles: dict[str, dict[str, Any]] = {
+        name: {"color": "0.8", "lw": 0.8, "zorder": 1} for name in names
+    }
+    styles |= {
+        name: {"color": color, "label": name} for color, name in zip(COLORS, best, strict=False)
+    }
+    if FIXED[2] in standings.policies:
+        styles[FIXED[2]] = {"color": "black", "label": FIXED[2]}
     for ax, level in zip(axes, standings.levels, strict=True):
-        for i, name in enumerate(names):
-            style = ("-", "--", ":")[i // 10 % 3]
-            color = "black" if name in FIXED else f"C{i % 10}"
-            ax.plot(relief, standings.profile(name, level, relief), style, color=color, label=name)
-        ax.set(title=level, xlabel="relief", xlim=(LOWEST, 1.5), ylim=(0, 1.01))
+        for name, style in styles.items():
+            ax.plot(relief, standings.profile(name, level, relief), **style)
+        ax.set(title=level, xlim=(LOWEST, 1.5), ylim=(0, 1.01))
         ax.grid(alpha=0.3)
-    axes[0].set_ylabel("share of motions with at least that relief")
+    figure.supylabel("share of motions with at least that relief")
+    axes[-1].set_xlabel("relief")
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
+
+
+def _first(standings: Standings, names: Sequence[str]) -> list[str]:
+    """Returns the policies that are drawn in color: those with the most relief over all levels."""
+
+    def mean(policy: str) -> float:
+        found = (standings.standing(policy, standings.settings_at(x)) for x in standings.levels)
+        reliefs = [one.relief.value for one in found if one.relief is not None]
+        return float(np.mean(reliefs)) if reliefs else -np.inf
+
+    plain = [name for name in names if not name.endswith("-tuned")]
+    return sorted(plain, key=mean, reverse=True)[: len(COLORS)]
 
 
 def _cell(standings: Standings, setting: Setting, policy: str) -> str:

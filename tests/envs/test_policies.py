@@ -226,7 +226,7 @@ def test_rows_refuse_what_a_class_of_your_own_does_anew():
     gymnasium.register("Mine/Slow-v0", entry_point=Slow)
     try:
         with pytest.raises(
-            InputError, match="'Mine/Slow-v0' has its own duration, step, which rows"
+            InputError, match="'Mine/Slow-v0' overrides duration, step of ArmEnv, which the vector"
         ):
             make_arms("Mine/Slow-v0", 2)
     finally:

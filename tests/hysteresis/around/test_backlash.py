@@ -203,7 +203,7 @@ def test_wrong_gaps_are_refused(elbow, gap):
 
 def test_wrong_orders_are_refused(joint, elbow):
     for model in (joint, Viscoelastic(model=elbow, damping=0.1), "elbow"):
-        with pytest.raises(InputError, match="bare, held or asymmetric; put a dashpot around"):
+        with pytest.raises(InputError, match="bare, `Held` or `Asymmetric`; put a dashpot around"):
             Backlash(model=model, gap=GAP)
     with pytest.raises(InputError, match="give one hysteresis model, bare or held"):
         Asymmetric(model=joint, polynomial=[0.1])

@@ -4,6 +4,7 @@ import pytest
 from activesuit.envs.observation import SUITES
 from activesuit.errors import InputError
 from activesuit.scripts.maintenance import tables
+from activesuit.scripts.maintenance.results import FACTS
 from activesuit.scripts.maintenance.tables import DOCS, TABLES, page, sensor_suites
 
 
@@ -12,6 +13,12 @@ def test_a_page_is_what_the_code_says(name):
     assert (DOCS / name).read_text(encoding="utf-8") == page(name), (
         "python -m activesuit.scripts.maintenance.tables"
     )
+
+
+@pytest.mark.parametrize("name", FACTS)
+def test_sentences_have_the_numbers_of_the_kept_results(name):
+    text = " ".join((DOCS / name).read_text(encoding="utf-8").split())
+    assert [fact for fact in FACTS[name]() if fact not in text] == []
 
 
 def test_every_part_of_a_suite_has_a_row_with_its_size():
