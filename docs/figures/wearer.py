@@ -14,7 +14,8 @@ DT = 0.01  # s, control period
 SHOULDER, ELBOW = JOINTS.index("shoulder_flexion"), JOINTS.index("elbow_flexion")
 COLOR = {SHOULDER: "tab:blue", ELBOW: "tab:orange"}
 PERSON, CONTROL = Person(), VoluntaryControl()
-REPEATS, MOTIONS, CREDIT = 25, 2, 10  # with and without suit, at once, control periods
+# Repetitions with and without suit, motions at once, and the credit of learning [control periods].
+REPEATS, MOTIONS, CREDIT = 25, 2, 10
 SWING = RandomMoves(
     name="Swing",
     span={"elbow_flexion": (0.52, 1.57)},
@@ -24,36 +25,38 @@ SWING = RandomMoves(
 
 
 def stiffness(axis):
-    """Stiffness over the torque of the muscles, beside what is published."""
+    """Draws stiffness over the torque of the muscles, with published values."""
     torque = np.linspace(0, 30, 2)
     for joint, name in ((SHOULDER, "shoulder"), (ELBOW, "elbow")):
         alone, growth = VoluntaryControl(contraction=0).impedance(PERSON)[:2, joint]
         ours = CONTROL.impedance(PERSON)[0, joint]
         axis.plot(torque, ours + growth * torque, color=COLOR[joint], label=f"{name}, wearer")
         axis.plot(torque, alone + growth * torque, "--", color=COLOR[joint], lw=1)
-    axis.plot([], [], "k--", lw=1, label="Gomi and Osu 1998, second hand, rounded")
+    axis.plot([], [], "k--", lw=1, label="Gomi and Osu 1998, as cited by others, rounded")
     axis.plot(0, 25, "kx", label="Viviani 1976, movements")
-    axis.set(title="Stiffness grows with torque", xlabel="|torque of the muscles| [N·m]")
+    axis.set(title="Stiffness rises with torque", xlabel="|torque of the muscles| [N·m]")
     axis.set(ylabel="stiffness [N·m/rad]", ylim=(0, None))
     axis.legend(loc="upper left")
 
 
 def push():
-    """Returns stiffness' torque, reflex and correction of an elbow that is held 0.1 rad off."""
+    """Returns stiffness' torque, reflex and correction of an elbow that is kept 0.1 rad off."""
     habits, error = CONTROL.habits(DT), 0.1
     base, growth = CONTROL.impedance(PERSON)[:2, ELBOW]
-    felt, found, reflex, correction = [], [], 0.0, 0.0
+    elastic, found, reflex, correction = [], [], 0.0, 0.0
     for i in range(50):
-        felt.append((base + growth * abs(reflex + correction)) * error)
-        found.append((felt[i], reflex, correction))
+        elastic.append((base + growth * abs(reflex + correction)) * error)
+        found.append((elastic[i], reflex, correction))
         known, seen = i - CONTROL.periods(DT), i - sight_periods(DT)
-        reflex += habits["lag"] * (habits["reflex"] * (felt[known] if known >= 0 else 0) - reflex)
-        correction += habits["correction"] * (felt[seen] if seen >= 0 else 0)
+        reflex += habits["lag"] * (
+            habits["reflex"] * (elastic[known] if known >= 0 else 0) - reflex
+        )
+        correction += habits["correction"] * (elastic[seen] if seen >= 0 else 0)
     return np.array(found).T
 
 
 def step_response(axis):
-    """What answers a push, and when."""
+    """Draws the reactions to a push over time."""
     at_once, reflex, correction = push()
     time = DT * np.arange(len(reflex))
     axis.plot(time, at_once, color="tab:gray", label="stiffness, at once")
@@ -62,13 +65,13 @@ def step_response(axis):
     axis.plot(time, reflex + correction, "k", lw=2, label="reflex and correction")
     axis.axvline(0.05, 0, 0.45, color="k", ls=":", lw=1)
     axis.text(0.047, 1.0, "50 ms", ha="right")
-    axis.set(title="An elbow is pushed 0.1 rad off and held there", xlabel="time [s]")
+    axis.set(title="An elbow is pushed 0.1 rad off and kept there", xlabel="time [s]")
     axis.set(ylabel="torque [N·m]", xlim=(0, time[-1]), ylim=(0, 7))
     axis.legend(loc="upper left")
 
 
 def learning(axis):
-    """Two motions of the elbow, repeated in a suit and then without it."""
+    """Draws the errors of two motions of the elbow, repeated in a suit and then without it."""
     arms = {
         suit: ArmVectorEnv(
             *(MOTIONS, SWING),
@@ -77,35 +80,35 @@ def learning(axis):
         for suit in ("mock-suit", "none")
     }
     samples = round(SWING.duration / DT) + 1
-    foreseen, errors = np.zeros((MOTIONS, samples, len(JOINTS))), []
+    learned, errors = np.zeros((MOTIONS, samples, len(JOINTS))), []
     for suit in ["mock-suit"] * REPEATS + ["none"] * REPEATS:
         traces = rollout(
-            arms[suit], make_policy("none", arms[suit]), range(MOTIONS), taught=foreseen
+            arms[suit], make_policy("none", arms[suit]), range(MOTIONS), taught=learned
         )
         error = [trace.angle - trace.target_angle for trace in traces]
         errors.append(np.sqrt(np.mean(np.square(error)[..., ELBOW])))
         torque = np.array([np.concatenate([t.human_torque[:1], t.human_torque]) for t in traces])
         own = arms[suit].episodes.simulation.own_torque(np.arange(MOTIONS))
-        answer = torque - own - foreseen
+        answer = torque - own - learned
         credited = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], 1)
-        foreseen = (1 - FORGETTING) * foreseen + RATE * credited
+        learned = (1 - FORGETTING) * learned + RATE * credited
     repeat = np.arange(1, len(errors) + 1)
     for part in (slice(REPEATS), slice(REPEATS, None)):
         axis.plot(repeat[part], 1e3 * np.array(errors[part]), "o-", ms=3, color=COLOR[ELBOW])
     axis.axvline(REPEATS + 0.5, color="k", ls=":", lw=1)
     high = 1e3 * max(errors)
     axis.text(REPEATS / 2, 1.06 * high, "in the mock suit", ha="center")
-    axis.text(1.5 * REPEATS, 1.06 * high, "the suit is gone: after-effect", ha="center")
+    axis.text(1.5 * REPEATS, 1.06 * high, "without the suit: after-effect", ha="center")
     axis.set(title="A motion is repeated", xlabel="repetition", ylim=(0, 1.18 * high))
     axis.set(ylabel="tracking error of the elbow, RMS [mrad]")
-    first, settled, after = (1e3 * errors[i] for i in (0, REPEATS - 1, REPEATS))
+    first, last, after = (1e3 * errors[i] for i in (0, REPEATS - 1, REPEATS))
     quarter = int(np.argmax(np.array(errors) < errors[0] / 4)) + 1
-    print(f"error {first:.1f} mrad at first, a quarter at repetition {quarter}, {settled:.1f} mrad")
+    print(f"error {first:.1f} mrad at first, a quarter at repetition {quarter}, {last:.1f} mrad")
     print(f"at the end; {after:.1f} mrad without the suit")
 
 
 def strength(axis):
-    """Strength over angle, still and at speed, beside what is published."""
+    """Draws strength over angle, static and at speed, with published values."""
     degrees = np.linspace(0, 130, 200)
     fast = np.radians(50.0)
     peak = isometric_strength(PERSON)
@@ -115,13 +118,13 @@ def strength(axis):
         angle[:, joint], speed[:, joint] = np.radians(degrees), rate
         return strength_limits(peak, angle, speed)[1][:, joint]
 
-    axis.plot(degrees, flexion(SHOULDER, 0), color=COLOR[SHOULDER], label="shoulder, still")
+    axis.plot(degrees, flexion(SHOULDER, 0), color=COLOR[SHOULDER], label="shoulder, static")
     axis.plot(degrees, flexion(SHOULDER, fast), "--", color=COLOR[SHOULDER], label="at ±50°/s")
     axis.plot(degrees, flexion(SHOULDER, -fast), "--", color=COLOR[SHOULDER])
-    axis.plot(degrees, flexion(ELBOW, 0), color=COLOR[ELBOW], label="elbow, still")
+    axis.plot(degrees, flexion(ELBOW, 0), color=COLOR[ELBOW], label="elbow, static")
     points = axis.plot([0, 45, 45, 45], [89.9, 68.6, 46.9, 75.3], "ko", ms=5)
     points[0].set_label("McGill et al. 1994, shoulder")
-    axis.plot([0, 90], [35, 70], "k^", ms=6, label="elbow, what it was set to")
+    axis.plot([0, 90], [35, 70], "k^", ms=6, label="elbow, values of the model")
     axis.set(title="Strength of the flexors of a man", xlabel="angle [°]", xlim=(-3, 130))
     axis.set(ylabel="greatest torque [N·m]", ylim=(0, 115))
     axis.legend(loc="upper right", ncols=2)

@@ -27,7 +27,7 @@ LIMIT = 0.03  # greatest share of fragments among descriptions in docstrings
 COMMENT_LIMIT = 0.05  # the same among comments behind code
 SENTENCE_LIMIT = 25  # words in an average sentence of a page
 PRIVATE = "told worn taught led settled felt shaken growing heard held he him his".split()
-"""Words that are no prose of this project; `He` is the effective field of Jiles and Atherton."""
+"""Words that are no prose of this project."""
 SECTIONS = ("Args:", "Attributes:", "Returns:", "Yields:")
 NAMED = ("Args:", "Attributes:")  # sections whose entries are `name: description`
 
@@ -137,8 +137,9 @@ def private_words(path: Path) -> Iterator[Line]:
         for number, line in enumerate(text.split("\n"), first):
             plain = re.sub(r"``?[^`]*`?`|\{[^{}]*\}|[Hh]eld[- ]out\b|<!--.*?-->", "", line)
             plain = re.sub(r"^\s+\w+: ", "", plain)  # the name of an argument
-            for word in re.findall(r"(?<![\w.=/#-])[A-Za-z]+(?![\w=(/]|\.\w)", plain):
-                if word != "He" and word.lower() in PRIVATE:
+            for word in re.findall(r"(?<![\w.=/#-])[A-Za-z]+(?![\w=(/<]|\.\w)", plain):
+                field = word == "He" and path.suffix == ".py"  # the effective field of a model
+                if word.lower() in PRIVATE and not field:
                     yield Line(path, number, word.lower())
 
 

@@ -205,7 +205,7 @@ def test_wrong_orders_are_refused(joint, elbow):
     for model in (joint, Viscoelastic(model=elbow, damping=0.1), "elbow"):
         with pytest.raises(InputError, match="bare, `Held` or `Asymmetric`; put a dashpot around"):
             Backlash(model=model, gap=GAP)
-    with pytest.raises(InputError, match="give one hysteresis model, bare or held"):
+    with pytest.raises(InputError, match="give one hysteresis model, bare or `Held`"):
         Asymmetric(model=joint, polynomial=[0.1])
     with pytest.raises(InputError, match="give one hysteresis model without another"):
         Held(model=joint, angle_range=(0, 1))
