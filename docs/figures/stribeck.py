@@ -5,9 +5,9 @@ from collections import namedtuple
 
 from activesuit.hysteresis.engine import native
 
-KEYS = ("joint", "coulomb", "static", "stribeck_rate")  # N·m, N·m, rad/s
+KEYS = ("joint", "coulomb", "static", "stribeck_rate")  # units: N·m, N·m, rad/s
 JOINT, COULOMB = 0, 1
-# What the callbacks touch: fields of mjModel (m_) and of mjData (d_), and a value of an enum.
+# The callbacks use fields of mjModel (m_) and of mjData (d_), and a value of an enum.
 FIELDS = """m_jnt_dofadr m_plugin m_plugin_attr m_plugin_attradr m_plugin_stateadr
     d_qvel d_qfrc_passive d_plugin_state d_plugin_data mjOBJ_JOINT"""
 Layout = namedtuple("Layout", FIELDS)
@@ -18,7 +18,7 @@ def build():
     at = native.layout(Layout)
 
     @native.callback
-    def nstate(m, instance):  # how many numbers an instance keeps in mjData.plugin_state
+    def nstate(m, instance):  # size of an instance's part of mjData.plugin_state
         return 3
 
     @native.callback
@@ -27,7 +27,7 @@ def build():
         if joint < 0:
             native.complain(m, instance, b"joint", JOINT, JOINT, b"there is none; name one", at)
             return -1
-        native.set_word(d, instance, joint, at)  # in mjData.plugin_data, which no reset changes
+        native.set_word(d, instance, joint, at)  # id of the joint, which no reset changes
         return 0
 
     @native.callback

@@ -12,16 +12,16 @@ MODELS = {
     "wrist": PrandtlIshlinskii(stiffness=1, thresholds=[0.05, 0.2, 0.5], weights=[15, 8, 4]),
 }
 
-spec = mujoco.MjSpec.from_file("arm.xml")  # or your robot's file
+spec = mujoco.MjSpec.from_file("arm.xml")  # alternative: the file of your robot
 for joint, model in MODELS.items():
     attach(spec, joint, model)
 data = mujoco.MjData(spec.compile())
 
 rows = []
-while data.time < 16:  # swing all joints, ever wider
+while data.time < 16:  # all joints swing, ever wider
     data.ctrl[:] = 0.065 * data.time * np.sin(np.pi * data.time)
     angles = [data.joint(joint).qpos[0] for joint in MODELS]
-    mujoco.mj_step(data.model, data)  # its sensors speak of the positions before the step
+    mujoco.mj_step(data.model, data)  # sensors refer to the positions before the step
     torques = [data.sensor(f"{joint}_suit_torque").data[0] for joint in MODELS]
     rows.append([data.time, *angles, *torques])
 time, *series = np.transpose(rows)

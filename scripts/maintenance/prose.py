@@ -159,7 +159,7 @@ def sentence_length(page: str) -> float:
         sentence.split()
         for block in blocks
         if block.strip() and not block.lstrip().startswith(("#", "|", "!["))
-        for sentence in re.split(r"(?<=[.!?:])[)*\"”]*\s+", block.strip())
+        for sentence in re.split(r"(?<=[.!?])[)*\"”]*\s+", block.strip())
     ]
     return sum(map(len, sentences)) / max(1, len(sentences))
 

@@ -20,6 +20,8 @@ HEADER = ["quantity", "value", "unit", "source", "grade"]
 BEGINNING = """\
 # Numbers and sources
 
+![The person, the person in the suit, and both with the exoskeleton](figures/model.png)
+
 Each number of the simulated person, suit, exoskeleton and rig, as the code uses it, with its source
 and a grade:
 
