@@ -14,8 +14,8 @@ class InputError(ValueError):
 
     The message is one sentence that names the value, the allowed range and the fix. The command
     line prints it without a traceback and exits with code 2. It is one line of at most 300
-    characters, without any that a terminal would obey: a longer one loses its middle, since it
-    begins with the name of what is wrong and ends with the fix.
+    characters, without control characters. A longer message loses its middle, since its beginning
+    names what is wrong and its end gives the fix.
     """
 
     def __init__(self, message: object = "") -> None:
@@ -42,7 +42,7 @@ def shown(value: Any) -> str:
     """Returns a value as an error message shows it: its repr, without the middle if it is long."""
     try:
         text = repr(value)
-    except Exception:  # nested too deep, more digits than Python converts, or its own mistake
+    except Exception:  # the value nests too deep, has too many digits, or its repr fails
         text = f"a {type(value).__name__}"
     return shortened(one_line(text), LONGEST_VALUE)
 

@@ -1,7 +1,7 @@
-"""Writing files in one piece, over regular files only: a crash leaves the old one or the new one.
+"""Writes files in one piece, over regular files only: a crash leaves the old one or the new one.
 
-What is being written has a scratch name that tells the machine and the process, so that the next
-writer in the same folder can remove what a killed process has left.
+Until it is complete, a file has a scratch name with the machine and the process in it, so that the
+next writer in the same folder can remove the leftovers of a killed process.
 """
 
 import os
@@ -51,7 +51,7 @@ def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str =
 def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[Path]:
     """Yields the path of a scratch file, which replaces `path` if the block succeeds.
 
-    A file that is replaced hands on its permissions. A link is never followed.
+    The new file gets the permissions of the one that it replaces. A link is never followed.
 
     Args:
         path: Path of the file to write.
@@ -120,7 +120,7 @@ def check_target(path: Path, *, force: bool = True) -> None:
 
 
 def scratch_prefix() -> str:
-    """Returns how the scratch files and folders of this process begin."""
+    """Returns the prefix of the names of this process's scratch files and folders."""
     return f".activesuit-{_HOST}-{os.getpid()}-"
 
 
@@ -129,7 +129,7 @@ def remove_leftovers(folder: Path) -> None:
     try:
         names = os.listdir(folder)
     except OSError:
-        return  # whoever writes there reports it
+        return  # the write that follows reports the error
     for name in names:
         found = _SCRATCH.fullmatch(name)
         if found and found["host"] == _HOST and not _runs(int(found["process"])):
@@ -171,7 +171,7 @@ def _mode(path: Path) -> int:
 def _runs(process: int) -> bool:
     """Returns whether a process runs on this machine."""
     if sys.platform == "win32":
-        return True  # there, asking would end it
+        return True  # os.kill would end the process there
     try:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):

@@ -1,4 +1,4 @@
-"""Reading JSON files of users: whatever is wrong with one, the error is one sentence."""
+"""Reads JSON files of users; any mistake in one is reported in one sentence."""
 
 import json
 import os
@@ -8,8 +8,8 @@ from .errors import InputError, shown
 from .files import content_of
 
 LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
-DEEPEST = 50  # lists and objects inside each other; a suit file has 7
-MOST_DIGITS = 400  # limit of a whole number; with more than 309 it is no float
+DEEPEST = 50  # greatest depth of nested lists and objects; a suit file has 7
+MOST_DIGITS = 400  # most digits of a whole number; one with more than 309 is no float
 REMAKE = "restore or remake it"
 
 
@@ -58,7 +58,7 @@ def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:
 
 
 class _WrongError(Exception):
-    """The end of a sentence about a file that is JSON, but not to be used."""
+    """The end of a sentence about a file that is JSON but cannot be used."""
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -33,13 +33,13 @@ LI_TABLE_2 = {
 
 @dataclass(frozen=True)
 class LiClaim:
-    """What SA-PSO does better than MPSO, says section 5 of Li et al. 2022.
+    """A claim of section 5 of Li et al. 2022: SA-PSO does better than MPSO.
 
     Attributes:
         joint: "shoulder" or "elbow".
-        quantity: what is compared; less is better in each.
+        quantity: Name of the compared quantity; less is better in each.
         advantage: (MPSO - SA-PSO) / SA-PSO as printed; 0 where no percentage is printed.
-        printed: the sentence behind it.
+        printed: Claim as the paper words it.
     """
 
     joint: str
@@ -90,12 +90,12 @@ class KaoCosts:
     """One column of Table 1 of Kao and Fung 2009: 100 trials of 100 iterations.
 
     Attributes:
-        best: the lowest cost [$/h].
-        average: the mean cost [$/h].
-        worst: the highest cost [$/h].
-        reached: how many trials reached the optimum.
-        iterations: the average number of iterations to converge.
-        seconds: the average time of a trial on the authors' machine.
+        best: Lowest cost [$/h].
+        average: Mean cost [$/h].
+        worst: Highest cost [$/h].
+        reached: Number of trials that reached the optimum.
+        iterations: Average number of iterations to converge.
+        seconds: Average time of a trial on the authors' machine [s].
     """
 
     best: float

@@ -1,4 +1,4 @@
-"""What a suit needs to know of a fit: its model, and the measured curves that it came from."""
+"""Protocols of a fit, as a suit reads it: its model, and the measured curves behind it."""
 
 from typing import Protocol, runtime_checkable
 

@@ -38,7 +38,7 @@ def load_suit(suit: AnySuit) -> Suit:
         return _of_mapping(suit)
     if isinstance(suit, SuitJoint):
         raise InputError(
-            "suit is a SuitJoint, which does not tell where it belongs: give it by the name of its "
+            "suit is a SuitJoint, which has no joint name of its own: give it by the name of its "
             "joint, as {'elbow_flexion': joint}"
         )
     if not isinstance(suit, (str, os.PathLike)):

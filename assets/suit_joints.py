@@ -33,8 +33,8 @@ from ..hysteresis.protocol import finite_series, follow
 from .fits import FittedModel
 
 JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
-MOST_SOFTENING = 10.0  # times the torque of the model, or of the steady one: far beyond any suit
-MOST_DAMPING = 1e3  # N·m·s/rad: a joint with it resists any usual rate with more than any motor has
+MOST_SOFTENING = 10.0  # largest ratio of two torques: far beyond any suit
+MOST_DAMPING = 1e3  # [N·m·s/rad], more resistance at usual rates than any motor's torque
 Grade = Literal["published", "identified", "assumed"]
 GRADES: tuple[str, ...] = get_args(Grade)
 
@@ -103,13 +103,13 @@ class SuitJoint(Strict):
         start_angle: Angle at which the memory of the joint begins [rad].
         start_torque: Resistance at that angle [N·m].
         start_path: Angles that the memory then goes through, in a monotone motion each [rad]; it
-            stands at the last of them. Without any, it begins with the virgin curve.
-        volume_share: Share of the joint's elastic torque that the displaced gas makes, 0 to 1, and
-            that alone changes with the pressure; `source` says what it rests on. None means that
-            it is not known: the whole torque is then taken to be proportional to the pressure,
-            which is assumed and not measured.
-        softening: How the torque changes over the cycles of motion; None if it does not, or if
-            nobody knows. A suit begins with its first cycle, or if it is preconditioned after many.
+            ends at the last of them. Without any, the joint begins on the virgin curve.
+        volume_share: Share of the joint's elastic torque that the displaced gas causes, 0 to 1;
+            this share alone changes with the pressure, and `source` gives its evidence. None means
+            unknown: the whole torque is then assumed, without a measurement, to be proportional to
+            the pressure.
+        softening: Change of the torque over the cycles of motion; None if there is none, or if it
+            is not known. A suit begins with its first cycle, a preconditioned one after many.
         grade: Grade of the numbers: published (printed in a paper), identified (fitted to curves)
             or assumed.
         source: Source of the numbers, in words.
@@ -151,7 +151,7 @@ class SuitJoint(Strict):
     ) -> "SuitJoint":
         """Returns the joint of a fit, whose source is the curves of the fit.
 
-        The memory of the joint begins where the curves begin, and its range is theirs.
+        The memory of the joint begins where the curves begin, and the joint has their range.
 
         Args:
             fit: Result of `activesuit.identification.identify`.
@@ -291,7 +291,7 @@ class SuitJoint(Strict):
         """Returns the joint whose memory begins in the steady cycle over its range.
 
         From its start the memory goes through as many cycles as the model and all samples need
-        to become steady, and then from the lower end up to the start angle, at which it stands.
+        to become steady, and then from the lower end up to the start angle.
 
         Raises:
             InputError: The cycles do not become steady.
@@ -305,8 +305,8 @@ class SuitJoint(Strict):
     def after(self, cycles: float) -> "SuitJoint":
         """Returns the joint with the torque that it has after some cycles of motion.
 
-        Its model is scaled, which keeps the certificate, and its softening counts from there: a
-        joint after 10 cycles that is then put after 20 is one after 20.
+        Scaling the model keeps its certificate. Cycles count from the new joint, so that
+        `after(10).after(20)` is the same joint as `after(20)`.
 
         Args:
             cycles: Number of cycles since the joint was new, 0 or more; it may be infinite.
@@ -335,9 +335,9 @@ class SuitJoint(Strict):
         """Returns the joint at `ratio` times the pressure at which its torque was measured.
 
         Without a volume share the whole torque is proportional to the pressure, friction included.
-        With one, an elastic torque is added, (ratio - 1) times the share of the straight line
-        through the middle of the steady cycle: what the gas makes. It is conservative, so the loop
-        keeps its width, its certificate and what it dissipates. Samples get the line of the model.
+        With one, the torque of the gas is added: (ratio - 1) times the share of the straight line
+        through the middle of the steady cycle. It is conservative, so the loop keeps its width,
+        its certificate and its dissipated energy. Samples get the line of the model.
 
         Raises:
             InputError: `ratio` is not finite, or negative, or 0 without a volume share; or the
@@ -362,7 +362,7 @@ class SuitJoint(Strict):
         return SuitJoint(**(dict(self) | changes))
 
     def scaled(self, *, torque: float) -> "SuitJoint":
-        """Returns the joint with `torque` times the resistance; its source then says so.
+        """Returns the joint with `torque` times the resistance, and a note of that in its source.
 
         Raises:
             InputError: `torque` is not finite or not above 0.

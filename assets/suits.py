@@ -23,7 +23,7 @@ class Suit(Strict):
     Attributes:
         schema_version: Version of the file format.
         name: Name of the suit.
-        description: Description of the suit, which tells how far to trust it.
+        description: Description of the suit, and of how far its numbers can be trusted.
         label: Origin of the numbers: "from paper" (they come from published ones), "illustrative"
             (they have a plausible size, but belong to no real suit) or "extrapolated" (they belong
             to another pressure); None for your own suits.
@@ -118,7 +118,7 @@ class Suit(Strict):
 
         Bending displaces gas, which makes most of the torque of a pressurized elbow (volume effect:
         Holschuh 2010, MIT). A joint with a `volume_share` changes by that share of its elastic
-        torque, which dissipates nothing; what is left at 0 kPa is structure. Without one, its whole
+        torque, which dissipates nothing; the rest at 0 kPa is structure. Without one, its whole
         torque is proportional to the pressure, friction included, which is an assumption.
 
         Args:

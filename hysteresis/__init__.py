@@ -3,7 +3,7 @@
 Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJoCo.
 """
 
-from . import first_use  # noqa: F401  (speaks when kernels compile)
+from . import first_use  # noqa: F401  (reports long compilation)
 from .around import Asymmetric, Backlash, Held, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError

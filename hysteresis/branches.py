@@ -14,13 +14,13 @@ ANGLE, DIRECTION, MEMORY = 0, 1, 2
 class Branches:
     """A resistance that depends on the angle and on the direction of motion alone.
 
-    It is what a controller without memory can know: a straight spring, a spring with Coulomb
-    friction, or a polynomial for each branch of the loop. At a reversal the torque jumps, so it is
-    no model to simulate a suit with.
+    A controller without memory can know no more: a straight spring, a spring with Coulomb friction,
+    or a polynomial for each branch of the loop. The torque jumps at a reversal, so that these
+    curves cannot simulate a suit.
 
     Attributes:
-        rising: Coefficients of the torque while the angle rises, from the constant on [N·m/rad^i].
-        falling: Those while it falls.
+        rising: Coefficients of the torque while the angle rises, constant first [N·m/rad^i].
+        falling: Coefficients of the torque while the angle falls, constant first [N·m/rad^i].
         start_angle: Angle at which motions begin [rad].
     """
 
@@ -71,7 +71,7 @@ def two_branches(angle: Array, torque: Array, degree: int = 3) -> Branches:
 
 
 def _direction(angle: Array) -> Array:
-    """Returns the sign of the motion at each sample; a pause keeps the one before."""
+    """Returns the sign of the motion at each sample; a pause keeps the previous sign."""
     way = np.sign(np.diff(angle, prepend=angle[0]))
     last = np.maximum.accumulate(np.where(way != 0, np.arange(way.size), 0))
     found = way[last]

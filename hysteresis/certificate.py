@@ -1,4 +1,4 @@
-"""`Certificate`, what is proved about a model before it enters a simulation, and its errors."""
+"""`Certificate`: guarantees that are proved before a model enters a simulation, and its errors."""
 
 import math
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ class Certificate:
             finite in every motion. For Jiles-Atherton it is the distance to the pole,
             1 - max(alpha f) over all reachable states; in a range where that is not positive, over
             the states up to the first unsafe one. For a model that has no pole it is 1.
-        dissipative: Whether no closed cycle of motion gets energy out of the model.
+        dissipative: Whether no closed cycle of motion extracts energy from the model.
         torque_bound: Largest |M| in any such motion [N·m]; infinite if an elastic part grows
             without bound in the range.
-        memory_bound: Largest distance that the torque of a start may have from the torque to which
-            the memory relaxes [N·m].
+        memory_bound: Largest allowed difference between the torque at the start and the torque to
+            which the memory relaxes [N·m].
         angle_range: Angles for which these guarantees hold [rad].
     """
 

@@ -1,7 +1,7 @@
-"""A word to the user when the first use of something compiles for longer than a moment.
+"""A message to the user when a first use has to compile kernels for more than a moment.
 
 Numba compiles a kernel when it is first called and caches the machine code on disk. On a new
-machine that takes up to a minute, in which nothing else would tell that the program is alive.
+machine that takes up to a minute, and nothing else would show that the program is running.
 """
 
 import sys
@@ -10,7 +10,7 @@ from typing import Any
 
 from numba.core import event
 
-PATIENCE = 2.0  # s of compiling before a word is said
+PATIENCE = 2.0  # [s], compile time before the message
 MESSAGE = (
     "activesuit: compiling kernels for their first use, up to a minute; they are cached on disk "
     "(NUMBA_CACHE_DIR chooses where)"
@@ -18,10 +18,10 @@ MESSAGE = (
 
 
 class FirstUse(event.Listener):
-    """Adds up how long our kernels compile, and says so once when it takes long.
+    """Adds up the compile time of our kernels, and reports once when it becomes long.
 
     Attributes:
-        silent: Whether it has nothing (more) to say.
+        silent: Whether no (further) message is printed.
     """
 
     def __init__(self) -> None:

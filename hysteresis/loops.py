@@ -18,7 +18,7 @@ from .protocol import finite_series
 NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # share of the angle's range, for a few samples per branch
-TOLERANCE = 0.02  # gap of a closed loop, relative to the angle's range
+TOLERANCE = 0.02  # largest gap of a closed loop, relative to the angle's range
 LARGEST = 1e100  # largest measured number: squares and products stay finite
 
 
@@ -92,11 +92,11 @@ def angle_noise(angle: ArrayLike) -> float:
 
 
 def estimate_dead_band(angle: ArrayLike) -> float:
-    """Estimates from the noise of the angle how far it must come back to count as a reversal [rad].
+    """Estimates the dead band [rad], the least return that counts as a reversal, from the noise.
 
     This is 10 times `angle_noise`, at least 2.5 times the smallest step (the resolution of a coarse
-    sensor), and at most a quarter of the angle's range. Choose the dead band of filtered angles
-    yourself: the estimate does not see their noise.
+    sensor), and at most a quarter of the angle's range. For filtered angles, choose the dead band
+    yourself: a filter hides their noise from the estimate.
 
     Raises:
         InputError: `angle` is not one finite series.

@@ -19,7 +19,7 @@ from .config import ConfigKey
 from .reference import Example, Reference
 
 Numbers = Sequence[float] | Array
-FIRST_REACH, FARTHEST = 1e-3, 1e6  # rad, where the search of an inverse begins and gives up
+FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class HysteresisModel(ABC):
     not_fitted: ClassVar[tuple[str, ...]] = ()
     """Names of the numbers in `to_dict` that no fit chooses: grids, ranges and conventions."""
     least: ClassVar[Mapping[str, float]] = MappingProxyType({})
-    """What numbers in `to_dict` are above, or at least equal to, by name, in certified models."""
+    """Lower bounds of numbers in `to_dict` of certified models, by name; a bound may be reached."""
 
     @cached_property
     @abstractmethod
@@ -197,7 +197,7 @@ class HysteresisModel(ABC):
         if math.isnan(inside):
             raise InputError(
                 f"initial torque is {torque:.6g} N·m at {angle:.6g} rad: this {self.name} model "
-                "cannot hold that much there; start nearer to 0 N·m"
+                "cannot have that torque there; start nearer to 0 N·m"
             )
         return _state(memory, memory[1])
 
@@ -210,9 +210,9 @@ class HysteresisModel(ABC):
         return bool(self.kernels.begin(self._parameters, scratch, s[0], s[1]) >= 0)
 
     def anhysteretic(self, state: State) -> float | None:
-        """Returns the torque [N·m] from which the memory bound of the certificate counts.
+        """Returns the torque [N·m] to which the memory bound of the certificate refers.
 
-        It is None for a model whose kernel `begin` says what the certificate covers.
+        It is None for a model whose kernel `begin` decides what the certificate covers.
         """
         return None
 
@@ -275,7 +275,7 @@ class HysteresisModel(ABC):
         return Energy(float(self.kernels.stored(*there)), float(self.kernels.dissipated(*there)))
 
     def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:
-        """Computes the angles along which the resistance runs through given torques.
+        """Computes the angles along which the resistance follows given torques.
 
         Args:
             torque: Resistance [N·m], shape (n,).
@@ -342,7 +342,7 @@ def follow(model: HysteresisModel, state: State, angles: Iterable[float]) -> Sta
 
 def find_angle(model: HysteresisModel, state: State, target: float, what: str) -> float:
     """Returns the first angle [rad] at which a motion from `state` meets the torque `target`."""
-    from scipy.optimize import brentq  # SciPy's optimizers take a third of a start of the package
+    from scipy.optimize import brentq  # a third of the package's import time
 
     missing = target - state.torque
     if missing == 0:
@@ -350,7 +350,7 @@ def find_angle(model: HysteresisModel, state: State, target: float, what: str) -
     direction = math.copysign(1.0, missing)
     if model.tangent(state, direction) < 0:
         direction = -direction
-    # Bracket: walk on, ever faster, until the torque has passed the target.
+    # Bracket the root: increase the distance until the torque has passed the target.
     here, reach = state.angle, FIRST_REACH
     near, far = 0.0, math.nan
     while reach <= FARTHEST:

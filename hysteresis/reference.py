@@ -71,7 +71,7 @@ class Reference(ABC):
     def knots(self, end: float) -> list[float]:
         """Returns the angles [rad] on the way to `end` where the slope is not smooth.
 
-        Other angles may be among them.
+        The list may have other angles too.
         """
         return []
 
@@ -99,7 +99,7 @@ def integrate(reference: Reference, angle: Array, tolerance: float = 1e-10) -> A
     """Integrates dT/dtheta by DOP853, from turn to turn and from knot to knot.
 
     Args:
-        reference: Reference model at the first angle; the integration takes it along.
+        reference: Reference model at the first angle; the integration moves it.
         angle: Angles of a motion [rad], shape (n,).
         tolerance: Relative and absolute tolerance of DOP853.
 

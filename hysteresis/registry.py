@@ -30,7 +30,7 @@ MODELS: dict[str, type[HysteresisModel]] = {
 
 
 def register_model(model: type[HysteresisModel]) -> None:
-    """Makes a model known: to dictionaries, suit files, the engine and the command line.
+    """Registers a model for dictionaries, suit files, the engine and the command line.
 
     Args:
         model: Class that keeps the protocol of `HysteresisModel`.
@@ -65,7 +65,7 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     if issubclass(MODELS[name], Wrapper):
         if "hysteresis" not in parameters:
             raise InputError(
-                f"model {name!r} has no 'hysteresis': give the model around which it is, as a "
+                f"model {name!r} has no 'hysteresis': give the model inside it, as a "
                 "dictionary of its own"
             )
         parameters["model"] = model_from_dict(parameters.pop("hysteresis"))

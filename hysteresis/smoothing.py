@@ -15,7 +15,7 @@ from .loops import Branch, angle_noise, branches, estimate_dead_band, finite_rec
 BANDWIDTH = 0.15  # bandwidth of the local regression, relative to a branch's range
 KNOTS_PER_BANDWIDTH = 8
 NEIGHBORS = 5  # least number of samples in a local regression
-TIP_EXCESS = 1.5  # standard errors; keeps the bias of a tip near half the noise or below
+TIP_EXCESS = 1.5  # standard errors; this keeps the bias of a tip near half the noise or below
 
 
 def smooth(
@@ -27,7 +27,7 @@ def smooth(
     """Smooths a record branch by branch, never across a reversal.
 
     The angle of a branch becomes monotone by isotonic regression, which turns jitter into dwell and
-    leaves monotone angles alone. The extreme reading at a turn is cut back as far as the angle's
+    keeps monotone angles. The extreme reading at a turn is cut back as far as the angle's
     noise explains it, at most by half the dead band. The torque is a local quadratic regression
     over that angle with tricube weights (Cleveland, JASA 74 (1979) 829), which keeps the torque at
     the ends of a branch and so the tips of a loop. The two branches of a turn estimate its torque

@@ -25,8 +25,7 @@ class SteadyCycle:
         angle: Angles from the lower end to the upper one [rad], shape (n,).
         rising: Torque on the way up [N·m], shape (n,).
         falling: Torque at the same angles on the way down [N·m], shape (n,).
-        cycles: How many cycles from the first loading on until the last one repeated the one
-            before.
+        cycles: Number of cycles, from the first loading to the first that repeats its predecessor.
     """
 
     angle: Array
@@ -41,7 +40,7 @@ class SteadyCycle:
 
     @cached_property
     def loading_work(self) -> float:
-        """The work that goes into the joint in one cycle [J], wherever motion meets resistance."""
+        """The work done on the joint in one cycle [J], counted where motion meets resistance."""
         against = np.maximum(self.rising, 0) + np.maximum(-self.falling, 0)
         return float(np.trapezoid(against, self.angle))
 
@@ -69,7 +68,7 @@ def steady_cycle(
     start_angle: float | None = None,
     start_torque: float = 0.0,
 ) -> SteadyCycle:
-    """Follows a model through cycles between two angles until one repeats the one before.
+    """Follows a model through cycles between two angles until one repeats the previous one.
 
     Two cycles are the same where their torques differ by less than 1e-6 of the torque's range.
 

@@ -19,29 +19,40 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # Each is a function in a module of `commands` with the same name. Only the module that is asked for
 # is imported, because all of them together take more than a second. The sentence is the beginning
 # of that function's own help.
-COMMANDS = {
-    "demo": "Do the whole job once: identify, simulate, compensate, report.",
-    "identify": "Identify a hysteresis model from measured angle-torque curves.",
-    "design": "Design the next record to measure: nested reversals at varied speed.",
-    "rig": "Measure first-order curves of a suit joint on a simulated rig.",
-    "study": "Compare identification methods by many trials, and judge the paper's claims.",
-    "simulate": "Simulate one assisted arm motion, headless.",
-    "evaluate": "Compare assist policies by what the wearer has to do.",
-    "validate": "Validate an identified suit model in closed loop.",
-    "policies": "List the policies, with the sensors that they need and their options.",
-    "benchmark": "Compare controllers over tasks, levels and suits.",
-    "knowledge": "Measure how much a hysteresis model improves assistance.",
-    "tune": "Tune the options of a policy within a budget that is the same for all.",
-    "branch": "Show what the next second of a motion would be under each of some policies.",
-    "envelope": "Measure the work envelope: unsuited, suited and assisted.",
-    "tasks": "List the tasks, or measure how difficult each is.",
-    "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
-    "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
-    "train": "Train an assist policy with Stable-Baselines3.",
-    "suits": "List the shipped suits, or show and check one.",
-    "kao-fung": "Repeat Kao and Fung (2009).",
-    "bench": "Measure speed, each row against something else in turn in this very run.",
+GROUPS = {
+    "Start": {
+        "demo": "Do the whole job once: identify, simulate, compensate, report.",
+    },
+    "Measure and identify": {
+        "identify": "Identify a hysteresis model from measured angle-torque curves.",
+        "design": "Design the next record to measure: nested reversals at varied speed.",
+        "rig": "Measure first-order curves of a suit joint on a simulated rig.",
+        "suits": "List the shipped suits, or show and check one.",
+    },
+    "Simulate and look": {
+        "simulate": "Simulate one assisted arm motion, headless.",
+        "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
+        "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
+        "tasks": "List the tasks, or measure how difficult each is.",
+        "envelope": "Measure the work envelope: unsuited, suited and assisted.",
+    },
+    "Control": {
+        "policies": "List the policies, with the sensors that they need and their options.",
+        "evaluate": "Compare assist policies by what the wearer has to do.",
+        "validate": "Validate an identified suit model in closed loop.",
+        "train": "Train an assist policy with Stable-Baselines3.",
+        "tune": "Tune the options of a policy within a budget that is the same for all.",
+        "benchmark": "Compare controllers over tasks, levels and suits.",
+    },
+    "Experiments and papers": {
+        "knowledge": "Measure how much a hysteresis model improves assistance.",
+        "branch": "Show what the next second of a motion would be under each of some policies.",
+        "study": "Compare identification methods by many trials, and judge the paper's claims.",
+        "kao-fung": "Repeat Kao and Fung (2009).",
+        "bench": "Measure speed, each row against something else in turn in this very run.",
+    },
 }
+COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -99,7 +110,7 @@ def _run(arguments: Sequence[str]) -> None:
     name, *rest = arguments
     if name == "--version":
         print(f"activesuit {__version__}")
-    elif name in ("-h", "--help"):
+    elif name in ("-h", "--help", "help"):
         print(_help())
     elif name in COMMANDS:
         _run_command(name, rest)
@@ -116,8 +127,15 @@ def _help() -> str:
             "       activesuit --version",
             "",
             "Identify, simulate and compensate the hysteretic joints of a spacesuit.",
-            "",
-            *(f"  {name:{width}}  {sentence}" for name, sentence in COMMANDS.items()),
+        ]
+        + [
+            line
+            for title, commands in GROUPS.items()
+            for line in (
+                "",
+                f"{title}:",
+                *(f"  {name:{width}}  {sentence}" for name, sentence in commands.items()),
+            )
         ]
     )
 

@@ -145,7 +145,9 @@ def suit_option(usual: str) -> Any:
 
 def gravity_option(usual: str) -> Any:
     """Describes `--gravity`, which is `usual` if neither it nor a training run says otherwise."""
-    return choice(gravities, "Place whose gravity acts on the arm.", usual)
+    return choice(
+        gravities, "Place whose gravity acts on the arm; weightless is microgravity.", usual
+    )
 
 
 def tasks() -> list[str]:

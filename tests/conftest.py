@@ -1,4 +1,4 @@
-"""What makes tests quick and repeatable, and data that many of them share."""
+"""Settings that make tests quick and repeatable, and data that many of them share."""
 
 import gc
 import os

@@ -29,7 +29,7 @@ SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
 SMALL = ["--trials", "3", "--swarm-size", "10", "--iterations", "8", "--workers", "1"]
 TRAIN = ["train", "--algo", "ppo"]
-PATIENCE = 600  # s
+PATIENCE = 600  # [s], longest wait for a command
 
 
 @dataclass(frozen=True)
@@ -193,9 +193,9 @@ def attack(names: tuple[str, ...], count: int, seed: int, say: Callable[[str], o
     with tempfile.TemporaryDirectory() as scratch:
         runner = Attack(names, seed, Path(scratch))
         for number in range(count):
-            told, wrong = runner.kill_one(number)
+            reported, wrong = runner.kill_one(number)
             bad += bool(wrong)
-            say("\n    ".join([f"{number:3} {told}", *wrong]))
+            say("\n    ".join([f"{number:3} {reported}", *wrong]))
         written = [path.name for path in Path(scratch).iterdir() if path.is_file()]
         if written:  # MUJOCO_LOG.TXT was one
             bad += 1
@@ -211,7 +211,7 @@ def _bad_end(code: int, message: str, sign: signal.Signals) -> list[str]:
     if code == 2 and "Traceback" not in message and last and "interrupted" in last[0]:
         return []
     if code == -sign and "scripts/main.py" not in message and "interrupted" not in message:
-        return []  # before the program itself began, or when it had ended
+        return []  # the signal came before the program began, or after its end
     return [f"exit code {code}: {message[-2000:]}"]
 
 

@@ -1,4 +1,4 @@
-"""Shows policies what tests want them to see."""
+"""Gives policies the observations that a test chooses."""
 
 from typing import Any
 

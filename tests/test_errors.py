@@ -56,7 +56,7 @@ def test_values_are_shortened_in_the_middle():
     assert "\n" not in shown(np.eye(50))
 
 
-def test_an_object_in_place_of_a_name_is_told_in_a_line():
+def test_an_object_in_place_of_a_name_is_reported_in_a_line():
     joint = load_suit("mock-suit").joints["elbow_flexion"]
     with pytest.raises(InputError) as error:
         load_suit(joint)

@@ -91,8 +91,8 @@ def test_scratch_files_of_a_killed_process_are_removed(tmp_path):
     )
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.txt")], check=False)
     (left,) = hidden(tmp_path)
-    ours = scratch_prefix() + "12345678.txt"  # of a process that runs, this one
-    other = left.replace(".activesuit-", ".activesuit-elsewhere.", 1)  # of another machine
+    ours = scratch_prefix() + "12345678.txt"  # name from a running process, this one
+    other = left.replace(".activesuit-", ".activesuit-elsewhere.", 1)  # name from another machine
     for name in (ours, other, ".activesuit", ".activesuit-notes"):
         (tmp_path / name).touch()
     write_text(tmp_path / "b.txt", "")

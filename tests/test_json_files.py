@@ -1,4 +1,4 @@
-"""JSON files of users: what cannot be used is told in one sentence."""
+"""JSON files of users: any mistake in one is reported in one sentence."""
 
 import pytest
 from activesuit.errors import InputError

@@ -8,5 +8,5 @@ SEED = 87  # KILL of a run in a new folder, late
 
 @pytest.mark.slow
 def test_kills_leave_nothing_half(capsys):
-    told = []
-    assert attack(QUICK, 1, seed=SEED, say=told.append) == 0, "\n".join(told)
+    reported = []
+    assert attack(QUICK, 1, seed=SEED, say=reported.append) == 0, "\n".join(reported)

@@ -49,8 +49,8 @@ def curves():
 
 def test_dictionaries_know_it():
     assert model_from_dict(TRUTH.to_dict()) == TRUTH
-    held = Held(model=TRUTH, angle_range=(0.0, 1.0))
-    assert model_from_dict(held.to_dict()) == held
+    kept = Held(model=TRUTH, angle_range=(0.0, 1.0))
+    assert model_from_dict(kept.to_dict()) == kept
 
 
 def test_it_is_fitted(curves):

@@ -34,10 +34,10 @@ class Import:
     """One `from ... import` of our own code.
 
     Attributes:
-        target: the module that is imported; its `__init__` where a package is.
-        name: the imported name; None where it is the module itself.
-        early: whether it runs when the importing module is imported.
-        line: where it stands.
+        target: Imported module; the `__init__` of a package.
+        name: Imported name; None for the module itself.
+        early: Whether it runs when the importing module is imported.
+        line: Line of the statement.
     """
 
     target: Name
@@ -48,7 +48,7 @@ class Import:
 
 @cache
 def sources() -> dict[Name, Path]:
-    """Returns the files of the package by the module they are."""
+    """Returns the files of the package, by module."""
     paths = [
         *ROOT.glob("*.py"),
         *(path for part in ALLOWED for path in (ROOT / part).rglob("*.py")),

@@ -26,7 +26,7 @@ class Addresses:
     Attributes:
         joints: Angles of the arm in qpos, and rates in qvel (all joints are hinges), shape (4,).
         exo_joints: Angles of the exoskeleton in qpos, shape (4,); those of the arm if it is rigid.
-        driven: Those of them that carry a motor, shape (2,).
+        driven: Those of the exoskeleton's joints that carry a motor, shape (2,).
         assisted: Positions of the assisted joints in `JOINTS`, shape (2,).
         human: Torques of the wearer in actuator_force, shape (4,).
         intention: Controls of the wearer: position, velocity, feed-forward, shape (3, 4).
@@ -37,8 +37,8 @@ class Addresses:
         pushes: Controls of the forces on the grip, shape (3,); none where a task has none.
         hand: Place of the grip in sensordata, shape (3,).
         cuffs: Forces on upper arm, forearm and hand in sensordata, shape (9,).
-        suited: Positions in `JOINTS` of the joints that suits resist, shape (n,); a joint is there
-            once for each kind of model that it may have, of which one gives torque.
+        suited: Positions in `JOINTS` of the joints that suits resist, shape (n,); a joint occurs
+            once for each kind of model that it may have, of which one is active.
         suit_torque: Torques of these models in sensordata, shape (n,).
         dissipated: Energies that they have dissipated in sensordata, shape (n,).
         faults: Fault flags of these models in plugin_state, shape (n,).

@@ -156,11 +156,11 @@ def before(
     credit: int,
     dt: float,
 ) -> int:
-    """Takes the actions of some rows, and lets motors and wearers act on them.
+    """Applies the actions of some rows: sets the commands of their motors and wearers.
 
     Returns:
-        The first row whose action is not of finite numbers, and then nothing has changed; -1 if
-        there is none.
+        The first row whose action is not finite, in which case nothing has changed, or -1 if there
+        is none.
     """
     for k in range(rows.shape[0]):
         for j in range(action.shape[1]):
@@ -289,9 +289,9 @@ def after(
     dt: float,
     tires: bool,
 ) -> None:
-    """Measures some rows; if they have `moved`, heats motors and tires wearers before.
+    """Measures some rows; if they have `moved`, updates motor heat and fatigue first.
 
-    A row that has diverged keeps its last valid measurements, but the time.
+    A row that has diverged keeps its last valid measurements, except the time.
     """
     for k in range(rows.shape[0]):
         row = rows[k]

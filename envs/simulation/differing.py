@@ -1,4 +1,4 @@
-"""Wearers, misalignments, loads and places that differ between rows: fields of the model."""
+"""Wearers, misalignments, loads and places that differ between rows, as fields of the model."""
 
 from dataclasses import dataclass, replace
 
@@ -25,7 +25,7 @@ class Variety:
 
     Attributes:
         wearers: Persons, of whom each row has one; with none, all have that of the configuration.
-        suits: Suits that rows may put on instead of the compiled one.
+        suits: Suits that rows may have instead of the compiled one.
         misalignments: Whether the exoskeleton may sit differently on each wearer.
         loads: Whether rows may have loads of their own.
         places: Whether rows may have a gravity of their own.
@@ -50,7 +50,7 @@ class Differing:
         model: Model of a row, with a body for the load if there may be one.
         persons: The wearers.
         arms: Bare arm of each wearer.
-        chains: Inertia of each of them.
+        chains: Inertial parameters of each bare arm.
         strengths: Isometric strength of each wearer [N·m], shape (2, 4) each.
     """
 
@@ -105,12 +105,12 @@ class Differing:
         load: Array,
         fall: Array,
     ) -> None:
-        """Writes what differs of some rows into their models.
+        """Writes wearer, misalignment, load and gravity of some rows into their models.
 
         Args:
             rows: The rows, shape (k,).
             wearer: Number of the wearer of every row, shape (n,).
-            misalignment: Vector by which the exoskeleton of every row is off [m], shape (n, 3).
+            misalignment: Displacement of the exoskeleton of every row [m], shape (n, 3).
             load: Mass of the load of every row [kg], shape (n,).
             fall: Acceleration of free fall of every row [m/s²], shape (n,).
         """
@@ -131,7 +131,7 @@ class Differing:
             self._batch.set_const(rows)
 
     def load(self, rows: NDArray[np.int64], wearer: NDArray[np.int64], load: Array) -> None:
-        """Puts other loads into the hands of some rows; see `write`."""
+        """Writes new loads at the hands of some rows; see `write`."""
         for row in rows.tolist():
             self._carry(row, wearer, load)
         self._batch.set_const(rows)

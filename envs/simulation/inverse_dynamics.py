@@ -34,10 +34,10 @@ POSITION, AXIS, MASS, CENTER, INERTIA, STIFFNESS, REST, DAMPING, LINK = (
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The inertia of bare arms, shape (arms, ...).
+    """Inertial parameters of bare arms, shape (arms, ...).
 
     Attributes:
-        links: Numbers of every link, shape (arms, 4, 19), in the columns named above.
+        links: Parameters of every link, shape (arms, 4, 19), in the columns named above.
         gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (arms, 3).
         down: Unit vector down in that frame, shape (arms, 3).
     """
@@ -52,7 +52,7 @@ class Chain:
 
         Args:
             arm: Model of an arm, such as that of `bare_arm`.
-            dressed: Whether the arm's suit and load belong to its links; an exoskeleton never does.
+            dressed: Whether the links include suit and load; they never include an exoskeleton.
 
         Raises:
             InputError: The arm is no chain of four hinges.
@@ -125,13 +125,13 @@ def arm_torque(  # noqa: PLR0915 (one pass out and one back, in scalars)
     """Computes the torque [N·m] that moves a bare arm.
 
     Args:
-        row: The arm.
+        row: Number of the arm.
         links: Links of `Chain`, shape (arms, 4, 19).
         gravity: Gravity of `Chain`, shape (arms, 3).
         angle: Joint angles [rad], shape (arms, samples, 4).
         rate: Joint rates [rad/s], the same shape.
         acceleration: Joint accelerations [rad/s²], the same shape.
-        sample: The sample that counts.
+        sample: Number of the sample.
         scratch: Sine and cosine of each joint, then force and moment at its origin, shape
             (arms, 4, 8).
         torque: The result, shape (arms, 4).

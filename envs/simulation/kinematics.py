@@ -1,4 +1,4 @@
-"""Where the hand is, and which posture brings it to a place: four hinges in a chain."""
+"""Forward and inverse kinematics of the hand: four hinges in a chain."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -14,16 +14,16 @@ from ...assets import JOINTS
 from ...errors import InputError
 from .inverse_dynamics import AXIS, POSITION, Chain
 
-CLOSE = 1e-9  # [m], distance at which a posture has brought the hand to its place
+CLOSE = 1e-9  # [m], greatest distance between hand and place that counts as reached
 CORRECTIONS = 100
-FARTHEST = 0.2  # rad, the most that a correction turns a joint
-SOFTNESS = 1e-6  # [m²], damping of a stretched arm's correction
+FARTHEST = 0.2  # [rad], greatest change of an angle in one iteration
+SOFTNESS = 1e-6  # [m²], damping of the least squares, for a stretched arm
 MOVING = 3  # joints that bring the hand to a place: all but the wrist
 
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """The bare arm of a wearer, as tasks see it.
+    """The bare arm of a wearer, for the plans of tasks.
 
     Places are relative to the shoulder, in meters forward, outward and up, for either arm.
 
@@ -45,7 +45,7 @@ class Arm:
 
     @classmethod
     def of(cls, arm: mujoco.MjModel, grip: Array) -> "Arm":
-        """Returns the arm of a model of `bare_arm`."""
+        """Returns the arm of a model from `bare_arm`."""
         chain = Chain.of(arm)
         outward = 1.0 if chain.links[0, 0, POSITION + 1] > 0 else -1.0
         data, torso = mujoco.MjData(arm), arm.body_parentid[arm.joint(JOINTS[0]).bodyid[0]]
@@ -84,17 +84,17 @@ class Arm:
     def postures(self, places: Array, start: Array) -> Array:
         """Returns joint angles that bring the grip to places one after the other [rad].
 
-        Abduction, shoulder and elbow do it; the wrist keeps its angle.
+        Abduction, shoulder and elbow move; the wrist keeps its angle.
 
         Args:
-            places: Where the grip shall be [m], shape (samples, 3).
+            places: Places of the grip [m], shape (samples, 3).
             start: Angles from which the first posture is searched [rad], shape (4,).
 
         Returns:
             The angles, shape (samples, 4).
 
         Raises:
-            InputError: A place is out of reach, or only a joint out of its range reaches it.
+            InputError: A place is out of reach, or needs an angle outside the range of its joint.
         """
         wanted = (places + self._shoulder) @ self._axes
         found = np.empty((len(places), len(JOINTS)))
@@ -151,7 +151,7 @@ def hand_jacobian(
         links: Links of one arm, shape (4, 19).
         grip: Place of the grip in the frame of the hand [m], shape (3,).
         angle: Joint angles [rad], shape (samples, 4).
-        sample: The sample that counts.
+        sample: Number of the sample.
         found: Axis and origin of each joint, then the grip in the first three places of the last
             row, shape (5, 6).
     """
@@ -238,7 +238,8 @@ def follow(
 ) -> int:
     """Computes postures that bring the grip to places; returns the first out of reach, or -1.
 
-    Damped least squares (Wampler 1986, Nakamura and Hanafusa 1986), each from the posture before.
+    The method is damped least squares (Wampler 1986, Nakamura and Hanafusa 1986), which starts each
+    posture from the last.
     """
     found, jacobian = np.empty((5, 6)), np.empty((MOVING, 3))
     left, matrix = np.empty(3), np.empty((MOVING, MOVING))

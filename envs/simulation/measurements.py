@@ -1,4 +1,4 @@
-"""What is measured in every control period: one row of numbers, and the place of each in it."""
+"""The measurements of every control period: one row of numbers, and the column of each."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -49,8 +49,8 @@ def _columns() -> tuple[dict[str, slice], int]:
 COLUMNS, WIDTH = _columns()
 """The columns of each measurement by its name, and how many there are in all."""
 
-NOISES = 17  # random numbers of sensors in a control period: interaction, EMG, cuffs
-EMG_NOISES, CUFF_NOISES = 4, 8  # where the latter two begin
+NOISES = 17  # sensors' random numbers in a control period: interaction, EMG, cuffs
+EMG_NOISES, CUFF_NOISES = 4, 8  # first random numbers of the latter two
 
 PEAK, CONTINUOUS, TIME_CONSTANT = range(3)  # rows of `ratings` of the motors [N·m, N·m, s]
 STILL = 1e-9  # [rad/s], greatest rate of an encoder that counts as zero
@@ -91,7 +91,7 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # measurements that are no v
 
 
 def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
-    """Returns what no sensor measures, by name: numbers, or new arrays; `measured` is one row."""
+    """Returns quantities of one row that no sensor measures, by name: numbers, or new arrays."""
     found: dict[str, Any] = {}
     for name, part in columns.items():
         if name in SENSED:

@@ -1,4 +1,4 @@
-"""Everything that lives from one reset to the next, for all rows of a simulation."""
+"""The state of all rows between two resets, beside the state of the physics."""
 
 from dataclasses import dataclass, fields
 
@@ -15,47 +15,48 @@ STRETCH = 64  # control periods for which muscle noise is drawn at once
 
 @dataclass(eq=False)
 class Memory:
-    """The memory of episodes, arrays with a leading axis of rows.
+    """The state of episodes, as arrays with a leading axis of rows.
 
-    Saving, restoring and checking a state go through these fields and no others, beside the state
-    of the physics.
+    A state that is saved, restored or checked consists of these fields and the state of the
+    physics.
 
     Attributes:
         seed: Seed of the row, from which all its random numbers follow, shape (n,).
         episode: Number of the episode since the row was seeded, shape (n,).
         step: Number of control periods since the reset, shape (n,).
         limit: Number of control periods after which the episode is truncated, shape (n,).
-        clipped: Number of actions that were beyond [-1, 1], shape (n,).
+        clipped: Number of actions that were outside [-1, 1], shape (n,).
         diverged: Whether the physics has diverged, shape (n,).
         angle: Intended joint angles [rad], shape (n, samples, 4).
         rate: Their rates [rad/s], the same shape.
         acceleration: Their accelerations [rad/s²], the same shape.
-        taught: Learned torque of a wearer beside that of the bare arm [N·m], the same shape; no
-            samples where none is given.
-        gains: What a wearer foresees of the net load, gains on descriptions of the motion, shape
-            (n, 4, FEATURES); none for one who never learns.
-        growing: Learned torque of the next episode, the same shape.
+        taught: Learned torque of the wearer, added to that of the bare arm [N·m], the same shape;
+            without samples in simulations that take none.
+        gains: Gains from the features of the motion to the learned torque, shape
+            (n, 4, FEATURES); without features for wearers who never learn.
+        growing: The same gains as learned so far, which act from the next episode on, the same
+            shape.
         command: Last action, shape (n, motors).
         change: Its change since the action before, shape (n, motors).
         mean_square: Running mean square of the motors' torques [N²·m²], shape (n, motors).
-        past: Stretches of muscles without a reflex yet [N·m], a ring with the step as its place,
-            shape (n, delay, 4).
-        seen: Elastic torques that the slow correction has not seen yet [N·m], a ring as well,
-            shape (n, delay, 4).
+        past: Delayed inputs of the reflex [N·m], a ring buffer indexed by the step, shape
+            (n, delay, 4).
+        seen: Delayed inputs of the slow correction [N·m], a ring buffer as well, shape
+            (n, delay, 4).
         fed: Torque of the reflex [N·m], shape (n, 4).
         held: Torque of the slow correction [N·m], shape (n, 4).
         variation: Slow noise of the muscles, tremor, and tremor a quarter period later, each with
             variance 1 in the long run, shape (n, 3, 4).
-        fresh: Random numbers that drive it, shape (n, STRETCH, 3, 4); none without noise.
-        felt: Measured torque between person and suit [N·m], a ring with the step as its place,
-            shape (n, delay + 1, 4); one place that is not used without sensors that have noise.
+        fresh: Random numbers that drive `variation`, shape (n, STRETCH, 3, 4); none without noise.
+        felt: Measured torque between person and suit [N·m], a ring buffer indexed by the step,
+            shape (n, delay + 1, 4); one unused place without noisy sensors.
         shaken: Random numbers of the sensors' noise, shape (n, STRETCH, NOISES); none without.
         loudness: Factor of the noise of sensors, shape (n,).
         fatigued: Fatigued part of every muscle group, shape (n, 2, 4).
         counts: Counts that the encoders showed last, shape (n, 4).
         wearer: Number of the wearer, where rows have wearers of their own, shape (n,).
-        misalignment: Vector by which the exoskeleton is off [m], where rows have one of their own,
-            shape (n, 3).
+        misalignment: Displacement of the exoskeleton from its configured position [m], where rows
+            have one of their own, shape (n, 3).
         load: Mass at the hand [kg], where rows have loads of their own, shape (n,).
         carried: Mass at the hand at every sample of the intention [kg], shape (n, samples); no
             samples where loads do not change.
@@ -64,14 +65,14 @@ class Memory:
         offset: Error of the encoders' zeros [rad], shape (n, 4).
         dissipated_before: Energy that the suit had dissipated at the reset [J], shape (n,).
         told: Reward terms and costs of the episode so far, shape (n, size), as `Episodes` sizes it.
-        watched: Samples at which hands are watched, bool, shape (n, samples); whoever watches gives
-            it its size, as that of the next field.
-        places: Intended places of the hand in the world [m], shape (n, samples, 3).
+        watched: Samples at which the task judges the hand, bool, shape (n, samples), as `Episodes`
+            sizes it.
+        places: Intended places of the hand in the world [m], sized likewise, shape (n, samples, 3).
         hand: Place of the hand one control period ago [m], shape (n, 3).
         measured: Last valid measurements, shape (n, WIDTH).
-        believed: Memory of a believed suit, shape (n, size); whoever follows it gives it its size.
-        shown: Observations before the last one, newest first, shape (n, count, size); whoever makes
-            observations gives it its size.
+        believed: Memory of a believed suit, shape (n, size), as `Episodes` sizes it.
+        shown: Observations before the last one, newest first, shape (n, count, size), as `Episodes`
+            sizes it.
     """
 
     seed: NDArray[np.int64]
@@ -199,7 +200,7 @@ class Memory:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def clear(self, rows: NDArray[np.int64]) -> None:
-        """Forgets the last episode of some rows, but not their seeds."""
+        """Clears the last episode of some rows, but keeps their seeds and learned gains."""
         kept = ("seed", "episode", "limit", "angle", "rate", "acceleration", "growing")
         for name, values in self.arrays().items():
             if name not in kept:

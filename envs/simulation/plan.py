@@ -1,4 +1,4 @@
-"""What the wearer of one episode intends, and what loads the hand meanwhile."""
+"""The plan of one episode: intended motion of the wearer, and loads on the hand."""
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ...errors import InputError, shown
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import PUSHES
 
-ROUNDING = 1e-9  # rad, which an intention may be beyond the range of a joint
+ROUNDING = 1e-9  # [rad], tolerance of an intention at the end of a joint's range
 STRONGEST = 1000.0  # [N], greatest push
 
 Motion = tuple[Array, Array, Array]
@@ -22,15 +22,15 @@ Motion = tuple[Array, Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What an episode asks of the wearer.
+    """Intended motion of the wearer in one episode, and loads on the hand.
 
     Attributes:
         motion: Intended angles [rad] and two derivatives, shape (samples, 4) each.
-        mass: Load in the hand at every sample [kg], shape (samples,); None where the task carries
-            nothing.
-        push: Force on the grip at every sample, forward, outward and up [N], shape (samples, 3); it
-            begins at zero; None where the task has none.
-        watched: Samples at which the task looks at the hand, bool, shape (samples,); None for none.
+        mass: Load in the hand at every sample [kg], shape (samples,); None for a task without
+            load.
+        push: Force on the grip at every sample, forward, outward and up [N], shape (samples, 3),
+            zero at first; None for a task without force.
+        watched: Samples at which the task judges the hand, bool, shape (samples,); None for none.
     """
 
     motion: Motion
@@ -43,14 +43,14 @@ def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, push
     """Returns a plan whose arrays are finite and in range, as new arrays where they were not.
 
     Args:
-        plan: What a task has made.
+        plan: Plan that a task has made.
         samples: Number of samples of an episode.
         ranges: Ranges of the joints [rad], shape (4, 2).
         carries: Whether the arms can carry a load that changes.
-        pushes: Whether there are motors that push.
+        pushes: Whether the model has motors that push the grip.
 
     Raises:
-        InputError: It is no plan, or has something that the arms cannot do.
+        InputError: The plan is no `Plan`, or the arms cannot carry it out.
     """
     if not isinstance(plan, Plan):
         raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
@@ -100,7 +100,7 @@ def _numbers(name: str, given: Any) -> Array:
 
 
 def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
-    """Checks that an arm can be asked for an intended motion, and returns the motion.
+    """Checks that an arm can carry out an intended motion, and returns the motion.
 
     Args:
         motion: Angle, rate and acceleration.

@@ -14,9 +14,9 @@ from .streams import HIGHEST_SEED
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
-MOST = 10**9  # control periods
-LARGEST = 1e9  # J, N·m, rad/s: more than any episode has, and sums of it stay finite
-STRONGEST = 1e4  # N·m: more than any wearer holds or expects
+MOST = 10**9  # [control periods], greatest count
+LARGEST = 1e9  # [J], [N·m] or [rad/s], more than in any episode; sums of it stay finite
+STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
 ROUNDING = 1e-9
 # The lowest and the highest number of an array, where they are narrower than LARGEST.
 BOUNDS: dict[str, tuple[float, float]] = {
@@ -135,7 +135,7 @@ def _parts(
             yield name, value, form, fits and bool(np.isfinite(value).all())
             yield name, value, f"a motion below {mujoco.mjMAXVAL:g}", _is_slow(value, model)
         else:
-            inside = fits and bool(((low <= value) & (value <= high)).all())  # nan is not
+            inside = fits and bool(((low <= value) & (value <= high)).all())  # NaN is outside
             yield name, value, f"{form} from {low:g} to {high:g}", inside
 
 

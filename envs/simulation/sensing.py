@@ -1,4 +1,4 @@
-"""What noisy sensors measure, at the cuffs and on the person: how noisy and how late."""
+"""Noisy and delayed sensors at the cuffs and on the person."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -50,12 +50,12 @@ class Sensing:
     """Noise, delay and bandwidth of sensors. All fields are plain numbers.
 
     Attributes:
-        rate_cutoff: Low-pass of the rates that follow from the encoders' counts [Hz].
+        rate_cutoff: Low-pass of the rates, which are differences of the encoders' counts [Hz].
         interaction_noise: Standard deviation of the interaction torque's noise, over the torque.
         interaction_delay: Age of the interaction torque [s].
         cuff_noise: Standard deviation of each component of a cuff's force [N].
         emg_noise: Standard deviation of the EMG's noise, over its size, before the low-pass.
-        emg_lead: Time by which the EMG is ahead of the torque that it tells [s].
+        emg_lead: Time by which the EMG is ahead of the torque that it indicates [s].
         emg_cutoff: Low-pass of the EMG [Hz].
 
     Raises:
@@ -84,7 +84,7 @@ class Sensing:
 
 
 def smoothing(cutoff: float | Array, dt: float) -> Any:
-    """Returns how much of a change a first-order low-pass [Hz] follows in one period."""
+    """Returns the share of a step that a first-order low-pass [Hz] follows in one period."""
     return 1 - np.exp(-math.tau * cutoff * dt)
 
 
@@ -112,10 +112,10 @@ def touch(
     loudness: AnyArray,
     interaction_noise: float,
 ) -> None:
-    """Measures the torque between person and suit, late and noisy.
+    """Measures the torque between person and suit, delayed and noisy.
 
-    That is the wearer's torque without what the bare arm needs for the present motion. `felt` is a
-    ring with the step as its place; the `here` arrays take the present motion of the arm.
+    It is the wearer's torque minus that of the bare arm in the present motion. `felt` is a ring
+    buffer indexed by the step; the `here` arrays receive the present motion of the arm.
     """
     for j in range(4):
         here_angle[row, 0, j] = qpos[row, joints[j]]
@@ -159,7 +159,7 @@ def listen(
     emg_noise: float,
     emg_smoothing: float,
 ) -> None:
-    """Measures the EMG: the voluntary torque that will act soon, noisy, through a low-pass."""
+    """Measures the EMG: the voluntary torque `emg_lead` samples ahead, noisy, low-passed."""
     last = angle.shape[1] - 1
     soon = int(min(step[row] + emg_lead, last))
     foresee(

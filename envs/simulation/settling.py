@@ -1,4 +1,4 @@
-"""How an episode begins: an arm at rest, with whatever torque that takes."""
+"""The start of an episode: an arm at rest, with the wearer's torque that keeps it there."""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
@@ -8,11 +8,11 @@ from ...arrays import AnyArray
 from .wearer import BASE, RELAXATION, SLOPE, foresee
 from .wearer import DAMPING as FIXED
 
-MOST_CORRECTIONS = 30  # limit for an exoskeleton on cuffs; four are usual
-MOST_SLOPES = 4  # number of new slopes where corrections do not end
-FARTHEST = 0.1  # rad, the most that one of them moves: far from balance the slope misleads
-NUDGE = 1e-6  # [rad], step of derivatives
-BALANCE = 1e-10  # [N·m], torque left of an exoskeleton at rest
+MOST_CORRECTIONS = 30  # greatest number of steps of an exoskeleton on cuffs; four are usual
+MOST_SLOPES = 4  # greatest number of slopes, where these steps do not converge
+FARTHEST = 0.1  # [rad], longest step: far from equilibrium the slope is wrong
+NUDGE = 1e-6  # [rad], step of finite differences
+BALANCE = 1e-10  # [N·m], greatest net torque on an exoskeleton in equilibrium
 FRESH, MOVED, SETTLED = range(3)
 
 
@@ -33,7 +33,7 @@ def begin(
     joints: AnyArray,
     exo_joints: AnyArray,
 ) -> None:
-    """Puts some arms at their first intention, and computes the torque that wearers foresee."""
+    """Puts some arms at their first intention, and computes the feed-forward torque."""
     for k in range(rows.shape[0]):
         row = rows[k]
         foresee(
@@ -65,9 +65,9 @@ def imbalance(
     motor: AnyArray,
     driven: AnyArray,
 ) -> None:
-    """Computes the torque that the wearer would have to hold of some arms at rest [N·m].
+    """Computes the net torque on some arms at rest, without the wearer's [N·m].
 
-    It is negative where the arm would sink, shape (n, dofs); `motor` is that of the motors.
+    It is negative where the arm would sink, shape (n, dofs); `motor` is the torque of the motors.
     """
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -88,21 +88,21 @@ def correct(
     moves: AnyArray,
     status: AnyArray,
 ) -> int:
-    """Moves exoskeletons that are not at rest by the inverse slope; returns how many there are.
+    """Moves exoskeletons that are not in equilibrium by a step; returns their number.
 
-    The inverse slope improves by Broyden's update.
+    The step is quasi-Newton: Broyden's update improves the inverse slope.
 
     Args:
         rows: The rows, shape (k,).
-        torque: Torque that is left [N·m], shape (n, all dofs).
+        torque: Net torque [N·m], shape (n, all dofs).
         inverse: Inverse of its derivatives with respect to the angles, shape (k, d, d).
         qpos: Angles, shape (n, all dofs).
-        dofs: Degrees of freedom that nobody holds, shape (d,).
-        moves: The last move of each row and the torque before it, and room for the update, shape
-            (k, 4, d).
-        status: FRESH before the first move, MOVED after it, `SETTLED` at the end, shape (k,).
+        dofs: Degrees of freedom of the exoskeleton alone, shape (d,).
+        moves: The last step of each row, the torque before it, and two scratch vectors of the
+            update, shape (k, 4, d).
+        status: FRESH before the first step, MOVED after it, `SETTLED` at the end, shape (k,).
     """
-    n, unsettled = dofs.shape[0], 0
+    n, unbalanced = dofs.shape[0], 0
     for k in range(rows.shape[0]):
         row = rows[k]
         if status[k] == SETTLED:
@@ -113,7 +113,7 @@ def correct(
         if not largest > BALANCE:
             status[k] = SETTLED
             continue
-        unsettled += 1
+        unbalanced += 1
         if status[k] == MOVED:
             _improve(k, row, torque, inverse, dofs, moves)
         farthest = 0.0
@@ -129,7 +129,7 @@ def correct(
             moves[k, 0, i] *= share
             qpos[row, dofs[i]] += moves[k, 0, i]
         status[k] = MOVED
-    return unsettled
+    return unbalanced
 
 
 @njit(cache=True)
@@ -173,7 +173,7 @@ def hold(
     intention: AnyArray,
     impedance: AnyArray,
 ) -> None:
-    """Lets wearers hold still: their correction has taken what they do not foresee."""
+    """Lets wearers hold still: the slow correction starts at what the feed-forward torque lacks."""
     for k in range(rows.shape[0]):
         row = rows[k]
         for j in range(4):

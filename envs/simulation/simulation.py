@@ -41,25 +41,24 @@ Rows = NDArray[np.int64]
 VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
 NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
 DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
-PREVIEW = (0.02, 0.1, 0.24)  # s ahead of now at which the target is shown, nearest first
+PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """What an episode of one row begins with.
+    """Start of an episode of one row.
 
     Attributes:
-        plan: What the episode asks of the wearer.
+        plan: Intended motion of the wearer, and loads on the hand.
         suit: Joints of the wearer's suit; None is the compiled one.
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
         payload: Load at the hand; None is that of the configuration.
         gravity: Name of the place; None is that of the configuration.
         wearer: Number of the wearer.
-        misalignment: Vector by which the exoskeleton is off, beside that of the configuration [m],
-            shape (3,).
+        misalignment: Displacement of the exoskeleton from its configured position [m], shape (3,).
         loudness: Factor of the noise of sensors.
-        taught: Learned torque of the wearer beside that of the bare arm [N·m], shape
-            (samples, 4); None is none.
+        taught: Learned torque of the wearer, added to that of the bare arm [N·m], shape
+            (samples, 4); None means no such torque.
     """
 
     plan: Plan
@@ -74,12 +73,12 @@ class Start:
 
 
 class Posture(NamedTuple):
-    """What a picture is drawn from.
+    """Time and pose of a row, from which its picture is drawn.
 
     Attributes:
         time: Simulated time [s].
         position: Position `qpos` of the physics.
-        loaded: Whether the hand carries what the task loads it with.
+        loaded: Whether the hand carries the task's load.
     """
 
     time: float
@@ -88,7 +87,7 @@ class Posture(NamedTuple):
 
 
 class Simulation:
-    """Simulates rows of arms; it knows no task and no reward.
+    """Simulates rows of arms, without task and reward.
 
     Each row is an arm with its suit, exoskeleton and wearer. A control period is `before`, the
     physics of all rows, and `after` (see `cycle`). Row i is the same to the last bit whatever the
@@ -111,11 +110,11 @@ class Simulation:
 
     Attributes:
         model: MuJoCo model of a row, without drawings.
-        memory: All that lives from reset to reset, beside the state of the physics.
+        memory: State of the episodes, beside the state of the physics.
         addresses: Addresses of the model.
         suit: Joints that the compiled suit resists, at its operating pressure.
-        ranges: Ranges of the bare arm's joints [rad], shape (4, 2), in which motions are.
-        columns: Columns of `memory.measured`, by name, of what these arms have.
+        ranges: Ranges of the bare arm's joints [rad], shape (4, 2); intentions stay inside.
+        columns: Columns of `memory.measured` that these arms have, by name.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
         sensordata: Sensors of the physics, a view of shape (n, size).
@@ -163,7 +162,7 @@ class Simulation:
             carries=carries,
             pushed=self._pushed,
         )
-        self._shaken = noisy or self.memory.fresh.size > 0
+        self._is_noisy = noisy or self.memory.fresh.size > 0
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
@@ -171,16 +170,17 @@ class Simulation:
     # --- Episodes -----------------------------------------------------------------------------
 
     def begin(self, rows: Rows, start_of: Callable[[int], Start]) -> None:
-        """Begins an episode in some rows: rested wearers hold still at their first intention.
+        """Begins an episode in some rows: rested wearers hold their first intended posture.
 
-        They have done so for a while, so that their slow correction holds what they do not foresee.
-        Strength does not limit that torque: a wearer who is too weak drops the arm from there. When
-        the first action comes, the motors begin with what it asks, and the wearer with what they
-        leave: nobody has to take over. Seeds and numbers of the episodes are in `memory` before.
+        The posture is in equilibrium: the slow correction starts at the torque that the
+        feed-forward torque lacks. Strength does not limit it there: a wearer who is too weak drops
+        the arm afterwards. At the first step the motors start at the commanded torque and the
+        wearer at the remainder, so that there is no start-up transient. Seeds and numbers of the
+        episodes must be in `memory` before the call.
 
         Args:
             rows: The rows, shape (k,).
-            start_of: Function that returns what an episode of a row begins with.
+            start_of: Function that returns the start of the episode of a row.
 
         Raises:
             InputError: A motion has other shapes, is not finite or leaves the range of a joint; the
@@ -243,7 +243,7 @@ class Simulation:
         moving = self._all if rows is None else rows
         if self._waiting:
             self._take_over(action, moving)
-        if self._shaken:
+        if self._is_noisy:
             self._draw_noise(moving)
         if self._carries:
             self._exchange(moving)
@@ -259,12 +259,12 @@ class Simulation:
             self._sense(moving, True)
 
     def checked(self, plan: Plan) -> Plan:
-        """Returns a plan that these arms can be asked for; raises an InputError otherwise."""
+        """Returns a plan that these arms can carry out; raises an InputError otherwise."""
         carries, pushes = self._carries, self._pushed
         return checked_plan(plan, self.samples, self.ranges, carries=carries, pushes=pushes)
 
     def arm_of(self, wearer: int) -> Arm:
-        """Returns the bare arm of a wearer by number."""
+        """Returns the bare arm of the wearer with a number."""
         return self._differing.arms[wearer]
 
     def own_torque(self, rows: Rows) -> Array:
@@ -295,7 +295,7 @@ class Simulation:
         return {name: values[rows] for name, values in arrays.items()}
 
     def restore(self, rows: Rows, state: dict[str, NDArray]) -> None:
-        """Restores what `state` returned, in as many rows; they then go on bit for bit."""
+        """Restores what `state` returned, in as many rows; they then continue bit for bit."""
         self.batch.reset(rows, stage=NOTHING)
         self.batch.state[rows] = state["physics"]
         for name, values in self.memory.arrays().items():
@@ -306,11 +306,11 @@ class Simulation:
         self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
-        """Returns physics of a row, for reading, in `into` or in a new MjData of `model`."""
+        """Returns the physics of a row, for reading, in `into` or in a new MjData of `model`."""
         return self.batch.get_data(row, into)
 
     def posture_of(self, row: int) -> Posture:
-        """Returns what a picture of a row is drawn from."""
+        """Returns time and pose of a row, for a picture."""
         carried = self.memory.carried[row]
         loaded = carried.size > 0 and self.memory.load[row] > carried.min()
         return Posture(float(self._time[row]), self._qpos[row].copy(), bool(loaded))
@@ -396,7 +396,7 @@ class Simulation:
         }
 
     def _exchange(self, moving: Rows) -> None:
-        """Takes up and puts down what hands carry in the coming control period."""
+        """Sets the masses that hands carry in the coming control period."""
         memory = self.memory
         wanted = memory.carried[moving, np.minimum(memory.step[moving], self.samples - 1)]
         changed = moving[wanted != memory.load[moving]]
@@ -422,24 +422,24 @@ class Simulation:
         self._waiting.difference_update(waiting)
         if not at.motors.size:
             return
-        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # they are cold
+        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # cold motors give it
         self._ctrl[rows[:, None], at.motors] = self._motor[rows]
         self._current[rows] = self._motor[rows]
         self._settle(rows)
 
     def _settle(self, rows: Rows) -> None:
-        """Puts arms at rest at their first intention, exoskeletons where cuffs hold them."""
+        """Puts arms at rest at their first intention, and exoskeletons at rest on their cuffs."""
         self._begin_rest(rows)
         self._needed(rows)
-        unsettled = rows if self._free.size else rows[:0]
+        unbalanced = rows if self._free.size else rows[:0]
         for _ in range(settling.MOST_SLOPES):
-            if not unsettled.size:
+            if not unbalanced.size:
                 break
-            unsettled = self._balance(unsettled)
+            unbalanced = self._balance(unbalanced)
         self._hold(rows)
 
     def _balance(self, rows: Rows) -> Rows:
-        """Moves exoskeletons to where cuffs hold them; returns the rows that need more of it."""
+        """Moves exoskeletons toward rest on their cuffs; returns the rows that have not converged."""
         free = self._free
         torque = self._needed(rows)
         slope = np.empty((len(rows), free.size, free.size))
@@ -459,7 +459,7 @@ class Simulation:
         return rows[status != settling.SETTLED]
 
     def _needed(self, rows: Rows) -> Array:
-        """Returns the torque that is left on arms at rest, shape (k, dofs)."""
+        """Returns the net torque on arms at rest, without the wearer's, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
         self._imbalance(rows)
         return self._torque[rows]
@@ -516,6 +516,6 @@ class Simulation:
 
 
 def _bound(kernel: Any, names: dict[str, Any], *first: Any) -> Callable[..., Any]:
-    """Returns a kernel with all arguments by their names but the first, of which these are like."""
+    """Returns a kernel with its arguments bound by name, but the first, which have examples."""
     wanted = list(inspect.signature(kernel.py_func).parameters)
     return bound(kernel, first, [names[name] for name in wanted[len(first) :]])

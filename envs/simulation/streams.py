@@ -10,14 +10,14 @@ HIGHEST_SEED = 2**63 - 1
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:
     """Returns the generator of one purpose in one episode.
 
-    What is drawn for one purpose changes nothing for the others, nor for other rows of a vector
-    environment, in whatever order they draw.
+    Draws for one purpose do not change those for another, nor those of other rows of a vector
+    environment, in whatever order they are made.
 
     Args:
         seed: Seed of the row.
         episode: Number of the episode since the row was seeded.
-        purpose: Name of what is drawn, such as "motion".
-        part: Number of the stretch of the episode, for what is drawn piece by piece.
+        purpose: Name of the purpose, such as "motion".
+        part: Number of the stretch of the episode, for series that are drawn in stretches.
     """
     return np.random.default_rng((seed, episode, zlib.crc32(purpose.encode()), part))
 

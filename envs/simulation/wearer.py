@@ -1,4 +1,4 @@
-"""What a wearer does in a control period, for one row of a simulation (see `envs.person.control`).
+"""The wearer's control in one control period, for one row (see `envs.person.control`).
 
 Scalars and arrays with the row as their first index, as in `cycle`.
 """
@@ -15,7 +15,7 @@ from .inverse_dynamics import arm_torque
 
 # Rows of `impedance`.
 BASE, SLOPE, DAMPING, RELAXATION, EXTRA = range(5)
-# Places in `ringing`: how noise and tremor go on from one control period to the next.
+# Entries of `ringing`: coefficients that advance noise and tremor by one control period.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
 FEATURES = 10  # number of features of the motion that predict the net load
 STILL = 0.05  # [rad/s], least rate of a motion with a direction
@@ -44,7 +44,7 @@ def most(
     fatigued: AnyArray,
     shape: AnyArray,
 ) -> float:
-    """Returns the greatest torque that fatigue has left to a muscle group [N·m]."""
+    """Returns the greatest torque of a muscle group, reduced by its fatigue [N·m]."""
     return group_torque(
         strength[row, way, joint] * (1.0 - fatigued[row, way, joint]),
         angle,
@@ -68,10 +68,10 @@ def describe(
     own: AnyArray,
     features: AnyArray,
 ) -> None:
-    """Describes the intended motion at a sample by numbers that a net load depends on.
+    """Computes features of the intended motion at a sample, which the net load depends on.
 
-    Sines and cosines carry any weight, the rates friction and hysteresis, the accelerations
-    inertia. `own` is the bare arm's torque at the sample; features are (rows, 4, FEATURES).
+    Sines and cosines represent weight, rates friction and hysteresis, accelerations inertia.
+    `own` is the bare arm's torque at the sample; features are (rows, 4, FEATURES).
     """
     upper = angle[row, sample, 1]
     lower = upper + angle[row, sample, 2]
@@ -91,7 +91,7 @@ def describe(
 
 @njit(cache=True)
 def foreseen(row: int, joint: int, gains: AnyArray, features: AnyArray) -> float:
-    """Returns the net load that a wearer has learned to expect of the described motion [N·m]."""
+    """Returns the learned torque, which is the net load that gains and features predict [N·m]."""
     torque = 0.0
     for k in range(gains.shape[2]):
         torque += gains[row, joint, k] * features[row, joint, k]
@@ -113,7 +113,7 @@ def foresee(
     features: AnyArray,
     own: AnyArray,
 ) -> None:
-    """Computes in `own` the torque that a wearer foresees: of the bare arm and what was learned."""
+    """Computes the wearer's feed-forward torque in `own`: that of the bare arm plus the learned."""
     arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
     if gains.shape[2] > 0:
         describe(row, sample, angle, rate, acceleration, own, features)
@@ -142,11 +142,11 @@ def learn(
     learning: float,
     forgetting: float,
 ) -> None:
-    """Credits the answer that was needed now to what the motion was at an earlier sample.
+    """Updates the learned gains by the torque that was needed now, at the features of `sample`.
 
-    Normalized least mean squares, whose rest is the balance of learning and forgetting. It updates
-    `growing`, which takes effect in the next episode; in this one reflex and correction already
-    carry the load.
+    The rule is normalized least mean squares; it converges where learning and forgetting balance.
+    It updates `growing`, which takes effect in the next episode; in this one reflex and correction
+    already carry the load. `answer` is the torque that was needed beside the feed-forward torque.
     """
     arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
     describe(row, sample, angle, rate, acceleration, own, features)
@@ -195,9 +195,9 @@ def act(
     noise: float,
     tremor: float,
 ) -> None:
-    """Gives the engine's actuators intention, impedance and added torque of the coming period.
+    """Sets intention, impedance and added torque of the wearer's actuators for the coming period.
 
-    `own` is what the wearer foresees; `fed` and `held` are the torques of reflex and correction.
+    `own` is the feed-forward torque; `fed` and `held` are the torques of reflex and correction.
     """
     last = angle.shape[1] - 1
     ahead = step[row] + 1

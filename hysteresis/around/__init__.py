@@ -1,7 +1,7 @@
 """Models around another model.
 
-`Held` holds its torque outside a range, `Asymmetric` bends it, `Backlash` puts it behind a gap, and
-`Viscoelastic` lets it depend on the rate.
+`Held` keeps the torque constant outside a range, `Asymmetric` adds an elastic polynomial,
+`Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
 from .asymmetric import LARGEST_DEGREE, Asymmetric, sprung

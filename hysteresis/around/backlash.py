@@ -34,13 +34,13 @@ class Backlash(Wrapper):
     shaft).
 
     Work is done only where y moves with theta, so a motion of the joint does at least the work that
-    the model takes: `dissipative` of the certificate is that of the model inside. Play *before* a
-    model whose history it does not know, T = model(play(theta)) as in stacked play operators, is
-    another thing and not offered: at a reversal the joint would go back by the gap while the torque
-    stays as it was, and get energy that the model never had.
+    the model takes: `dissipative` of the certificate is that of the inner model. Play at the input
+    alone, T = model(play(theta)) as in stacked play operators, is not offered. It does not know the
+    torque: at a reversal the joint would go back by the gap at constant torque, and gain energy
+    that the model never stored.
 
     Where the torque of the model falls with its angle (a polynomial can do that), the suit's side
-    may snap from one face to the other, and the impact takes the energy that this frees.
+    may snap from one face to the other, and the impact dissipates the energy that is released.
 
     Attributes:
         model: Model of the suit's side, which may be `Held` and `Asymmetric`. A model behind play
@@ -148,7 +148,7 @@ class Backlash(Wrapper):
         return self.model.tangent(self.suit_state(state), direction)
 
     def energy(self, state: State) -> Energy:
-        """Returns what the model inside has stored and dissipated [J]; the gap does neither."""
+        """Returns stored and dissipated energy of the inner model [J]; the gap does neither."""
         return self.model.energy(self.suit_state(state))
 
     def anhysteretic(self, state: State) -> float | None:
@@ -160,9 +160,9 @@ class Backlash(Wrapper):
         return self.model.start_is_certified(self.suit_state(state))
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Returns the certificate of the model for what the suit's side can reach in a range.
+        """Returns the certificate of the inner model for the angles that the suit's side can reach.
 
-        That is half a gap more on either side.
+        They extend half a gap beyond the range on either side.
 
         Raises:
             InputError: `angle_range` is not two ascending angles.

@@ -1,7 +1,7 @@
 """Contact across a gap, which `Backlash` and the engine share.
 
-A model around which there is play has its kernels, its memory s and parameters p, the coefficients
-of an elastic polynomial and the range outside which its torque is constant, each empty where there
+A model behind play has its kernels, its memory s and parameters p, the coefficients of an elastic
+polynomial and the range outside which its torque is constant, each empty where there
 is none. The array `play` holds the gap [rad], and the angle of the suit's side [rad].
 """
 
@@ -18,8 +18,8 @@ from numba import njit
 
 GAP, END, SIZE = range(3)
 ZERO = 1e-9  # N·m, largest torque that counts as none
-OPEN = ZERO / 10  # tolerance of the root at which contact opens: it then counts as none
-TRIALS = 100  # most trials of that root; 5 to 10 are usual
+OPEN = ZERO / 10  # torque at the root where contact opens, so small that it counts as none
+TRIALS = 100  # most iterations for that root; 5 to 10 are usual
 
 
 @njit
@@ -66,7 +66,7 @@ def torque_at(kernels, p, s, polynomial, limits, end):
 def opening(kernels, p, s, polynomial, limits, near, torque, far):
     """Returns where the torque vanishes on the way from `near` to `far`, or `far`.
 
-    It brackets the root by the rule of Illinois (Dowell and Jarratt 1971).
+    It brackets the root by the Illinois rule (Dowell and Jarratt 1971).
     """
     last = torque_at(kernels, p, s, polynomial, limits, far)
     if not last * torque < 0:
@@ -92,10 +92,10 @@ def opening(kernels, p, s, polynomial, limits, near, torque, far):
 def end_at(kernels, p, s, polynomial, limits, play, angle):
     """Returns the angle of the suit's side after a monotone motion of the joint to `angle`.
 
-    It changes nothing. It is compiled once for each module of kernels: inlined in all callbacks of
-    the engine it would take them twice as long to compile. Numba caches what calls it on disk only
-    because it is one function for all modules: one that is made for each of them is another one to
-    numba in every process.
+    It changes no state. It is compiled once for each module of kernels: if all callbacks of the
+    engine inlined it, they would take twice as long to compile. It is one function for all modules,
+    so that numba can cache its callers on disk: a function made for each module would be a new one
+    to numba in every process.
     """
     here, half = play[END], play[GAP] / 2
     torque = s[1] + value_of(polynomial, here)
@@ -123,7 +123,7 @@ def follower(kernels: ModuleType) -> Callable[..., Any]:
     """Compiles the motion of a model behind play, once for each module of kernels.
 
     The function fills `torques` with the torque along `angles` from the second one on, and moves s
-    and `play` with it; both stay where they were, and the torque is NaN from there on, at a pole.
+    and `play` with it. At a pole, both stay as they are, and the torque is NaN from there on.
     """
 
     @njit(cache=True)

@@ -27,10 +27,10 @@ class Held(Wrapper):
     A model that was identified in a range of angles says nothing about the torque outside it, and
     many models are certified in a range only. The inner model never leaves the range, so its
     certificate for the range holds at all angles here. The constant torque outside is conservative:
-    it dissipates nothing. But it does not fade, and has no rest outside: where the torque at the
-    end of the range is not zero, an arm that hangs or lies outside is pushed for ever, as if a
-    constant weight pulled at the joint. A real suit's joint yields to an angle of its own. Where an
-    arm goes beyond the range, measure there, or use a model that is certified at all angles.
+    it dissipates nothing. But it does not decay, and has no equilibrium outside: where the torque
+    at the end of the range is not zero, an arm that hangs or lies outside is pushed for ever, as if
+    a constant weight pulled at the joint. A real suit's joint has an equilibrium angle of its own.
+    If an arm goes beyond the range, measure there, or use a model that is certified at all angles.
 
     Attributes:
         model: Inner model, neither `Held` nor `Asymmetric`. A `Held` model can be made asymmetric,

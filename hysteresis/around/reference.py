@@ -77,7 +77,7 @@ class BacklashReference(Reference):
         return copy.deepcopy(self.inner).move(end)
 
     def _rest(self, farthest: float) -> float:
-        """Returns where the suit's side rests [rad] if the joint lets it go as far as that."""
+        """Returns where the suit's side rests [rad] if the joint lets it move up to `farthest`."""
         if abs(self.torque) <= 1e-9:
             return self.end
         if self._ahead(farthest) * self.torque >= 0:

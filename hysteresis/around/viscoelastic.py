@@ -25,12 +25,12 @@ class Viscoelastic(Wrapper):
     T = model(theta) + b dtheta/dt + T_r, with dT_r/dt = k dtheta/dt - T_r / tau: a dashpot, and a
     spring in series with another (a Maxwell element), in parallel with the model. Together with an
     elastic spring these three are the standard linear solid (Findley, Lai and Onaran 1976, chapter
-    5). Both elements are passive, so they take energy in every closed cycle at any speed, beside
-    what the model dissipates. Both are relaxed where a motion begins.
+    5). Both elements are passive: in every closed cycle, at any speed, they dissipate energy in
+    addition to that of the model. Both are relaxed where a motion begins.
 
-    In an infinitely slow motion both torques vanish. That is the motion of all methods that know no
-    time: `step`, `advance`, `tangent`, `energy`, `inverse`, and `response` without times. The
-    engine knows the time: a simulation has these torques, as `response` with times, to the first
+    In an infinitely slow motion both torques vanish. All methods without time assume such a motion:
+    `step`, `advance`, `tangent`, `energy`, `inverse`, and `response` without times. The engine
+    knows the time: a simulation includes these torques, as does `response` with times, to the first
     order of the time step.
 
     Attributes:
@@ -38,10 +38,10 @@ class Viscoelastic(Wrapper):
             and behind play.
         damping: Damping b of the dashpot [N·m·s/rad].
         relaxation_stiffness: Stiffness k of the Maxwell element [N·m/rad].
-        relaxation_time: Time tau in which its torque fades to 1/e [s].
+        relaxation_time: Time tau in which its torque decays to 1/e [s].
 
     Raises:
-        InputError: A number is not finite, or negative, the time is 0 beside a stiffness, or
+        InputError: A number is not finite, or negative, the time is 0 with a stiffness, or
             `model` is viscoelastic itself.
     """
 
@@ -78,7 +78,7 @@ class Viscoelastic(Wrapper):
             angle: Joint angles [rad], shape (n,).
             initial_torque: Resistance of the model at angle[0], without damping [N·m].
             time: Time of each angle, ascending [s], shape (n,), or None for an infinitely slow
-                motion. The rate is the difference of neighbours (second order); the Maxwell element
+                motion. The rate is the difference of neighbors (second order); the Maxwell element
                 is solved exactly for the constant rate between two samples.
 
         Returns:
@@ -117,7 +117,7 @@ class Viscoelastic(Wrapper):
         return torque + (self.damping * np.gradient(angle, time) if angle.size > 1 else 0.0)
 
     def begun(self) -> Array:
-        """Returns numbers and memory of both elements, as the kernels have them, relaxed."""
+        """Returns parameters and memory of both relaxed elements, as the kernels have them."""
         rate = np.zeros(kernels.SIZE)
         given = self.damping, self.relaxation_stiffness, self.relaxation_time
         rate[: kernels.NUMBERS] = given
@@ -146,8 +146,8 @@ class Viscoelastic(Wrapper):
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Returns the certificate of the model, with a larger torque bound.
 
-        Both elements are passive, so `dissipative` stays. The spring of the Maxwell element is
-        never longer than the range, which bounds its torque; a dashpot has no bound.
+        Both elements are passive, so `dissipative` stays. The spring of the Maxwell element never
+        deflects by more than the range, which bounds its torque; a dashpot has no bound.
 
         Raises:
             InputError: `angle_range` is not two ascending angles.

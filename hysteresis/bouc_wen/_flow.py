@@ -1,10 +1,10 @@
-"""Solves the Bouc-Wen equation without units: dw/dx = 1 - sigma w^n or its negative, w >= 0.
+"""Solves the dimensionless Bouc-Wen equation: dw/dx = 1 - sigma w^n or its negative, w >= 0.
 
 For n = 1 the solution is an exponential. For any other n a motion is a sequence of steps of three
 kinds: a Taylor series of order 8, whose last terms bound its error; near w = 0, where w^n is not
 smooth, the exact series of x(w), inverted by Newton's method; and for very large w the power law
-that remains there. A motion of any length takes at most some hundred steps, and one as short as in
-a simulation takes a single step.
+that remains there. A motion of any length takes at most some hundred steps, and the short motion of
+a simulation step takes one.
 """
 
 import math
@@ -16,7 +16,7 @@ SERIES_BELOW, SERIES_END = 0.125, 0.25  # values of w^n at which the series begi
 SATURATED = 2e-15  # distance from the fixed point w = 1 that rounding cannot resolve
 FAR = 1e16  # value of w^n beyond which the 1 in dw/dx is lost in rounding
 HUGE = 1e300  # value of w^n that a decay from above reaches within a negligible x
-# No loop is without a bound: a state that a user overwrites must not hang the engine.
+# Every loop has a bound: a state that a user overwrites must not hang the engine.
 MARCH_LIMIT = 100_000
 SERIES_LIMIT = 64  # terms; 28 are enough below SERIES_END
 SHORTENING_LIMIT = 100
@@ -96,7 +96,7 @@ def time_and_area(w, u, sigma, n):
 
 @njit(cache=True, error_model="numpy")
 def near_zero(w, u, x, sigma, direction, n):
-    """Does what `flow` does, as far as the series goes; returns w, the rest of x, the integral."""
+    """Solves `flow` as far as the series reaches; returns w, the rest of x, the integral."""
     time, area = time_and_area(w, u, sigma, n)
     target = time + direction * x
     if target <= 0:
@@ -125,7 +125,7 @@ def near_zero(w, u, x, sigma, direction, n):
 
 @njit(cache=True, error_model="numpy")
 def far_out(w, x, decay, n):
-    """Does what `flow` does where dw/dx = -decay w^n; returns w, the rest of x, the integral."""
+    """Solves `flow` where dw/dx = -decay w^n; returns w, the rest of x, the integral."""
     start = w
     if decay > 0:
         w = min(w, HUGE ** (1 / n))
@@ -141,7 +141,7 @@ def far_out(w, x, decay, n):
 
 @njit(cache=True, error_model="numpy")
 def march(w, x, sigma, direction, n):
-    """Does what `flow` does, for sigma = +1 or -1 and n > 1."""
+    """Solves `flow` for sigma = +1 or -1 and n > 1."""
     total = 0.0
     longest = math.inf
     attracted = sigma > 0 and direction > 0
@@ -184,7 +184,7 @@ def march(w, x, sigma, direction, n):
 
 @njit(inline="always", error_model="numpy")
 def exponential(w, x, sigma, direction):
-    """Does what `flow` does, for sigma = +1 or -1 and n = 1."""
+    """Solves `flow` for sigma = +1 or -1 and n = 1."""
     rest = 0.0
     if direction < 0:
         to_zero = -sigma * math.log1p(-sigma * w)

@@ -154,7 +154,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, which no range changes, and how far inside s is."""
+    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
     return is_certified(p), inside
 
 

@@ -26,7 +26,7 @@ Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `start_p
 the memory goes through before the first step), `polynomial`* (coefficients of an elastic torque),
 `angle_range`* (the torque is constant outside), `viscoelastic`* (damping, relaxation stiffness
 and relaxation time), `gap`* (of the play between joint and model), `allow_uncertified`* ("true")
-and `taken_off`* ("true" for one that gives no torque until `replace_model` puts one of its kind
+and `taken_off`* ("true" for a model without torque until `replace_model` puts one of its kind
 on). Lists are numbers with blanks between them; `density` has its rows one after the other. The
 name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 

@@ -52,10 +52,10 @@ def attach(
     """Makes `joint` resist its motion with the hysteretic torque of `model`.
 
     The torque acts as a generalized force (in `qfrc_passive`) at every physics step, under every
-    integrator. After a reset the memory has begun at (start_angle, start_torque) and gone through
-    `start_path`, as `HysteresisModel.response` would. A keyframe or a
-    written `qpos` acts like one monotone motion from there, but the memory follows only at the end
-    of a step: if that step turns back, the written position does not count as a turning point.
+    integrator. A reset starts the memory at (start_angle, start_torque) and moves it through
+    `start_path`, as `HysteresisModel.response` would. A keyframe or a written `qpos` acts like one
+    monotone motion from there, but the memory follows only at the end of a step: if that step turns
+    back, the written position does not count as a turning point.
 
     `sensors` adds three sensors: `<joint>_suit_torque`, the torque that acts on the joint [N·m];
     `<joint>_suit_stiffness`, dM/dtheta in the current direction of motion [N·m/rad]; and
@@ -72,17 +72,17 @@ def attach(
             position.
         start_torque: Resistance at that angle [N·m].
         start_path: Angles that the memory then goes through [rad], in a monotone motion each; it
-            stands at the last of them. What they dissipate counts as dissipated energy.
+            ends at the last of them. What they dissipate counts as dissipated energy.
         sensors: Whether to add the three sensors.
         allow_uncertified: Whether to accept a model without a certificate. At a pole the simulation
-            then holds the last valid torque, sets the fault flag and warns.
+            then keeps the last valid torque, sets the fault flag and warns.
         taken_off: Whether the model gives no torque until `replace_model` puts one of its kind on.
             A joint may have several of these beside the one that resists it; their names, and those
             of their sensors, have a number: `<joint>_suit_2`.
 
     Raises:
         InputError: There is no such joint, it is neither hinge nor slide, it has a hysteresis model
-            already, `model` is none that is registered, or the path is not of finite numbers.
+            already, `model` is not registered, or the path is not of finite numbers.
         UncertifiedModelError: The model has no certificate, or its start is outside of it.
         PoleError: The path meets the pole of an uncertified model.
     """
@@ -166,7 +166,7 @@ def replace_model(
     all others are taken off.
 
     Parameters and memory are part of the simulation's state, so each row of a batch may have its
-    own. The memory starts again, where the compiled model's does unless given otherwise, and
+    own. The memory starts again, by default where that of the compiled model does, and
     `mj_forward` brings forces and sensors up to date. A reset brings the compiled model's
     parameters back.
 
@@ -228,7 +228,7 @@ def replace_model(
 
 
 def take_off(mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], joint: str) -> None:
-    """Lets nothing resist a joint in one simulation, until `replace_model` or a reset.
+    """Removes the hysteretic torque of a joint in one simulation, until `replace_model` or a reset.
 
     Args:
         mj_model: Compiled model, with a hysteresis model attached to `joint`.
@@ -256,7 +256,7 @@ def _layout(model: HysteresisModel) -> tuple[int, ...]:
 
 
 def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]:
-    """Returns the same of an instance, where the parts around the model are in its config."""
+    """Returns the layout of a compiled instance; its config has the parts around the model."""
     values = _compiled_config(mj_model, instance)
     polynomial, limits = (len(values[key].split()) for key in (POLYNOMIAL, ANGLE_RANGE))
     rate = viscoelastic.SIZE if values[VISCOELASTIC] else 0
@@ -302,12 +302,12 @@ def _require_model(model: object) -> None:
     if bare is None or MODELS.get(bare.name) is not type(bare):
         raise InputError(
             f"model is a {type(model).__name__}: give one of activesuit's hysteresis models, or "
-            "one that register_model has made known"
+            "one that was registered with register_model"
         )
 
 
 class _Parts(NamedTuple):
-    """A model without wrappers, and what the state keeps of these, which may be empty."""
+    """A model without its wrappers, and the numbers of each wrapper in the state, maybe none."""
 
     bare: HysteresisModel
     polynomial: Array
@@ -317,7 +317,7 @@ class _Parts(NamedTuple):
 
 
 def _parts(model: HysteresisModel) -> _Parts:
-    """Takes a model's wrappers off."""
+    """Splits a model into the innermost one and the numbers of its wrappers."""
     rate, play, polynomial, limits = (np.empty(0) for _ in range(4))
     if isinstance(model, Viscoelastic):
         model, rate = model.model, model.begun()

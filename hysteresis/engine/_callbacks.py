@@ -5,8 +5,8 @@ state: saved, restored, copied and batched by MuJoCo itself. `compute` only read
 may run any number of times per step, at trial positions); `advance` commits it once per step.
 
 Each model gets callbacks of its own, compiled with its module of kernels. The functions that run in
-every step are inlined, here and in `_state`: to pass the layout and the arrays, dozens of numbers,
-from one compiled function to the next took half as long as the torque.
+every step are inlined, here and in `_state`: passing the layout and the arrays, dozens of numbers,
+from one compiled function to the next took half as long as computing the torque.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false
@@ -57,7 +57,7 @@ def angle_of(m, d, joint, at):
 def suit_side(kernels, p, memory, polynomial, limits, play, fault, angle):
     """Returns the angle of the suit's side of a gap, if there is one, at a trial angle.
 
-    Where the state is not sound, that is where it has been.
+    If the state is not sound, this is its last angle.
     """
     if play.size == 0:
         return angle

@@ -83,7 +83,7 @@ from .native import (
     starts_with,
 )
 
-# Kinds of config keys. An optional kind is `OPTIONAL` more.
+# Kinds of config keys. The number of an optional kind is `OPTIONAL` more.
 A_NUMBER, A_LIST, A_WORD, OPTIONAL = 0, 1, 2, 3
 SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
@@ -100,7 +100,7 @@ def is_hysteretic(m, instance, at):
 
 @njit(cache=True)
 def sensor_kind(name):
-    """Returns what a sensor measures, by the end of its name; -1 if that says nothing."""
+    """Returns what a sensor measures, by the end of its name; -1 for another ending."""
     if ends_with(name, b"torque"):
         return TORQUE_SENSOR
     if ends_with(name, b"stiffness"):
@@ -194,7 +194,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault.
 
-    It is called seldom, so it is compiled once for a model and not inlined in its two callbacks.
+    It is rarely called, so it is compiled once for a model and not inlined in its two callbacks.
     """
     flag, memory, p, polynomial, limits, rate, play = parts(kernels, ids, address, size)
     flag[0] = 1.0

@@ -77,13 +77,13 @@ SENTENCES = (  # order of the names above
     b"its parameters have no certificate (a motion could meet infinite torque, or "
     b"gain energy); set allow_uncertified to true to run anyway",
     b"it starts too far from rest for the certificate; change start_angle or start_torque",
-    b"it cannot hold start_torque at start_angle; start nearer to 0",
+    b"it cannot have start_torque at start_angle; start nearer to 0",
     b"its torque becomes infinite on the way; stay nearer to the start",
     b"the name of each of its sensors must end in torque, stiffness or energy, "
     b"which is what it measures",
     b"two of its sensors measure the same; leave one out",
     b"the model has more than 16383 joints or sensors; make it smaller",
-    b"its torque met a pole (or the parameters in its state are out of range); it is constant "
+    b"its torque met a pole (or the parameters in its state are out of range); the torque stays "
     b"at its last valid value, and the fault flag is set",
 )
 MODEL = len(SENTENCES)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 class Layout(NamedTuple):
     """Byte offsets of fields in mjModel (m_) and mjData (d_), and values of some enums.
 
-    `stamp` tells one version of a model's kernels and of the engine from another, so that numba's
-    cache does not give back machine code of an older version.
+    `stamp` distinguishes versions of a model's kernels and of the engine, so that numba's cache
+    does not give back machine code of an older version.
     """
 
     m_opt__timestep: int

@@ -50,9 +50,9 @@ def _register(model: type[HysteresisModel]) -> int:
 
 
 def _stamp(kernels: ModuleType) -> int:
-    """Returns a number that changes with any file of the engine or of a module of kernels' folder.
+    """Returns a number that changes with any file of the engine or of the kernels' folder.
 
-    Numba's own check of its cache sees the file of a callback, and not what is inlined from others.
+    Numba's own check of its cache reads the file of a callback, not those of inlined functions.
     """
     own = Path(str(kernels.__file__)).parent.glob("*.py")
     engine = Path(__file__).parent.rglob("*.py")

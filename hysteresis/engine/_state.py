@@ -1,4 +1,4 @@
-"""Where an instance keeps its state and its ids in mjData.
+"""Places of an instance's state and ids in mjData.
 
 `mjData.plugin_state` holds the physical state: fault flag, memory, parameters (radians), the
 elastic polynomial, the range, the viscoelastic part and the play. They are saved, copied and

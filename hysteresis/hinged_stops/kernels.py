@@ -19,7 +19,7 @@ from ..prandtl_ishlinskii.kernels import HEADER, START_TOLERANCE, first_motion, 
 FIRST_PLAY = 3  # numbers in s before the plays
 MOST_KNOTS = 16
 HINGE = 2 + 2 * MOST_KNOTS + MOST_KNOTS + 1  # numbers in p after the weights
-OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # places
+OFFSET, COUNT, KNOTS, VALUES, SLOPES = 0, 1, 2, 2 + MOST_KNOTS, 2 + 2 * MOST_KNOTS  # indices
 FINE, ASCENDING, AS_MANY, POSITIVE, FEW_KNOTS, ONE_MORE = range(6)
 COMPLAINTS = (
     b"",
@@ -58,7 +58,7 @@ def set_parameters(p, stiffness, rest_angle, thresholds, weights, offset, knots,
 
 @njit(inline="always", error_model="numpy")
 def piece(hinge, P):
-    """Returns on which piece of h a P lies; on a knot it is the piece above."""
+    """Returns the index of the piece of h on which P lies; a knot belongs to the piece above."""
     j = 0
     while j < hinge[COUNT] and P >= hinge[KNOTS + j]:
         j += 1
@@ -80,7 +80,7 @@ def hinged(hinge, P):
 
 @njit(cache=True, error_model="numpy")
 def unhinged(hinge, value, P):
-    """Returns the number nearest to P that h takes to `value`; infinite if there is none."""
+    """Returns the number nearest to P that h maps to `value`; infinite if there is none."""
     j = piece(hinge, P)
     if value > on_piece(hinge, j, P):
         while j < hinge[COUNT] and hinge[VALUES + j] < value:
@@ -129,10 +129,10 @@ def hinge_of(p, s):
 
 @njit(cache=True, error_model="numpy")
 def work(p, s, angle, P, delta, distance, loads):
-    """Returns the integral of |h(P)| over a motion of sign `delta` from `angle`, where P is.
+    """Returns the integral of |h(P)| over a motion of sign `delta` from `angle`, where P is given.
 
-    It counts what lies beyond P = 0 if the motion `loads`, otherwise what lies before. Between two
-    angles at which stops begin to slip P is linear.
+    If the motion `loads`, the integral covers the part beyond P = 0, otherwise the part before. P
+    is linear between two angles at which stops begin to slip.
     """
     n, hinge = s.size - FIRST_PLAY, hinge_of(p, s)
     slope = p[0]
@@ -145,7 +145,7 @@ def work(p, s, angle, P, delta, distance, loads):
             strain, _ = stop(angle, s[FIRST_PLAY + i], p[HEADER + i])
             end = min(max(p[HEADER + i] - delta * strain, x), distance)
         else:
-            slope = p[0]  # the sums would have rounding
+            slope = p[0]  # the exact value, without the sums' rounding
         if end == math.inf and slope == 0:
             return total
         there, length = Q + slope * (end - x), end - x
@@ -176,8 +176,8 @@ def recoverable(p, s, angle, P):
 def travel(p, s, angle):
     """Returns torque and loss of a motion to another angle; s unchanged.
 
-    Unloading gives back what was stored for it. Loading loses what it takes beyond the increase of
-    that, which is not negative (`HingedStops` has the proof) but for rounding.
+    Unloading returns stored energy without a loss. Loading dissipates its work less the increase of
+    the stored energy, which is not negative (`HingedStops` has the proof) except for rounding.
     """
     P, hinge = inner(p, s, angle), hinge_of(p, s)
     torque = hinge[OFFSET] + hinged(hinge, P)
@@ -203,7 +203,7 @@ def begin(p, s, angle, torque):
     rounding = START_TOLERANCE * (abs(hinge[OFFSET]) + abs(torque) + abs(least) + abs(most))
     if not least - rounding <= value <= most + rounding:
         return math.nan
-    P = elastic  # also where rounding parts the torque from it, maybe by a flat piece of h
+    P = elastic  # the torque may differ from h(P) by rounding, maybe by a flat piece of h
     if abs(value - hinged(hinge, elastic)) > rounding:
         P = unhinged(hinge, min(max(value, least), most), elastic)
     scale = abs(elastic) + reach
@@ -274,7 +274,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns that the model is certified, as every one is, and how far inside s is."""
+    """Returns `(True, inside)`: every model is certified, with that margin."""
     return True, inside
 
 

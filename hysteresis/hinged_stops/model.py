@@ -31,7 +31,7 @@ class HingedStops(HysteresisModel):
         T = offset + h(P)
 
     where h is piecewise linear, h(0) = 0, with the slopes s_0 below the knot d_1, s_1 from d_1 to
-    d_2, and so on. So T needs neither be odd nor only soften, as P does. Dead zones around a
+    d_2, and so on. So T need not be odd, and may also stiffen, unlike P. Dead zones around a
     Prandtl-Ishlinskii model are the case of rising slopes (Kuhnen, Eur. J. Control 9, 2003, 407,
     "modified Prandtl-Ishlinskii"). The model has return-point memory.
 
@@ -40,7 +40,7 @@ class HingedStops(HysteresisModel):
     the work that comes back. Loading by du takes the work (offset + h) du; the unloading path from
     the new state is, at the same angle, nowhere beyond the loading path and the unloading path from
     the old state, because a stop that comes back from further on is nowhere less unloaded; and h
-    keeps that order. So `stored` rises by no more than the work, and no closed cycle gives any
+    keeps that order. So `stored` rises by no more than the work, and no closed cycle gives energy
     back. The path does reach P = 0: without stiffness it ends where all stops slip the other way.
 
     Attributes:
@@ -146,7 +146,7 @@ class HingedStops(HysteresisModel):
 
     @property
     def free_parameters(self) -> int:
-        """How many numbers a fit chooses: stiffness, weights, slopes and offset but for one scale.
+        """How many numbers a fit chooses: stiffness, weights, slopes and offset less one scale.
 
         Thresholds, knots and rest angle are given.
         """

@@ -178,7 +178,7 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     """Moves the model monotonically from the angle H0 to H1.
 
     Args:
-        H0: Angle at which the memory stands.
+        H0: Angle of the memory before the motion.
         H1: Angle to reach.
         x: Effective field at H0.
         u: Lag M - Man at H0.

@@ -14,7 +14,7 @@ from .model import PARAMETERS, JilesAtherton
 
 MARGIN = 0.02  # certificate margin that the result keeps
 LEAST_EXCESS = 0.01  # least c - 1 of the result
-REACH = 5.0  # e-folds, how far the search goes to either side
+REACH = 5.0  # [e-folds], range of the search to either side
 C = PARAMETERS.index("c")
 WIDEST = 100.0  # first range of the search for common angles, in units of a or k
 SAMPLES = 60  # number of samples per branch

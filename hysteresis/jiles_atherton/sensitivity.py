@@ -2,10 +2,9 @@
 
 Symbols and the exact step are those of `_bulk`. At a fixed effective field x the lag u obeys a
 linear equation, so its derivatives v_j = du/dq_j obey the same equation with other sources: the
-source of u is (c-1) dMan/dx; the source of v_j is its derivative by q_j, plus u / (delta k^2) for
-q_j = k. The step is differentiated as it is computed: its weights by k, the Hermite interpolant by
-Ms and a.
-The relations between u and M,
+source of u is (c-1) dMan/dx; the source of v_j is its derivative with respect to q_j, plus
+u / (delta k^2) for q_j = k. The step is differentiated as it is computed: its weights with respect
+to k, the Hermite interpolant with respect to Ms and a. The relations between u and M,
 
     M = Man(x) + u(x),   x = H + alpha M,
 
@@ -60,7 +59,8 @@ def response_and_derivatives(H, starts, M0, parameters, M, dM):
         M0: Torque at each curve's first sample (curves,).
         parameters: Values of Ms, a, alpha, c, k in the unit of H (5,), form bulk without clamp.
         M: Torque (samples,); NaN from the pole on.
-        dM: Derivatives of M by Ms, a, alpha, c, k and the torque at the start (samples, 6).
+        dM: Derivatives of M with respect to Ms, a, alpha, c, k and the torque at the start
+            (samples, 6).
     """
     p, s = np.zeros(PARAMETER_SIZE), np.zeros(MEMORY_SIZE)
     Ms, a, alpha, c, k = parameters

@@ -164,7 +164,7 @@ class PrandtlIshlinskii(HysteresisModel):
         )
 
     def inverse(self, torque: ArrayLike, initial_angle: float = 0.0) -> Array:
-        """Computes the angles along which the resistance runs through given torques, exactly.
+        """Computes the angles along which the resistance follows given torques, exactly.
 
         The inverse of a rising Prandtl-Ishlinskii model is one again (Kuhnen, Eur. J. Control 9,
         2003, 407): its plays have the thresholds psi(r_i), psi the first loading curve, and the

@@ -26,7 +26,7 @@ from numba import njit
 
 from ._tables import CELL, HEADER, SEGMENT, parameter_size, set_parameters
 
-CAPACITY = 64  # even: branch 64 rises, so that `walk` asks only if a fall passes its base
+CAPACITY = 64  # even: branch 64 rises, so that `walk` checks only whether a fall passes its base
 FINE, ASCENDING, DENSITY_SIZE, AS_MANY = range(4)
 COMPLAINTS = (
     b"",
@@ -179,7 +179,7 @@ def walk(p, s, angle):
     weight, loss = swept(p, x, base)
     if k == CAPACITY:
         loss = 0.0
-    # From the record, not from s: a closed loop leaves no trace, and rounding does not add up.
+    # The sum begins at the record, not at s: closed loops leave no trace, rounding does not add up.
     relays += weight if k % 2 else -weight
     return k, relays, lost + loss - on_branch, loss
 
@@ -311,7 +311,7 @@ def dissipated(p, s, angle, torque, loss):
 
 @njit(cache=True, error_model="numpy")
 def certify(p, s, inside, low, high):
-    """Returns whether the model is certified, which no range changes, and how far inside s is."""
+    """Returns whether the model is certified, the same for all ranges, and the margin `inside`."""
     return is_certified(p), inside
 
 

@@ -45,8 +45,8 @@ class Preisach(HysteresisModel):
 
     Energy. Let a relay of weight w and middle m = (alpha + beta) / 2 store w (m - theta) while up
     and nothing while down. The slope of that is its torque, -w or 0; and at either switch, up at
-    alpha or down at beta, the store drops by w (alpha - beta) / 2, which is what the switch
-    dissipates: nothing negative if w >= 0. Summed over the relays,
+    alpha or down at beta, the stored energy drops by w (alpha - beta) / 2, which the switch
+    dissipates: it is not negative if w >= 0. Summed over the relays,
 
         dissipated = sum of w (alpha - beta) / 2 over all switches since the start
         stored     = (T - elastic) (theta - level 0) + energy of the elastic part

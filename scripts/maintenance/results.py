@@ -1,9 +1,9 @@
-"""Tables and sentences of README and docs that are made from measured results.
+"""Tables of README and docs that are made from measured results.
 
 The results are those that `measure.py` keeps in docs/measured, and docs/leaderboard.jsonl.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from ...envs.benchmark.results import read_results
 from ...envs.benchmark.standings import Standing, Standings
+from ...envs.evaluation import REFERENCES
 from ...envs.model.cuffs import FORCE_LIMITS
 from ..output import markdown_table
 from .leaderboard import RESULTS
@@ -71,16 +72,13 @@ def door() -> str:
         }
     )
     earth, space = scores("earth"), scores(WEIGHTLESS)
-    bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in _REFERENCES)
+    bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
         f"Compensation gives back {_signed(space['compensation']['relief']['value'])} of that in "
         f"weightlessness, the best known plan {_signed(space['clairvoyant']['relief']['value'])}."
     )
-
-
-_REFERENCES = ("unsuited", "suited")
 
 
 def demo_results() -> str:
@@ -120,7 +118,7 @@ def _matrix(columns: Mapping[str, Mapping[str, Any]]) -> str:
     rows = [["the suit costs, of strength", *costs]]
     names = next(iter(columns.values()))["scores"]
     for name in names:
-        if name not in _REFERENCES:
+        if name not in REFERENCES:
             reliefs = (interval(one["scores"][name]["relief"]) for one in columns.values())
             rows.append([f"`{name}`", *reliefs])
     return markdown_table(["policy", *columns], rows)
@@ -222,7 +220,7 @@ def _rank_correlation(found: Mapping[str, Any]) -> float:
     """Returns Kendall's tau between mean reward and relief over the policies of a setting."""
     from scipy.stats import kendalltau
 
-    judged = [one for name, one in found.items() if name not in _REFERENCES]
+    judged = [one for name, one in found.items() if name not in REFERENCES]
     reliefs = [one["relief"]["value"] for one in judged]
     rank: Any = kendalltau(reliefs, [one["reward"] for one in judged])
     return float(rank.statistic)
@@ -241,7 +239,7 @@ def laws() -> str:
         places = [kept(f"{coupling}-{where}")["result"] for where in ("earth", "weightless")]
         shift = kept(f"{coupling}-shift")["result"]["scores"]
         for name in names:
-            if name not in _REFERENCES:
+            if name not in REFERENCES:
                 misled = shift.get(f"{name}:suit=mock-suit") or shift[name]
                 found = [*(place["scores"][name] for place in places), misled]
                 title = f"`{name}`" + (", cuffs" if coupling == "cuffs" else "")
@@ -352,65 +350,6 @@ def relief_at(policy: str, level: str) -> str:
     found = standing(policy, level).relief
     return "-" if found is None else _signed(found.value)
 
-
-# Sentences of pages that are written by hand, but for their numbers.
-
-
-def _controllers() -> Iterator[str]:
-    earth = scores("earth")
-    bare, suited, off = (100 * earth[name]["effort"] for name in (*_REFERENCES, "none"))
-    yield f"from {bare:.1f} to {suited:.1f} % of strength"
-    yield f"motors off adds {off - suited:.1f} points"
-    stiff = kept("cuffs-weightless")["result"]["scores"]
-    corrected, usual = stiff["corrected"], stiff["compensation"]
-    yield f"relief is {interval(corrected['relief'])} instead of {interval(usual['relief'])}"
-    errors = (f"{1e3 * one['tracking']:.0f}" for one in (corrected, usual))
-    yield f"the tracking error {' instead of '.join(errors)} mrad"
-    found = kept("laws-earth")["result"]["scores"]
-    errors = (f"{1e3 * found[name]['tracking']:.1f}" for name in ("impedance", "compensation"))
-    yield f"to {' mrad on Earth, where compensation is at '.join(errors)}"
-
-
-def _benchmark() -> Iterator[str]:
-    def change(policy: str, level: str = "nominal") -> str:
-        return f"from {relief_at(policy, level)} to {relief_at(f'{policy}-tuned', level)}"
-
-    yield f"`proportional` rises {change('proportional')}"
-    yield f"`impedance` {change('impedance')}"
-    yield f"`iterative` falls {change('iterative')}"
-    yield f"`disturbance-observer` falls {change('disturbance-observer', 'shift')}"
-    yield f"`observer` rises {change('observer', 'shift')}"
-    best = [relief_at("clairvoyant", level) for level in standings().levels]
-    yield f"most relief at every level: {best[0]}, {best[1]} and {best[2]}"
-    better = standing("predictive", "nominal").improvement
-    if better is not None:
-        ends = f"({100 * better.low:.0f} to {100 * better.high:.0f})"
-        yield f"in {100 * better.value:.0f} % {ends} of the motions at nominal"
-    reliefs = (relief_at(name, "nominal") for name in ("predictive", "compensation"))
-    yield f"gives back {' instead of '.join(reliefs)}"
-
-
-def _environments() -> Iterator[str]:
-    earth, space = scores("earth"), scores(WEIGHTLESS)
-    pairs = {
-        name: f"{earth[name]['reward']:.2f}{between}{space[name]['reward']:.2f}"
-        for name, between in (("suited", " on Earth and "), ("unsuited", " and "))
-    }
-    both = f"{earth['compensation']['reward']:.2f} and {space['compensation']['reward']:.2f}"
-    yield f"earns {pairs['suited']} weightless, the unsuited one {pairs['unsuited']}"
-    yield f"compensation {both}"
-    rows = {(one["what"], one["against"]): one for one in kept("bench-env")["result"]["rows"]}
-    reset = rows["reset of 1024 rows", ""]["ours"]
-    yield f"takes {reset:.2f} ms a row"
-    yield f"their process {rows['memory of 1024 rows', '']['ours']:.0f} MB"
-
-
-FACTS: dict[str, Callable[[], Iterator[str]]] = {
-    "controllers.md": _controllers,
-    "benchmark.md": _benchmark,
-    "environments.md": _environments,
-}
-"""Parts of sentences by the page that has them."""
 
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},

@@ -204,18 +204,18 @@ def joint_of(model, **changes):
 @pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
 def test_a_preconditioned_joint_begins_in_its_steady_cycle(model):
     joint = joint_of(model)
-    worn = joint.preconditioned()
-    assert worn.begun().angle == worn.start_angle
+    used = joint.preconditioned()
+    assert used.begun().angle == used.start_angle
     cycle = sweep(0.5, 1.2, 0.2, 0.5)
-    for one, is_steady in ((worn, True), (joint, False)):
+    for one, is_steady in ((used, True), (joint, False)):
         first, second = one.response(np.tile(cycle, 2)).reshape(2, -1)
         same = np.abs(second - first).max() <= 1e-5 * np.ptp(second)
         assert same == is_steady
     lowest, highest = joint.range
     before = [0.5, *(lowest, highest) * joint.steady_cycle().cycles, lowest]
     expected = model.response([*before, *cycle], joint.start_torque)[len(before) :]
-    np.testing.assert_array_equal(worn.response(cycle), expected)
-    assert worn.begun().torque == expected[0]
+    np.testing.assert_array_equal(used.response(cycle), expected)
+    assert used.begun().torque == expected[0]
 
 
 def test_all_samples_of_a_preconditioned_joint_are_steady():
@@ -223,11 +223,11 @@ def test_all_samples_of_a_preconditioned_joint_are_steady():
     joint = joint_of(SAFE, samples=(slow,))
     fast, slow_ones = (joint.steady_cycle(one).cycles for one in (SAFE, slow))
     assert fast != slow_ones
-    worn = joint.preconditioned()
-    assert len(worn.start_path) == 2 * max(fast, slow_ones) + 2
+    used = joint.preconditioned()
+    assert len(used.start_path) == 2 * max(fast, slow_ones) + 2
     cycle = np.tile(sweep(0.5, 1.2, 0.2, 0.5), 2)
     for model in (SAFE, slow):
-        first, second = worn.response(cycle, model).reshape(2, -1)
+        first, second = used.response(cycle, model).reshape(2, -1)
         assert np.abs(second - first).max() <= 1e-5 * np.ptp(second)
 
 
@@ -292,8 +292,8 @@ def test_a_suit_with_shares_says_so():
         pressure_kpa=30,
         joints={"wrist_flexion": joint_of(SAFE, volume_share=0.7)},
     )
-    told = suit.at_pressure(60).description
-    assert told == (
+    reported = suit.at_pressure(60).description
+    assert reported == (
         "mine at 60 kPa: extrapolated from 30 kPa by the volume_share of its joints. Mine."
     )
     with pytest.raises(InputError, match="ratio is -1: give a ratio of pressures, 0 or more"):
@@ -525,7 +525,7 @@ def test_a_softening_survives_its_file(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "told"),
+    ("before", "after", "reported"),
     [
         (
             '"first": 1.2',
@@ -536,23 +536,23 @@ def test_a_softening_survives_its_file(tmp_path):
         ('"first": 1.2', '"first": "1.2"', "give a number, without quotes, not '1.2'"),
     ],
 )
-def test_softening_that_no_suit_has(tmp_path, before, after, told):
+def test_softening_that_no_suit_has(tmp_path, before, after, reported):
     suit = Suit(name="s", description="of a test", joints={"elbow_flexion": softened()})
     suit.save(tmp_path / "s.json")
     (tmp_path / "s.json").write_text((tmp_path / "s.json").read_text().replace(before, after))
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=reported):
         load_suit(str(tmp_path / "s.json"))
 
 
 @pytest.mark.parametrize(
-    ("wrapped", "told"),
+    ("wrapped", "reported"),
     [
         (lambda model: Backlash(model=model, gap=3.0), "gap is 3 rad: give less than the range"),
         (lambda model: Viscoelastic(model=model, damping=1e12), r"damping is 1e\+12 N·m·s/rad"),
     ],
 )
-def test_play_and_damping_that_no_joint_has(wrapped, told):
+def test_play_and_damping_that_no_joint_has(wrapped, reported):
     joint = load_suit("mock-suit").joints["elbow_flexion"]
     others = joint.model_dump(exclude={"model", "certificate_margin"})
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=reported):
         SuitJoint.from_model(wrapped(joint.model), **others)

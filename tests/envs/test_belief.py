@@ -24,8 +24,8 @@ def test_it_is_what_the_policies_of_that_belief_command(believed):
         turned = (
             0.02 * np.abs(observation[env.layout["rate"]]).max()
         )  # rad, by which it looks ahead
-        held = weight.act(observation[:12]) * peak
-        assert np.abs(shown[2:] - held).max() < 1e-3 + 60 * turned
+        kept = weight.act(observation[:12]) * peak
+        assert np.abs(shown[2:] - kept).max() < 1e-3 + 60 * turned
         observation, *_ = env.step(suit.act(observation))
     assert np.abs(shown).min() > 0.01
 
@@ -74,11 +74,11 @@ def test_mistakes(options, message):
 @pytest.fixture
 def viscous_suit(elbow):
     joint = Viscoelastic(model=elbow, damping=0.5, relaxation_stiffness=4, relaxation_time=0.3)
-    told = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
+    reported = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
     return Suit(
         name="viscous",
         description="A test.",
-        joints={"elbow_flexion": SuitJoint.from_model(joint, **told)},
+        joints={"elbow_flexion": SuitJoint.from_model(joint, **reported)},
     )
 
 

@@ -136,10 +136,10 @@ def test_without_an_exoskeleton_there_is_nothing_to_act_with():
             make_policy(policy, make(coupling="none", sensors=["encoders", "privileged"]))
 
 
-def test_what_is_worn_costs_effort():
-    worn = [{"coupling": "none", "suit": "none"}, {"coupling": "none"}, {}]
+def test_equipment_costs_effort():
+    equipment = [{"coupling": "none", "suit": "none"}, {"coupling": "none"}, {}]
     fixed = {"episodes": 1, "references": False, "settled": False}
-    rms = [evaluate(ENV, ["none"], **fixed, **one).scores["none"].human_rms for one in worn]
+    rms = [evaluate(ENV, ["none"], **fixed, **one).scores["none"].human_rms for one in equipment]
     for joint in ASSISTED:
         assert rms[0][joint] < 0.8 * rms[1][joint] < 0.8 * rms[2][joint]
 
@@ -153,9 +153,9 @@ def test_encoders_are_as_fine_and_as_late_as_they_are_said_to_be():
     for action in ACTIONS[:30]:
         coarse = env.step(action)[0][env.layout["angle"]] / (2 * np.pi / 64)
         np.testing.assert_allclose(coarse, np.round(coarse), atol=1e-5)
-        told = late.step(action)[0]
+        reported = late.step(action)[0]
         angle.append(physics(late, "qpos").copy())
-    np.testing.assert_allclose(told[late.layout["angle"]], angle[-3], atol=2e-4)
+    np.testing.assert_allclose(reported[late.layout["angle"]], angle[-3], atol=2e-4)
     assert np.abs(angle[-3] - angle[-1]).max() > 0.005
 
 

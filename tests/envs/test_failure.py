@@ -46,19 +46,19 @@ def test_divergence_ends_the_episode_with_what_was_valid_last(env, value, steps)
     observation, info = begin(env, steps)
     assert not info["diverged"]
     physics(env, "qvel")[2] = value
-    shown, reward, terminated, truncated, told = env.step(ACTION)
+    shown, reward, terminated, truncated, reported = env.step(ACTION)
     assert terminated
     assert not truncated
-    assert told["diverged"]
-    assert_finite(shown, reward, told)
+    assert reported["diverged"]
+    assert_finite(shown, reward, reported)
     assert reward == 0
     np.testing.assert_array_equal(shown, observation)
-    assert told.keys() == info.keys()
-    assert told["time"] == pytest.approx(info["time"] + 0.01)
+    assert reported.keys() == info.keys()
+    assert reported["time"] == pytest.approx(info["time"] + 0.01)
     changed = {"time", "diverged", "reward_terms", "cost_terms", "is_success"}
-    assert not told["is_success"]
+    assert not reported["is_success"]
     for key in info.keys() - changed:
-        np.testing.assert_array_equal(told[key], info[key])
+        np.testing.assert_array_equal(reported[key], info[key])
 
 
 @pytest.mark.parametrize("part", ["qpos", "qvel", "act", "plugin_state", "qfrc_applied"])
@@ -89,11 +89,11 @@ def test_what_the_caller_does_to_an_answer_stays_with_the_caller(env):
     info["angle"][:] = np.nan
     physics(env, "qvel")[0] = np.nan
     for _ in range(2):  # it stays diverged
-        shown, *_, told = env.step(ACTION)
+        shown, *_, reported = env.step(ACTION)
         np.testing.assert_array_equal(shown, kept)
-        np.testing.assert_array_equal(told["angle"], angle)
+        np.testing.assert_array_equal(reported["angle"], angle)
         shown[:] = np.nan
-        told["angle"][:] = np.nan
+        reported["angle"][:] = np.nan
 
 
 def test_after_divergence_a_reset_or_an_earlier_state_goes_on():

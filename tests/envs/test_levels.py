@@ -140,7 +140,7 @@ def test_an_evaluation_at_a_level_is_of_that_level():
             settled=False,
             max_episode_steps=20,
             level=level,
-            on_policy=lambda name, told, traces=traces: traces.update({name: told[0]}),
+            on_policy=lambda name, reported, traces=traces: traces.update({name: reported[0]}),
         )
         assert set(traces) == {"unsuited", "suited", "none"}
         for trace in traces.values():

@@ -41,11 +41,11 @@ def test_environments_give_their_memory_back():
     for number in range(STORED):  # fills the store of compiled models
         make(number)
     before = resident()
-    held = [make(number) for number in range(ENVIRONMENTS)]
+    kept = [make(number) for number in range(ENVIRONMENTS)]
     assert (resident() - before) / ENVIRONMENTS < 16  # MB; was 23
-    for env in held:
+    for env in kept:
         env.close()
-    del env, held
+    del env, kept
     assert (resident() - before) / ENVIRONMENTS < 3  # was 23
 
 
@@ -61,10 +61,10 @@ def test_pictures_give_their_memory_back():
     except RenderingUnavailableError as error:
         pytest.skip(str(error))
     before = resident()
-    held = [make(number, **small) for number in range(PICTURED)]
-    for env in held:
+    kept = [make(number, **small) for number in range(PICTURED)]
+    for env in kept:
         env.close()
-    del env, held
+    del env, kept
     assert (resident() - before) / PICTURED < 30  # MB, of which drivers keep some; was 306
 
 

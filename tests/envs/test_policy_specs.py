@@ -93,7 +93,7 @@ def test_code_that_ends_the_process_is_a_mistake():
     ("options", "message"),
     [({"suit": "nosuch"}, "nosuch"), ({"load": -3.0}, "load is -3"), ({"pressure": 900.0}, "900")],
 )
-def test_a_wrong_belief_is_told_even_to_a_class_that_never_asks(options, message, monkeypatch):
+def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, message, monkeypatch):
     class Careless:
         def __init__(self, arms, belief=None):
             pass
@@ -115,7 +115,7 @@ def test_every_policy_has_a_line_for_the_list(name):
     assert "Args" in POLICIES[name].__doc__
 
 
-def test_a_belief_is_not_what_is_worn():
+def test_a_belief_is_not_the_true_suit():
     """The weight that a policy carries is that of what it believes."""
     env = ArmEnv()
     right = make_policy("gravity", env).act(OBSERVATION + 0.5)

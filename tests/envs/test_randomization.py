@@ -41,7 +41,7 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(sampled):
         angles.append(info["angle"][:, ELBOW])
         torques.append(info["suit_torque"][:, ELBOW])
     angles, torques = np.array(angles).T, np.array(torques).T
-    worn = set()
+    drawn = set()
     for angle, torque in zip(angles, torques, strict=True):
         errors = [
             np.abs(torque + model.response(np.append(ENTRY.start_angle, angle))[1:]).max()
@@ -51,11 +51,11 @@ def test_drawn_suits_appear_in_the_torque_of_their_rows(sampled):
         assert min(errors) < 0.02
         assert sorted(errors)[1] > 0.1
         assert np.abs(torque[0]) > 0.01  # the first observation already belongs to the suit
-        worn.add(int(np.argmin(errors)))
-    assert worn == {0, 1, 2, 3}
+        drawn.add(int(np.argmin(errors)))
+    assert drawn == {0, 1, 2, 3}
 
 
-def test_samples_of_several_kinds_are_worn_at_one_joint(tmp_path):
+def test_samples_of_several_kinds_resist_at_one_joint(tmp_path):
     """As an ensemble of `identify` with method "auto" draws them."""
     low = ENTRY.range[0]
     kinds = (
@@ -72,15 +72,15 @@ def test_samples_of_several_kinds_are_worn_at_one_joint(tmp_path):
         *_, info = arms.step(np.zeros((24, 2)))
         angles.append(info["angle"][:, ELBOW])
         torques.append(info["suit_torque"][:, ELBOW])
-    worn = set()
+    drawn = set()
     for angle, torque in zip(np.array(angles).T, np.array(torques).T, strict=True):
         errors = [
             np.abs(torque + model.response(np.append(ENTRY.start_angle, angle))[1:]).max()
             for model in (MODEL, *kinds)
         ]
         assert min(errors) < 0.02
-        worn.add(int(np.argmin(errors)))
-    assert worn == {0, 1, 2}
+        drawn.add(int(np.argmin(errors)))
+    assert drawn == {0, 1, 2}
 
 
 def test_pressure_scales_the_whole_torque():
@@ -124,7 +124,7 @@ def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
         preconditioned=True,
         randomize={"suit": "samples", "pressure": 0.3},
     )
-    worn = []
+    plant = []
     for seed in range(6):
         _, info = env.reset(seed=seed)
         angle = info["angle"][ELBOW]
@@ -132,16 +132,16 @@ def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
         assert info["suit_torque"][ELBOW] == pytest.approx(-entry.response([angle])[0], abs=1e-9)
         virgin = entry.model_copy(update={"start_path": ()})
         assert abs(info["suit_torque"][ELBOW] + virgin.response([angle])[0]) > 0.01
-        worn.append(entry.model.Ms)
-    assert len(set(worn)) == 6
+        plant.append(entry.model.Ms)
+    assert len(set(plant)) == 6
 
 
 def test_encoder_offsets_are_seen_by_the_controller_only():
     exact, off = ArmEnv(), ArmEnv(randomize={"encoder_offset": 0.05})
     errors = []
     for seed in range(10):
-        (seen, info), (wrong, told) = exact.reset(seed=seed), off.reset(seed=seed)
-        np.testing.assert_array_equal(info["angle"], told["angle"])
+        (seen, info), (wrong, reported) = exact.reset(seed=seed), off.reset(seed=seed)
+        np.testing.assert_array_equal(info["angle"], reported["angle"])
         errors.append((wrong - seen)[exact.layout["angle"]])
     assert np.abs(errors).max() <= 0.05 + 2 * np.pi / 2**14
     assert np.ptp(errors, axis=0).min() > 0.03
@@ -214,8 +214,8 @@ def test_rows_of_one_batch_wear_suits_of_other_kinds(wardrobe):
     suits = ["mock-suit", "emu-like", *wardrobe.values()]
     arms = ArmEnv(randomize={"suits": suits}).rows(16, info="full")
     arms.reset(seed=0)
-    worn = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
-    assert {type(model) for model in worn} == {Held, JilesAtherton, PrandtlIshlinskii}
+    plant = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
+    assert {type(model) for model in plant} == {Held, JilesAtherton, PrandtlIshlinskii}
     for _ in range(20):
         *_, info = arms.step(np.zeros((16, 2)))
     without = ["elbow_flexion" not in arms.episodes._start(row).suit for row in range(16)]

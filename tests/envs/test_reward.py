@@ -24,18 +24,18 @@ def motion(request):
     """A motion under random actions, with all that the environment tells of it."""
     env = ArmEnv(coupling=request.param, exo={"elbow": {"continuous_torque": 4.0}})
     env.reset(seed=2)
-    rng, told = np.random.default_rng(1), []
+    rng, reported = np.random.default_rng(1), []
     actions = np.repeat(rng.uniform(-0.8, 0.8, (50, 2)), 2, axis=0)
     for action in actions:
         _, reward, ended, _, info = env.step(action)
         assert not ended
-        told.append({**info, "reward": reward})
+        reported.append({**info, "reward": reward})
     series = {
-        name: np.array([one[name] for one in told])
-        for name in told[0]
+        name: np.array([one[name] for one in reported])
+        for name in reported[0]
         if name not in ("reward_terms", "cost_terms")
     }
-    return SimpleNamespace(env=env, actions=actions, told=told, **series)
+    return SimpleNamespace(env=env, actions=actions, told=reported, **series)
 
 
 def test_rewards_by_hand(motion):
@@ -123,11 +123,11 @@ def test_chatter_shows_and_costs():
     calm = np.zeros((periods, 2))
     chatter = 2.0 / addresses(env).peak_torque * (-1.0) ** np.arange(periods)[:, None]  # 50 Hz
     smooth, info = play(env, calm)
-    shaken, told = play(env, chatter)
+    noisy, reported = play(env, chatter)
     assert info["cost_terms"]["chatter"] == 0
     expected = (periods - 1) * np.sum((4.0 / addresses(env).peak_torque) ** 2)
-    assert told["cost_terms"]["chatter"] == pytest.approx(expected)
-    assert shaken < 0.95 * smooth
+    assert reported["cost_terms"]["chatter"] == pytest.approx(expected)
+    assert noisy < 0.95 * smooth
 
 
 class Down:

@@ -52,18 +52,18 @@ def test_it_is_what_single_ones_are(wrap):
         one, other = ours.step(actions), theirs.step(actions)
         for a, b in zip(one[:3], other[:3], strict=True):
             np.testing.assert_array_equal(a, b)
-        for told, expected, done in zip(one[3], other[3], one[2], strict=True):
+        for reported, expected, done in zip(one[3], other[3], one[2], strict=True):
             if done:
                 ends += 1
                 np.testing.assert_array_equal(
-                    told["terminal_observation"], expected["terminal_observation"]
+                    reported["terminal_observation"], expected["terminal_observation"]
                 )
-                assert told["TimeLimit.truncated"] == expected["TimeLimit.truncated"]
-                if "episode" in told:
-                    assert told["episode"]["l"] == expected["episode"]["l"]
-                    assert told["episode"]["r"] == expected["episode"]["r"]
+                assert reported["TimeLimit.truncated"] == expected["TimeLimit.truncated"]
+                if "episode" in reported:
+                    assert reported["episode"]["l"] == expected["episode"]["l"]
+                    assert reported["episode"]["r"] == expected["episode"]["r"]
             else:
-                assert not {"terminal_observation", "episode"} & set(told)
+                assert not {"terminal_observation", "episode"} & set(reported)
     assert ends == 3 * ROWS
 
 

@@ -38,12 +38,12 @@ def make(n, threads=1, mode="NextStep", coupling="rigid", **options):
     return arms, [gymnasium.wrappers.TimeLimit(single, SHORT) for single in singles]
 
 
-def assert_same(info, told, row):
+def assert_same(info, reported, row):
     for name, value in info.items():
         if name in ("reward_terms", "cost_terms"):
-            assert value == {term: told[name][term][row] for term in value}
+            assert value == {term: reported[name][term][row] for term in value}
         else:
-            np.testing.assert_array_equal(np.ravel(value), np.ravel(told[name][row]), name)
+            np.testing.assert_array_equal(np.ravel(value), np.ravel(reported[name][row]), name)
 
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
@@ -52,26 +52,26 @@ def assert_same(info, told, row):
 def test_through_resets(n, threads, mode, coupling):
     arms, singles = make(n, threads, mode, coupling)
     rng, over = np.random.default_rng(0), np.zeros(n, bool)
-    shown, told = arms.reset(seed=5)
+    shown, reported = arms.reset(seed=5)
     for row, single in enumerate(singles):
         observation, info = single.reset(seed=5 + row)
         np.testing.assert_array_equal(observation, shown[row])
-        assert_same(info, told, row)
+        assert_same(info, reported, row)
     lost = 0
     for period in range(3 * SHORT):
         if mode == "Disabled" and over.any():
-            shown, told = arms.reset(options={"reset_mask": over})
+            shown, reported = arms.reset(options={"reset_mask": over})
             for row in np.flatnonzero(over):
                 observation, info = singles[row].reset()
                 np.testing.assert_array_equal(observation, shown[row])
-                assert_same(info, told, row)
+                assert_same(info, reported, row)
             over[:] = False
         # Rows end at different times: some are thrown about.
         actions = rng.uniform(-1, 1, (n, 2)) * (3.0 if period > SHORT else 0.3)
         if period == 5:
             arms.episodes.simulation.batch.bind("qvel")[0] = 500.0
             singles[0].unwrapped.episodes.simulation.batch.bind("qvel")[0] = 500.0
-        shown, rewards, terminated, truncated, told = arms.step(actions)
+        shown, rewards, terminated, truncated, reported = arms.step(actions)
         for row, single in enumerate(singles):
             if mode == "NextStep" and over[row]:
                 observation, info = single.reset()
@@ -81,11 +81,11 @@ def test_through_resets(n, threads, mode, coupling):
             assert (reward, ended, late) == (rewards[row], terminated[row], truncated[row])
             lost += ended
             if mode == "SameStep" and (ended or late):
-                np.testing.assert_array_equal(observation, told["final_obs"][row])
-                assert_same(info, told["final_info"], row)
+                np.testing.assert_array_equal(observation, reported["final_obs"][row])
+                assert_same(info, reported["final_info"], row)
                 observation, info = single.reset()
             np.testing.assert_array_equal(observation, shown[row])
-            assert_same(info, told, row)
+            assert_same(info, reported, row)
         over = terminated | truncated
     assert lost > 0
 
@@ -184,13 +184,13 @@ def test_metrics_are_some_of_the_info():
 
 def test_random_numbers_of_one_purpose_do_not_depend_on_another():
     calm = ArmEnv()
-    shaken = ArmEnv(control={"noise": 1.0})
-    for env in (calm, shaken):
+    noisy = ArmEnv(control={"noise": 1.0})
+    for env in (calm, noisy):
         env.reset(seed=3)
         for _ in range(5):
             env.step(np.zeros(2))
         env.reset()
-    np.testing.assert_array_equal(calm.get_state()["angle"], shaken.get_state()["angle"])
+    np.testing.assert_array_equal(calm.get_state()["angle"], noisy.get_state()["angle"])
 
 
 def test_the_default_observation_knows_nothing_of_what_comes():

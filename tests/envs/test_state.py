@@ -55,12 +55,12 @@ def test_state_shows_its_own_moment():
         observation, *_, info = env.step(np.array([0.5, 0.5], np.float32))
     state = env.get_state()
     env.reset(seed=1)
-    again, told = env.set_state(state)
+    again, reported = env.set_state(state)
     np.testing.assert_array_equal(again, observation)
-    assert told.keys() == info.keys()
-    assert told["reward_terms"] == info["reward_terms"]
+    assert reported.keys() == info.keys()
+    assert reported["reward_terms"] == info["reward_terms"]
     for key in info.keys() - {"reward_terms"}:
-        np.testing.assert_array_equal(told[key], info[key])
+        np.testing.assert_array_equal(reported[key], info[key])
 
 
 def test_deepcopy_and_pickle_continue_alike():

@@ -134,18 +134,18 @@ def learned():
     policy = make_policy("none", wearers.arms)
     traces = wearers.naive(policy, [0])
     simulation = wearers.arms.episodes.simulation
-    own, taught = simulation.own_torque(np.array([0])), 0.0
+    own, learned_torque = simulation.own_torque(np.array([0])), 0.0
     errors = []
     for _ in range(31):
         (trace,) = traces
         errors.append(rms((trace.angle - trace.target_angle)[:, MOVED]))
-        answer = smoothed([trace.human_torque], own.shape[1]) - own - taught
+        answer = smoothed([trace.human_torque], own.shape[1]) - own - learned_torque
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
-        taught = (1 - FORGETTING) * taught + RATE * late
-        traces = rollout(wearers.arms, policy, [0], taught=taught)
+        learned_torque = (1 - FORGETTING) * learned_torque + RATE * late
+        traces = rollout(wearers.arms, policy, [0], taught=learned_torque)
     lesson = wearers.lesson(policy, [0])
     wearers.close()
-    return SimpleNamespace(errors=errors, taught=taught, lesson=lesson)
+    return SimpleNamespace(errors=errors, taught=learned_torque, lesson=lesson)
 
 
 def test_the_error_of_a_repeated_motion_falls_to_a_quarter_in_10_to_30(learned):
@@ -153,33 +153,33 @@ def test_the_error_of_a_repeated_motion_falls_to_a_quarter_in_10_to_30(learned):
     assert 10 <= below[0] <= 30
 
 
-def test_the_settled_lesson_is_where_the_law_ends(learned):
+def test_the_adapted_wearer_is_where_the_law_ends(learned):
     off = learned.taught - learned.lesson
     assert rms(off[..., MOVED]) < 0.1 * rms(learned.lesson[..., MOVED])
 
 
 @pytest.fixture(scope="module")
-def settled():
+def adapted():
     """Motions of those who know them under two policies, after two and three led rollouts."""
     found = {}
     for name in ("none", "compensation"):
         wearers = Wearers(MOTION, 1, threads=1)
         policy = make_policy(name, wearers.arms)
         for rollouts in (2, 3):
-            taught = wearers.lesson(policy, [0], rollouts=rollouts)
-            (found[name, rollouts],) = rollout(wearers.arms, policy, [0], taught=taught)
+            learned_torque = wearers.lesson(policy, [0], rollouts=rollouts)
+            (found[name, rollouts],) = rollout(wearers.arms, policy, [0], taught=learned_torque)
         wearers.close()
     return found
 
 
 @pytest.mark.parametrize(("name", "change"), [("none", 0.002), ("compensation", 0.03)])
-def test_another_led_repetition_changes_little(settled, name, change):
-    two, three = (rms(settled[name, rollouts].effort) for rollouts in (2, 3))
+def test_another_guided_repetition_changes_little(adapted, name, change):
+    two, three = (rms(adapted[name, rollouts].effort) for rollouts in (2, 3))
     assert three == pytest.approx(two, rel=change)
 
 
-def test_who_has_learned_the_exoskeleton_gains_from_it(settled):
-    off, assisted = settled["none", 2], settled["compensation", 2]
+def test_who_has_learned_the_exoskeleton_gains_from_it(adapted):
+    off, assisted = adapted["none", 2], adapted["compensation", 2]
     assert rms(assisted.human_torque) < 0.5 * rms(off.human_torque)
     assert rms(assisted.angle - assisted.target_angle) < 0.01  # rad
 
@@ -216,19 +216,19 @@ def test_the_first_half_second_decides_no_score():
 
 
 @pytest.mark.parametrize(
-    ("made", "taught", "message"),
+    ("made", "learned_torque", "message"),
     [
         (False, np.zeros((2, 401, 4)), "taught is given: make the environment with taught=True"),
         (True, np.zeros((2, 400, 4)), r"taught has shape \(2, 400, 4\): .* \(2, 401, 4\)"),
         (True, np.full((2, 401, 4), np.nan), "taught has shape .*: give finite numbers of shape"),
     ],
 )
-def test_lessons_are_checked(made, taught, message):
+def test_lessons_are_checked(made, learned_torque, message):
     arms = ArmVectorEnv(2, AGAIN, threads=1, taught=made)
     with pytest.raises(InputError, match=message):
-        arms.reset(seed=0, options={"taught": taught})
+        arms.reset(seed=0, options={"taught": learned_torque})
 
 
-def test_single_arms_cannot_be_taught():
+def test_single_arms_take_no_learned_torque():
     with pytest.raises(InputError, match=r"reset got the options .*: it knows none"):
         ArmEnv(AGAIN).reset(seed=0, options={"taught": np.zeros((1, 401, 4))})

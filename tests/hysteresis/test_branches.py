@@ -33,8 +33,8 @@ def test_more_knowledge_fits_better():
     for fit in (spring, spring_with_friction, two_branches):
         belief = fit(angle, torque)
         memory = belief.begin()[None]
-        told = [belief.advance(memory, here[None], here[None])[0] for here in angle]
-        errors.append(np.sqrt(np.mean((told - torque) ** 2)))
+        reported = [belief.advance(memory, here[None], here[None])[0] for here in angle]
+        errors.append(np.sqrt(np.mean((reported - torque) ** 2)))
     assert errors[0] > errors[1] > errors[2]
 
 
@@ -42,8 +42,8 @@ def test_the_direction_lasts_through_a_rest():
     belief = Branches((1.0,), (-1.0,))
     memory = belief.begin()[None]
     path = [0.1, 0.1, 0.05, 0.05, 0.2]
-    told = [belief.advance(memory, np.array([x]), np.array([x]))[0] for x in path]
-    assert told == [1, 1, -1, -1, 1]
+    reported = [belief.advance(memory, np.array([x]), np.array([x]))[0] for x in path]
+    assert reported == [1, 1, -1, -1, 1]
 
 
 @pytest.mark.parametrize("suit", ["mock-suit", "emu-like"])

@@ -18,7 +18,7 @@ FAMILY = (0.35, 0.52, 0.35, 0.70, 0.35, 0.87, 0.35)  # Li et al. 2022, shoulder
 
 
 def friction(angle):
-    """A torque that tells the direction of every step."""
+    """A torque that shows the direction of every step."""
     return np.sign(np.diff(angle, prepend=angle[0])) + angle
 
 

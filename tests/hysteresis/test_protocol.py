@@ -1,4 +1,4 @@
-"""What every model promises, asked of each in the same words."""
+"""Promises of the protocol, tested in the same way for every model."""
 
 import json
 import math

@@ -7,7 +7,7 @@ from helpers import sweep
 from scipy.ndimage import uniform_filter1d
 
 TURNS = (0.52, 0.87, 0.52, 1.22, 0.52, 1.57, 0.52)
-STEEP = 0.05  # rad, over which a branch settles after a turn
+STEEP = 0.05  # [rad], constant with which a branch settles after a turn
 
 
 def settling(angle):

@@ -93,7 +93,7 @@ def test_a_line_is_added_to_any_polynomial():
     assert long == Asymmetric(model=ELBOW, polynomial=[1.5, 2.0, 3.0])
 
 
-def test_what_has_no_steady_cycle_is_told():
+def test_a_missing_steady_cycle_is_reported():
     slow = BoucWen(elastic=0.1, hysteretic=10.0, beta=0.02, gamma=-0.019, n=1)
     with pytest.raises(InputError, match=r"bouc-wen model's torque still changes by .* 128 cycles"):
         steady_cycle(slow, (0.0, 0.5), start_torque=30.0)

@@ -372,10 +372,10 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     assert result["certificate"]["certified"]
     assert {one["name"] for one in result["candidates"]} > {"bouc-wen", "preisach"}
     assert max(result["prediction_max_error"].values()) < 0.25
-    told = result["ensemble"]
-    assert result["model_name"] in {one["name"] for one in told["members"]}
-    assert set(told["bands"]) == set(result["prediction_max_error"])
-    assert min(band["inside"] for band in told["bands"].values()) > 0.8
+    reported = result["ensemble"]
+    assert result["model_name"] in {one["name"] for one in reported["members"]}
+    assert set(reported["bands"]) == set(result["prediction_max_error"])
+    assert min(band["inside"] for band in reported["bands"].values()) > 0.8
     text = run(capsys, "identify", ELBOW, "--method", "auto", "--out", out)
     assert "bands of nominal 90 % over kinds of model" in text
     assert result["why"] in text

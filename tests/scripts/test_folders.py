@@ -133,7 +133,7 @@ def test_a_record_that_is_a_link_is_refused(tmp_path):
     assert outside.read_text() == "precious"
 
 
-def test_another_process_in_the_folder_is_told(tmp_path):
+def test_another_process_in_the_folder_is_reported(tmp_path):
     code = (
         "import sys\n"
         "from pathlib import Path\n"

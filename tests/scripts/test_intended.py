@@ -16,22 +16,24 @@ def run(capsys, *arguments) -> str:
 
 
 def test_without_a_use_the_result_has_the_coverage_only(capsys):
-    told = json.loads(run(capsys, "--json"))["coverage"]
-    assert told["measured"]["range"] == [0.52, 1.57]
-    assert told["measured"]["nesting"] == 1
-    assert told["measured"]["reversals"] == 3  # the curves that are kept out tell the fit nothing
-    assert (told["needed"], told["shortfalls"]) == (None, [])
+    reported = json.loads(run(capsys, "--json"))["coverage"]
+    assert reported["measured"]["range"] == [0.52, 1.57]
+    assert reported["measured"]["nesting"] == 1
+    assert (
+        reported["measured"]["reversals"] == 3
+    )  # the curves that are kept out tell the fit nothing
+    assert (reported["needed"], reported["shortfalls"]) == (None, [])
     assert "note: the intended" not in run(capsys)
 
 
 def test_the_motions_of_a_task(capsys, tmp_path, undrawn):
     text = run(capsys, "--for", "MinorLoops", "--out", tmp_path)
-    told = json.loads((tmp_path / "result.json").read_text())["coverage"]
-    assert told["for"] == "MinorLoops"
-    assert told["needed"]["nesting"] > 2
-    assert told["needed"]["rates"][1] > 0.5
+    reported = json.loads((tmp_path / "result.json").read_text())["coverage"]
+    assert reported["for"] == "MinorLoops"
+    assert reported["needed"]["nesting"] > 2
+    assert reported["needed"]["rates"][1] > 0.5
     assert "curves at most 1: first-order curves do not identify nested loops" in text
-    for sentence in told["shortfalls"]:
+    for sentence in reported["shortfalls"]:
         assert f"note: {sentence}" in text
 
 
@@ -41,9 +43,9 @@ def test_a_motion_outside_the_fitted_range_is_a_sentence(capsys, tmp_path):
     assert "note: the intended motion goes from 0.3 to 2 rad, the curves from 0.52 to 1.57" in text
     own = "time,shoulder_abduction,shoulder_flexion,elbow_flexion,wrist_flexion\n"
     (tmp_path / "own.csv").write_text(f"{own}0,9,9,0.6,9\n1,9,9,1.5,9\n2,9,9,0.6,9\n")
-    told = json.loads(run(capsys, "--for", tmp_path / "own.csv", "--json"))["coverage"]
-    assert told["needed"]["range"] == [0.6, 1.5]
-    assert [sentence[:40] for sentence in told["shortfalls"]] == [
+    reported = json.loads(run(capsys, "--for", tmp_path / "own.csv", "--json"))["coverage"]
+    assert reported["needed"]["range"] == [0.6, 1.5]
+    assert [sentence[:40] for sentence in reported["shortfalls"]] == [
         "the intended motion moves at up to 0.9 r"
     ]
 

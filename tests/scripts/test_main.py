@@ -96,7 +96,7 @@ def unstable():
         mujoco.mj_step(model, data)
 
 
-def test_warnings_of_mujoco_are_told_once(tmp_path, monkeypatch, capsys):
+def test_warnings_of_mujoco_are_printed_once(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     with engine_warnings():
         unstable()

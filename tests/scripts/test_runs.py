@@ -110,8 +110,8 @@ def test_the_options_of_a_run_hold(tmp_path):
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
     expected |= {"preconditioned": False}  # which runs of before do not tell
     assert chosen.options == expected
-    worn = run_folder(tmp_path / "worn", preconditioned=True)
-    assert scene(ArmOptions(), policies=(worn,)).options["preconditioned"]
+    plant = run_folder(tmp_path / "worn", preconditioned=True)
+    assert scene(ArmOptions(), policies=(plant,)).options["preconditioned"]
     assert ArmOptions(preconditioned=True).config(None, None)["preconditioned"]
 
 

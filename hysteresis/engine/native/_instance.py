@@ -3,8 +3,8 @@
 Every function takes the addresses of mjModel (`m`) or mjData (`d`), the number of the instance, and
 `at`, the `layout` of the plugin with the fields that the function names.
 
-None of them has a cache of its own: it would hold the layout classes of all plugins, and could not
-be read where the module of one of them is missing. They are compiled into the plugin's own code.
+None of them is cached by itself: such a cache would contain the layout classes of all plugins, and
+would be unreadable without the module of one of them. They are compiled into the plugin's own code.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false

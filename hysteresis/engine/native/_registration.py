@@ -1,7 +1,7 @@
 """Compiles callbacks with the C signatures of a plugin, and makes plugins known to MuJoCo.
 
 A plugin is registered at once and compiled when it is first needed: by `compile_plugin`, or when
-MuJoCo calls one of the callbacks with which it begins on a model.
+MuJoCo first calls one of its callbacks.
 """
 
 import _thread
@@ -89,13 +89,13 @@ def register_plugin(
 def compile_plugin(name: str) -> None:
     """Compiles a registered plugin, unless that is done; it takes seconds the first time.
 
-    MuJoCo would have it compiled anyway, but inside its own calls, where no exception passes.
+    Otherwise MuJoCo's first call compiles it, through which no exception can pass.
     """
     _plugins[name].compile()
 
 
 class _Registered:
-    """A plugin that MuJoCo knows, whose callbacks are put in place when they are compiled.
+    """A registered plugin, whose callbacks are put in place when they are compiled.
 
     Attributes:
         slot: Number of the plugin in `mjModel.plugin`.
@@ -128,7 +128,7 @@ class _Registered:
         self._entry = library.mjp_getPluginAtSlot(self.slot).contents  # MuJoCo's own copy
 
     def compile(self) -> dict[str, Any]:
-        """Puts the compiled callbacks in place of those that only begin; returns them by name."""
+        """Replaces the first callbacks by the compiled ones, and returns these by name."""
         with _lock:
             if not self._callbacks:
                 self._callbacks = {one.__name__: one for one in self._build()}
@@ -137,7 +137,7 @@ class _Registered:
             return self._callbacks
 
     def _beginning(self, which: str) -> Callable[..., int]:
-        """Returns a callback for MuJoCo's first call: it compiles the plugin, then passes it on."""
+        """Returns a callback for MuJoCo's first call: it compiles the plugin, then repeats it."""
 
         def begin(*arguments: int) -> int:
             try:

@@ -24,7 +24,7 @@ def envelope(condition="suited", branch="loading", suit="emu-like", gravity="mic
     return work_envelope(config, condition, branch, spacing=COARSE)
 
 
-def held(one):
+def kept(one):
     """The cells that are held, as a set."""
     return set(map(tuple, one.cells[one.effort <= HELD].tolist()))
 
@@ -109,13 +109,13 @@ def test_no_posture_is_easier_than_the_one_found(side):
         assert holding.positions(found)[0] == pytest.approx(place, abs=1e-9)
 
 
-def test_without_suit_and_gravity_all_that_is_reached_is_held():
+def test_without_suit_and_gravity_all_that_is_reached_can_be_kept():
     free = envelope("unsuited", suit="none")
     assert free.volume() == free.reachable > 800
     assert envelope("suited", pressure=0).volume() == envelope("suited", pressure=0).reachable
 
 
-def test_weight_takes_from_what_is_held():
+def test_weight_takes_from_what_can_be_kept():
     by_weight = sorted(GRAVITY, key=lambda place: -GRAVITY[place])
     found = [envelope("unsuited", suit="none", gravity=place) for place in by_weight]
     assert by_weight[0] == "earth"
@@ -126,7 +126,7 @@ def test_weight_takes_from_what_is_held():
 
 
 @pytest.mark.parametrize("branch", ["loading", "unloading"])
-def test_pressure_takes_from_what_is_held(branch):
+def test_pressure_takes_from_what_can_be_kept(branch):
     volumes = [envelope("suited", branch, pressure=one).volume() for one in (0, 5, 15, 29.6, 56.5)]
     assert all(more > less for more, less in pairwise(volumes))
 
@@ -134,17 +134,17 @@ def test_pressure_takes_from_what_is_held(branch):
 def test_assistance_gives_back_up_to_what_motors_can():
     for branch in ("loading", "unloading"):
         suited, assisted, unlimited = (
-            held(envelope(one, branch)) for one in ("suited", "assisted", "unlimited")
+            kept(envelope(one, branch)) for one in ("suited", "assisted", "unlimited")
         )
         assert suited < assisted < unlimited
-    on_earth = (held(envelope(one, gravity="earth")) for one in ("assisted", "unlimited"))
+    on_earth = (kept(envelope(one, gravity="earth")) for one in ("assisted", "unlimited"))
     assert next(on_earth) < next(on_earth)
 
 
 def test_the_branches_differ():
     loading, unloading = (envelope("suited", one) for one in ("loading", "unloading"))
-    assert held(loading) - held(unloading)
-    assert held(unloading) - held(loading)
+    assert kept(loading) - kept(unloading)
+    assert kept(unloading) - kept(loading)
     assert loading.reachable == unloading.reachable
 
 

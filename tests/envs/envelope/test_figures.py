@@ -17,7 +17,7 @@ def suited():
     return work_envelope(CONFIG, "suited", "loading", spacing=0.04)
 
 
-def test_sections_show_what_is_held_in_a_plane(suited):
+def test_sections_show_what_can_be_kept_in_a_plane(suited):
     figure = sections_figure([suited])
     assert [ax.get_title() for ax in figure.axes] == [title for title, *_ in PLANES]
     frontal = figure.axes[2]

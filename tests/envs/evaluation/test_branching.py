@@ -93,8 +93,8 @@ def test_a_policy_has_watched_the_past(monkeypatch):
     monkeypatch.setitem(sys.modules, "watching", module)
     branch(ENV, ["watching:Watching"], base="none", at=[0.5], horizon=0.2, **OPTIONS)
     assert len(watched) == 50 + 20
-    told = np.array(watched)[:51, 0, -2:]
-    assert (told == 0).all()  # the last action: what it answered to the past did not count
+    reported = np.array(watched)[:51, 0, -2:]
+    assert (reported == 0).all()  # the last action: what it answered to the past did not count
     assert (np.array(watched)[51:, 0, -2:] == np.float32(-0.2)).all()
 
 

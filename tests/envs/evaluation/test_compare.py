@@ -67,7 +67,7 @@ def believed(tmp_path_factory):
 @pytest.fixture(scope="module")
 def weightless(short, believed):
     """Everything there is, on short motions without gravity; and how many motions were told."""
-    told = {}
+    reported = {}
     policies = {
         **{name: name for name in ("none", "gravity", "oracle")},
         **{name: {"name": name, "suit": believed} for name in ("feedforward", "compensation")},
@@ -79,9 +79,9 @@ def weightless(short, believed):
         episodes=MOTIONS,
         gravity="microgravity",
         threads=1,
-        on_policy=lambda name, traces: told.update({name: len(traces)}),
+        on_policy=lambda name, traces: reported.update({name: len(traces)}),
     )
-    assert told == dict.fromkeys(["suited", "unsuited", *policies], MOTIONS)
+    assert reported == dict.fromkeys(["suited", "unsuited", *policies], MOTIONS)
     return found
 
 
@@ -200,7 +200,7 @@ def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
     assert found.relief("none") is None
 
 
-def test_who_loses_the_arm_cannot_be_settled_with(short):
+def test_no_wearer_adapts_to_a_policy_that_loses_the_arm(short):
     weak = {"sex": "female", "stature": 1.5, "mass": 50.0, "strength": 5.0}
     options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "episodes": 1}
     found = evaluate(ENV, {"lose": Lose}, settled=False, **options)
@@ -275,13 +275,13 @@ def test_a_plan_inverts_the_lag_of_motors():
 
 
 def test_named_policies_see_units_whatever_others_see(short):
-    told = [
+    reported = [
         evaluate(
             ENV, ["compensation", Push], episodes=2, references=False, settled=False, **options
         )
         for options in ({}, {"normalize": True}, {"belief": {}, "sensors": ["encoders", "belief"]})
     ]
-    assert len({one.scores["compensation"].effort for one in told}) == 1
+    assert len({one.scores["compensation"].effort for one in reported}) == 1
     with pytest.raises(InputError, match="'compensation' reads angles in rad, and the env"):
         make_policy("compensation", ArmEnv(normalize=True))
 

@@ -65,21 +65,21 @@ def test_coverage(case, motions):
 
 
 def test_coverage_of_interquartile_means_of_runs_that_differ():
-    rng, repeats, held = np.random.default_rng(2), 500, 0
+    rng, repeats, kept = np.random.default_rng(2), 500, 0
     for seed in range(repeats):
         scores = rng.standard_normal((10, 1)) + 0.5 * rng.standard_normal((10, 20))
         found = interquartile_mean_interval(scores, resamples=RESAMPLES, seed=seed)
-        held += found.low <= 0 <= found.high
-    assert held / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
+        kept += found.low <= 0 <= found.high
+    assert kept / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
 
 
 @pytest.mark.parametrize("shift", [0.0, 2.0])
 def test_coverage_of_improvement(shift):
-    rng, repeats, truth, held = np.random.default_rng(3), 1000, norm.cdf(shift / np.sqrt(2)), 0
+    rng, repeats, truth, kept = np.random.default_rng(3), 1000, norm.cdf(shift / np.sqrt(2)), 0
     for _ in range(repeats):
         found = improvement_interval(shift + rng.standard_normal(8), rng.standard_normal(8))
-        held += found.low <= truth <= found.high
-    assert held / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
+        kept += found.low <= truth <= found.high
+    assert kept / repeats == pytest.approx(LEVEL, abs=tolerance(repeats))
 
 
 def test_seeds():

@@ -36,11 +36,11 @@ def test_coverage_of_the_interquartile_mean(kind):
         return middle[:, None] + spread[:, None] * noise
 
     truth = interquartile_mean(draw(20_000).reshape(20_000, -1)).mean()
-    held = 0
+    kept = 0
     for repeat, scores in enumerate(draw(2000)):
         found = stratified_interval(list(scores), resamples=400, seed=repeat)
-        held += found.low <= truth <= found.high
-    assert 0.93 <= held / 2000 <= 0.97
+        kept += found.low <= truth <= found.high
+    assert 0.93 <= kept / 2000 <= 0.97
 
 
 @pytest.mark.parametrize("truth", [0.5, 0.8, 0.95])

@@ -70,7 +70,7 @@ def cases() -> dict[str, dict[str, Suit]]:
     }
 
 
-def worn(name: str) -> Suit:
+def plant(name: str) -> Suit:
     return load_suit("emu-like").at_pressure(40) if "40" in name else load_suit(name)
 
 
@@ -81,7 +81,7 @@ def six():
     with pytest.MonkeyPatch.context() as patch:
         shorten_tasks(patch, 7.0)
         for name, believed in cases().items():
-            arms = make_arms(ENV, 8, suit=worn(name), **WEIGHTLESS)
+            arms = make_arms(ENV, 8, suit=plant(name), **WEIGHTLESS)
             for one, suit in believed.items():
                 policy = make_policy({"name": "feedforward", "suit": suit}, arms)
                 traces = rollout(arms, policy, range(FIRST_SEED, FIRST_SEED + 8))
@@ -144,7 +144,7 @@ def test_a_spring_comes_late_and_a_factor_does_not(six):
         assert six["emu-like", case].together.lag.value == pytest.approx(0, abs=1)
 
 
-def test_the_noise_is_told_where_a_fit_left_some(six):
+def test_the_noise_is_reported_where_a_fit_left_some(six):
     assert set(six["emu-like", "exact"].noise.values()) == {None}
     noise = six["mock-suit", "exact"].noise
     joint = load_suit("mock-suit").joints["elbow_flexion"]

@@ -186,7 +186,7 @@ def test_a_leaning_torso_turns_the_arm_in_the_gravity_field(pitch):
     np.testing.assert_allclose(torque[1], torque[0], atol=1e-9)
 
 
-def test_in_microgravity_feet_are_held_and_elsewhere_there_is_a_floor():
+def test_in_microgravity_feet_are_restrained_and_elsewhere_there_is_a_floor():
     def bodies_and_geoms(gravity):
         model = compose(ArmConfig(gravity=gravity))
         return (

@@ -119,16 +119,16 @@ def test_encoders_tell_what_was(delay):
     mujoco.mj_forward(model, data)
     angle = data.joint("elbow_flexion").qpos[0]
     assert data.sensor("encoder_elbow_flexion").data[0] == angle
-    angles, rates, told = [], [], []
+    angles, rates, reported = [], [], []
     for _ in range(30):
         angles.append(data.joint("elbow_flexion").qpos[0])
         rates.append(data.joint("elbow_flexion").qvel[0])
         mujoco.mj_step(model, data)
-        told.append([data.sensor(f"encoder_{of}elbow_flexion").data[0] for of in ("", "rate_")])
+        reported.append([data.sensor(f"encoder_{of}elbow_flexion").data[0] for of in ("", "rate_")])
     steps = round(delay / model.opt.timestep)
     # A step ends with the sensors of its beginning.
-    np.testing.assert_array_equal(np.array(told)[steps:, 0], angles[:-steps])
-    np.testing.assert_array_equal(np.array(told)[steps:, 1], rates[:-steps])
+    np.testing.assert_array_equal(np.array(reported)[steps:, 0], angles[:-steps])
+    np.testing.assert_array_equal(np.array(reported)[steps:, 1], rates[:-steps])
 
 
 def test_encoders_without_delay_need_no_start():
@@ -143,9 +143,9 @@ def test_quantized_angles_are_whole_counts_within_half_a_count():
     angle = np.random.default_rng(0).uniform(-3, 3, (50, 4))
     for bits in (10, 14):
         count = 2 * np.pi / 2**bits
-        told = quantize(angle, bits)
-        np.testing.assert_allclose(told / count, np.round(told / count), atol=1e-9)
-        assert np.abs(told - angle).max() <= count / 2 * (1 + 1e-9)
+        reported = quantize(angle, bits)
+        np.testing.assert_allclose(reported / count, np.round(reported / count), atol=1e-9)
+        assert np.abs(reported - angle).max() <= count / 2 * (1 + 1e-9)
 
 
 def test_heat_is_the_running_mean_square():

@@ -56,13 +56,13 @@ def test_the_pressure_of_the_papers_suit_is_not_known(suit):
 
 
 def test_a_preconditioned_suit_begins_in_its_steady_cycle():
-    fresh, worn = (ArmConfig(preconditioned=used) for used in (False, True))
-    data = mujoco.MjData(model := compose(worn))
+    fresh, used = (ArmConfig(preconditioned=used) for used in (False, True))
+    data = mujoco.MjData(model := compose(used))
     data.qpos[:] = angles = [0.4, 0.6, 0.8, 0.3]
     mujoco.mj_forward(model, data)
     for joint, angle in zip(JOINTS, angles, strict=True):
         torque = -data.sensor(f"{joint}_suit_torque").data[0]
-        entry = resisting_joints(worn)[joint]
+        entry = resisting_joints(used)[joint]
         assert torque == entry.response([angle])[0]
         loop = entry.steady_cycle()
         assert torque == pytest.approx(np.interp(angle, loop.angle, loop.rising), rel=1e-3)

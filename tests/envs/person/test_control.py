@@ -36,11 +36,11 @@ def by_joint(name):
 class Twin:
     """What a wearer does in a control period, slowly."""
 
-    def __init__(self, settings, person, held):
+    def __init__(self, settings, person, kept):
         own, usual = isometric_strength(person), isometric_strength(Person())
         self.strength, self.settings = own, settings
         self.stronger = own.sum(axis=0) / usual.sum(axis=0)
-        self.held, self.fed = held.copy(), np.zeros(4)
+        self.held, self.fed = kept.copy(), np.zeros(4)
         self.past = deque([np.zeros(4)] * round(settings.delay / DT))
         self.seen = deque([np.zeros(4)] * round(VALUE["control.correction.delay"] / DT))
 
@@ -110,9 +110,9 @@ def test_stiffness_at_rest_and_under_load():
     tense = VoluntaryControl(contraction=3).impedance(Person())
     np.testing.assert_allclose(tense[0] - base, slope * tense[4])
     np.testing.assert_allclose(tense[4], 2 * by_joint("contraction"))
-    led = VoluntaryControl(stiff=True).impedance(Person())
-    np.testing.assert_array_equal(led[[0, 2]], STIFF)
-    assert not led[[1, 3, 4]].any()
+    guided = VoluntaryControl(stiff=True).impedance(Person())
+    np.testing.assert_array_equal(guided[[0, 2]], STIFF)
+    assert not guided[[1, 3, 4]].any()
 
 
 def test_more_contraction_than_usual_counts_as_effort_and_tires():
@@ -129,7 +129,7 @@ def test_more_contraction_than_usual_counts_as_effort_and_tires():
     assert tired[2] > tired[1] + 1e-3
 
 
-def held_fast(**control):
+def fixed(**control):
     """Returns how the muscles answer at an elbow held in a vise, whose target turns by a little.
 
     The answer is over the elastic torque, shape (periods since the turn,).
@@ -149,16 +149,16 @@ def held_fast(**control):
 
 
 def test_a_reflex_begins_after_50_ms_and_rises_as_muscles_do():
-    answer = held_fast(correction=0.0)
+    answer = fixed(correction=0.0)
     np.testing.assert_allclose(answer[:6], 0, atol=1e-6)
     time = DT * np.arange(1, 35)  # since 50 ms
     np.testing.assert_allclose(answer[6:], 0.5 * (1 - np.exp(-time / 0.035)), rtol=0.02)
-    at_once = held_fast(correction=0.0, delay=0.0, reflex=1.0)
+    at_once = fixed(correction=0.0, delay=0.0, reflex=1.0)
     np.testing.assert_allclose(at_once[1:8], 2 * answer[6:13], rtol=0.02)
 
 
 def test_the_slow_correction_comes_after_150_ms():
-    answer = held_fast(reflex=0.0)
+    answer = fixed(reflex=0.0)
     np.testing.assert_allclose(answer[:16], 0, atol=1e-6)
     np.testing.assert_allclose(answer[16:40], 1.5 * DT * np.arange(1, 25), rtol=0.02)
 

@@ -31,11 +31,11 @@ def swing(gain, cutoff):
     """Returns the last swing of a load of 1 N·m that a led person and the motors share."""
     low = LowPass(cutoff, 0.01)
     low.begin(np.zeros(1))
-    told, motor, person = [0.0] * 5, 0.0, []
+    reported, motor, person = [0.0] * 5, 0.0, []
     for _ in range(1000):
         person.append(1 - motor)
-        told.append(person[-1])
-        command = gain * low.step(np.array([told.pop(0)]))[0]
+        reported.append(person[-1])
+        command = gain * low.step(np.array([reported.pop(0)]))[0]
         motor += (1 - math.exp(-0.01 / 0.016)) * (command - motor)
     return np.ptp(person[-100:])
 

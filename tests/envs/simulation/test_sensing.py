@@ -22,14 +22,14 @@ def series(sensing, **options):
         shown.append(observation)
         infos.append(info)
     parts = [np.array(shown)[:, env.layout[name]] for name in ("interaction_torque", "emg")]
-    told = {name: np.array([info[name] for info in infos]) for name in infos[0]}
-    return *parts, told, env
+    reported = {name: np.array([info[name] for info in infos]) for name in infos[0]}
+    return *parts, reported, env
 
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
 def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
-    worn = "none" if coupling == "none" else "mock-suit"
-    interaction, *_ = series(EXACT, coupling=coupling, suit=worn)
+    plant = "none" if coupling == "none" else "mock-suit"
+    interaction, *_ = series(EXACT, coupling=coupling, suit=plant)
     largest = np.abs(interaction).max(axis=0)
     if coupling == "none":
         # What is left: the armature that keeps the integration stable, and the physics step.
@@ -39,13 +39,13 @@ def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
 
 
 def test_interaction_is_what_the_suit_resists_without_weight():
-    interaction, _, told, _ = series(
+    interaction, _, reported, _ = series(
         EXACT, gravity="microgravity", coupling="none", suit="emu-like"
     )
     column = JOINTS.index("elbow_flexion")
-    resisted, felt = -told["suit_torque"][:, column], interaction[:, column]
+    resisted, sensed = -reported["suit_torque"][:, column], interaction[:, column]
     # The suit's arm has mass, too: its inertia is between person and suit as well.
-    assert np.abs(felt - resisted).max() < 0.15 * np.abs(resisted).max()
+    assert np.abs(sensed - resisted).max() < 0.15 * np.abs(resisted).max()
 
 
 def test_interaction_comes_late_and_noisy():
@@ -61,15 +61,15 @@ def test_interaction_comes_late_and_noisy():
 
 def test_emg_tells_the_voluntary_torque_ahead_of_time():
     calm = {"reflex": 0.0, "correction": 0.0, "adaptation": 0.0}
-    _, emg, told, env = series(EXACT, control=calm)
+    _, emg, reported, env = series(EXACT, control=calm)
     memory, chain = env.episodes.simulation.memory, Chain.of(bare_arm(env.config))
     own = arm_torques(chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
-    held = memory.held[0]
-    told_ahead = own[np.arange(1, PERIODS + 1) + 5] + held
-    np.testing.assert_allclose(emg, told_ahead, rtol=1e-5, atol=1e-5)
+    kept = memory.held[0]
+    ahead = own[np.arange(1, PERIODS + 1) + 5] + kept
+    np.testing.assert_allclose(emg, ahead, rtol=1e-5, atol=1e-5)
     with_feedback, *_ = (series(EXACT)[1],)
     assert np.abs(with_feedback - emg).max() > 0.5
-    assert told["time"][0] == pytest.approx(0.01)
+    assert reported["time"][0] == pytest.approx(0.01)
 
 
 def test_emg_is_noisy_and_slow():

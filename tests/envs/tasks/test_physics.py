@@ -149,7 +149,7 @@ def test_a_ratchet_never_drives(coupling, side):
     env = ArmEnv(task, coupling=coupling, side=side, control_dt=0.002, sim_dt=0.002)
     assert env.episodes.simulation.substeps == 1
     env.reset(seed=0)
-    told, motors = [], np.zeros(env.action_space.shape)
+    reported, motors = [], np.zeros(env.action_space.shape)
     number = env.model.actuator("ratchet").id
     site = "hand_grip" if coupling == "none" else "attachment_ring"
     for _ in range(800):
@@ -159,8 +159,8 @@ def test_a_ratchet_never_drives(coupling, side):
         point = jacobian(env.model, data, site=site)
         forward = data.site(site).xmat.reshape(3, 3)[:, 0]
         speed = forward @ point @ data.qvel
-        told.append((data.actuator_force[number], speed))
-    force, speed = np.array(told).T
+        reported.append((data.actuator_force[number], speed))
+    force, speed = np.array(reported).T
     assert (force * speed <= 0).all()
     assert (force[speed < 0] == 0).all()  # on the way back, which is free
     assert (speed < -0.1).sum() > 100
@@ -205,14 +205,14 @@ def blow(model, push):
     # A blow along the normal alone: all of the energy is in it.
     response = np.linalg.solve(inertia, along)
     data.qvel[:] = -push * response / (along @ response)
-    met, told = False, [state()[2:]]
+    met, reported = False, [state()[2:]]
     for _ in range(200):
         before = state()[2:]
         mujoco.mj_step(model, data)
         if data.ncon and not met:
-            met, told = True, [before]
+            met, reported = True, [before]
         if met and not data.ncon:
-            return (*told, state()[2:])
+            return (*reported, state()[2:])
     raise AssertionError(f"the hammer did not {'leave' if met else 'meet'} the anvil")
 
 

@@ -175,12 +175,12 @@ def test_the_certificate_is_that_of_what_the_suit_can_reach(elbow, shoulder):
     assert joint.certificate((0.5, 1.5)).torque_bound == wide.torque_bound
     assert joint.certificate((0.5, 1.5)).angle_range == (0.5, 1.5)
     assert joint.free_parameters == 6
-    held = Held(model=shoulder, angle_range=(0.35, 1.22))
-    far, near = held.start(0.8, 30.0), held.start(0.8, 0.0)
-    behind = Backlash(model=held, gap=0.0001)
+    kept = Held(model=shoulder, angle_range=(0.35, 1.22))
+    far, near = kept.start(0.8, 30.0), kept.start(0.8, 0.0)
+    behind = Backlash(model=kept, gap=0.0001)
     for state in (far, near):
         same = behind.start(0.8, state.torque)
-        assert behind.start_is_certified(same) == held.start_is_certified(state)
+        assert behind.start_is_certified(same) == kept.start_is_certified(state)
 
 
 def test_many_memories_are_moved_as_one(joint):
@@ -211,7 +211,7 @@ def test_wrong_orders_are_refused(joint, elbow):
         Held(model=joint, angle_range=(0, 1))
 
 
-def test_a_pole_on_the_way_is_told(shoulder):
+def test_a_pole_on_the_way_is_reported(shoulder):
     joint = Backlash(model=shoulder, gap=GAP)
     assert not joint.certificate().certified
     with pytest.raises(InputError, match="torque becomes infinite between"):
@@ -229,7 +229,7 @@ def compiled(joint, **options):
 
 
 def simulated(joint, steps=4000, step=1e-3, **options):
-    """Returns angle, resistance, sensed stiffness and energy of a hinge that is led around."""
+    """Returns angle, resistance, sensed stiffness and energy of a hinge along a given motion."""
     model = compiled(joint, **options)
     model.opt.timestep = step
     data, found = mujoco.MjData(model), []

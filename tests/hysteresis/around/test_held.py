@@ -1,4 +1,4 @@
-"""Models that hold their torque outside a range, and what that makes safe."""
+"""Models with constant torque outside a range, and their certificates."""
 
 import mujoco
 import numpy as np
@@ -12,71 +12,71 @@ RANGE = (0.35, 1.22)
 
 
 @pytest.fixture
-def held(shoulder):
+def kept(shoulder):
     return Held(model=shoulder, angle_range=RANGE)
 
 
-def test_it_is_the_model_inside_and_constant_outside(held, shoulder):
+def test_it_is_the_model_inside_and_constant_outside(kept, shoulder):
     inside = sweep(0.4, 1.2, 0.5, 1.1)
-    np.testing.assert_array_equal(held.response(inside), shoulder.response(inside))
-    torque = held.response([0.35, 1.22, 1.5, 2.0, 1.3, 1.22, 0.9])
+    np.testing.assert_array_equal(kept.response(inside), shoulder.response(inside))
+    torque = kept.response([0.35, 1.22, 1.5, 2.0, 1.3, 1.22, 0.9])
     assert torque[1] == torque[2] == torque[3] == torque[4] == torque[5] > torque[6]
-    assert held.tangent(held.start(2.0), 1) == held.tangent(held.start(2.0), -1) == 0
-    assert held.tangent(held.start(1.22), 1) == 0
-    assert held.tangent(held.start(1.22), -1) > 0
+    assert kept.tangent(kept.start(2.0), 1) == kept.tangent(kept.start(2.0), -1) == 0
+    assert kept.tangent(kept.start(1.22), 1) == 0
+    assert kept.tangent(kept.start(1.22), -1) > 0
 
 
-def test_the_published_shoulder_is_safe_when_held(held, shoulder):
+def test_the_published_shoulder_is_safe_in_its_range(kept, shoulder):
     assert not shoulder.certificate().certified
-    certificate = held.certificate()
+    certificate = kept.certificate()
     assert certificate.certified
     assert certificate.dissipative
     assert certificate.angle_range == (-np.inf, np.inf)
     rng = np.random.default_rng(0)
     for _ in range(200):
-        torque = held.response(rng.normal(0.8, 1.5, 40))
+        torque = kept.response(rng.normal(0.8, 1.5, 40))
         assert np.abs(torque).max() <= certificate.torque_bound
 
 
-def test_energy_balances_across_the_ends(held):
+def test_energy_balances_across_the_ends(kept):
     angle = np.concatenate([sweep(0.5, 1.6, 0.1, 0.9, samples=20_000)])
-    work = np.trapezoid(held.response(angle), angle)
-    first = state = held.start(0.5)
+    work = np.trapezoid(kept.response(angle), angle)
+    first = state = kept.start(0.5)
     for target in (1.6, 0.1, 0.9):
-        state, _ = held.step(state, target)
-    change = np.subtract(held.energy(state), held.energy(first)).sum()
+        state, _ = kept.step(state, target)
+    change = np.subtract(kept.energy(state), kept.energy(first)).sum()
     assert change == pytest.approx(work, rel=1e-5)
 
 
-def test_the_engine_accepts_it(held, shoulder):
+def test_the_engine_accepts_it(kept, shoulder):
     text = '<mujoco><worldbody><body><joint name="j"/><geom size=".1"/></body></worldbody></mujoco>'
     with pytest.raises(UncertifiedModelError):
         attach(mujoco.MjSpec.from_string(text), "j", shoulder, start_angle=0.35)
     spec = mujoco.MjSpec.from_string(text)
-    attach(spec, "j", held, start_angle=0.35)
+    attach(spec, "j", kept, start_angle=0.35)
     compiled = spec.compile()
     compiled.opt.gravity[:] = 0
     data = mujoco.MjData(compiled)
     angles = [0.35, 1.5, 0.0, 3.0, 1.0, 0.5]
-    for angle, expected in zip(angles[1:], held.response(angles)[1:], strict=True):
+    for angle, expected in zip(angles[1:], kept.response(angles)[1:], strict=True):
         data.qpos[0], data.qvel[0] = angle, 0
         mujoco.mj_forward(compiled, data)
         assert data.sensor("j_suit_torque").data[0] == pytest.approx(-expected, rel=1e-3)
         mujoco.mj_step(compiled, data)
     with pytest.raises(UncertifiedModelError, match="start of joint 'j'"):
-        attach(mujoco.MjSpec.from_string(text), "j", held, start_angle=0.35, start_torque=9.0)
+        attach(mujoco.MjSpec.from_string(text), "j", kept, start_angle=0.35, start_torque=9.0)
 
 
-def test_a_polynomial_beside_it_changes_no_start(held, shoulder):
-    bent = Asymmetric(model=held, polynomial=[3.0, -7.0])
+def test_a_polynomial_beside_it_changes_no_start(kept, shoulder):
+    bent = Asymmetric(model=kept, polynomial=[3.0, -7.0])
     covered = []
     for torque in np.linspace(-60, 60, 25):
-        start = held.start(0.5, torque)
+        start = kept.start(0.5, torque)
         same = bent.start(0.5, torque + float(bent.elastic(0.5)))
-        covered.append(held.start_is_certified(start))
+        covered.append(kept.start_is_certified(start))
         assert bent.start_is_certified(same) == covered[-1]
-        lag = abs(torque - held.anhysteretic(start))
-        assert covered[-1] == (lag <= held.certificate().memory_bound)
+        lag = abs(torque - kept.anhysteretic(start))
+        assert covered[-1] == (lag <= kept.certificate().memory_bound)
     assert 0 < sum(covered) < len(covered)
     alone = [shoulder.start_is_certified(shoulder.start(0.5, t)) for t in np.linspace(-60, 60, 25)]
     assert alone != covered  # the range has a bound of its own
@@ -88,8 +88,8 @@ def test_bad_ranges(shoulder, bad):
         Held(model=shoulder, angle_range=bad)
 
 
-def test_bad_models(held):
-    asymmetric = Asymmetric(model=held, polynomial=[0, 1])
-    for model in (held, asymmetric, "shoulder"):
+def test_bad_models(kept):
+    asymmetric = Asymmetric(model=kept, polynomial=[0, 1])
+    for model in (kept, asymmetric, "shoulder"):
         with pytest.raises(InputError, match="give one hysteresis model without another"):
             Held(model=model, angle_range=(0, 1))

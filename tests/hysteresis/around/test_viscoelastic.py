@@ -180,7 +180,7 @@ def test_mjcf_names_what_is_wrong():
 ELBOW = {"model": "jiles-atherton", "Ms": 11.4, "a": 129.0, "alpha": -0.05, "c": 6.4, "k": 23.1}
 
 
-def test_it_goes_around_held_and_asymmetric_models_and_through_a_dictionary(elbow):
+def test_it_goes_around_other_models_and_through_a_dictionary(elbow):
     inner = Asymmetric(model=Held(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
     joint = Viscoelastic(model=inner, damping=0.1, relaxation_stiffness=2, relaxation_time=0.2)
     assert model_from_dict(joint.to_dict()) == joint

@@ -42,7 +42,7 @@ def equation(m: BoucWen, turns, torque):
     states = [[(torque - m.elastic * (turns[0] - m.rest_angle)) / m.hysteretic, 0.0, 0.0]]
     for start, end in pairwise(turns):
         delta, t, state = math.copysign(1, end - start), 0.0, states[-1]
-        while t < abs(end - start):  # at z = 0 the equation is not smooth: stop and go on
+        while t < abs(end - start):  # the equation is not smooth at z = 0: stop and go on
             events = zero if state[0] * delta < 0 else None
             options = {"rtol": 1e-12, "atol": 1e-14, "args": (start, delta), "events": events}
             solved = solve_ivp(slope, (t, abs(end - start)), state, "DOP853", **options)
@@ -240,7 +240,7 @@ def test_poles_are_found_where_they_are():
     for angle in (math.pi / 4 * (1 + 1e-9), 1e9):
         with pytest.raises(PoleError, match=r"margin is -0\.667"):
             hard.response([0.0, angle])
-    # beta < 0: the way back from saturation leads away.
+    # beta < 0: unloading from saturation diverges.
     active = model(n=3, beta=-1, gamma=2)
     assert active.certificate().margin < 0
     with pytest.raises(PoleError, match=r"sample 2"):

@@ -165,8 +165,8 @@ def test_pole_holds_the_torque_and_raises_the_flag(shoulder):
         mujoco.mj_step(model, data)
     assert data.plugin_state[fault_slots(model)].tolist() == [1.0]
     mujoco.mj_forward(model, data)
-    held = shoulder.response([0, math.pi / 4, math.pi / 2])[-1]
-    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-held, rel=0.01)
+    kept = shoulder.response([0, math.pi / 4, math.pi / 2])[-1]
+    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-kept, rel=0.01)
     mujoco.mj_resetData(model, data)
     assert not data.plugin_state[fault_slots(model)].any()
 
@@ -310,6 +310,6 @@ def test_a_second_process_compiles_nothing(monkeypatch):
     monkeypatch.setenv("NUMBA_DEBUG_CACHE", "1")
     command = [sys.executable, "-c", SECOND]
     for _ in range(2):
-        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert "data loaded from" in told
-    assert "data saved to" not in told
+        reported = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "data loaded from" in reported
+    assert "data saved to" not in reported

@@ -52,7 +52,7 @@ MODELS = {
     ),
     "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
     "held": Held(model=ELBOW, angle_range=(-0.4, 0.6)),
-    "held, asymmetric": Asymmetric(
+    "asymmetric in a range": Asymmetric(
         model=Held(model=ELBOW, angle_range=(-0.4, 0.6)), polynomial=[0, 1, 2]
     ),
 }
@@ -103,7 +103,7 @@ def test_the_torque_is_the_response_bit_by_bit(model, integrator):
 PATH = (-0.5, 0.9, -0.2, 0.9, 0.3)
 
 
-def held_at(compiled, angle, row=None):
+def torque_and_loss_at(compiled, angle, row=None):
     """Torque and dissipated energy at an angle, after a reset or in a state of one's own."""
     data = mujoco.MjData(compiled)
     if row is not None:
@@ -116,7 +116,7 @@ def held_at(compiled, angle, row=None):
 def test_the_memory_begins_at_the_end_of_its_path(model):
     compiled = pendulum(model, start_angle=0.1, start_torque=0.2, start_path=PATH)
     for angle in (0.3, 0.9, -0.5):
-        torque, lost = held_at(compiled, angle)
+        torque, lost = torque_and_loss_at(compiled, angle)
         expected = model.response([0.1, *PATH, angle], 0.2)[-1]
         if isinstance(model, Asymmetric):
             assert torque == pytest.approx(expected, abs=1e-12)
@@ -134,7 +134,7 @@ def test_a_replaced_model_begins_with_the_path_too(model):
     for given, path in ((None, PATH), ((0.8, 0.0), (0.8, 0.0)), ((), ())):
         row = mujoco.MjData(compiled).plugin_state.copy()
         replace_model(compiled, row, "j", other, start_path=given)
-        torque, _ = held_at(compiled, 0.5, row)
+        torque, _ = torque_and_loss_at(compiled, 0.5, row)
         assert torque == pytest.approx(other.response([0.1, *path, 0.5])[-1], abs=1e-12)
 
 
@@ -222,8 +222,8 @@ def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
 
 def test_replacing_needs_the_same_polynomial_and_range(elbow):
     bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
-    held = Held(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
-    for compiled_with, other in ((bent, held), (held, bent), (elbow, bent)):
+    kept = Held(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
+    for compiled_with, other in ((bent, kept), (kept, bent), (elbow, bent)):
         compiled = pendulum(compiled_with)
         state = mujoco.MjData(compiled).plugin_state
         with pytest.raises(InputError, match="another kind or size"):
@@ -322,12 +322,12 @@ def test_a_pole_holds_the_torque_of_any_model():
     data = mujoco.MjData(compiled)
     data.qpos[0] = 0.5
     mujoco.mj_step(compiled, data)
-    held = -runaway.response([0.0, 0.5])[-1]
+    kept = -runaway.response([0.0, 0.5])[-1]
     data.qpos[0] = 30.0
     mujoco.mj_step(compiled, data)
     assert data.plugin_state[fault_slots(compiled)].tolist() == [1.0]
     mujoco.mj_forward(compiled, data)
-    assert data.sensor("j_suit_torque").data[0] == pytest.approx(held, rel=1e-3)
+    assert data.sensor("j_suit_torque").data[0] == pytest.approx(kept, rel=1e-3)
 
 
 def test_the_nearest_certified_model_is_offered(shoulder):

@@ -175,7 +175,7 @@ def test_closed_cycles_of_random_models_and_motions_dissipate():
     assert len(found) == 10_000
     assert min(found) > -1e-3  # the trapezoidal rule across knees
     assert np.mean(np.array(found) > 1e-3) > 0.4
-    # The same cycles find out a hinge that falls.
+    # The same cycles detect a hinge that falls.
     falling = simple().parameter_vector.copy()
     hinge = falling[-kernels.HINGE :]
     hinge[kernels.SLOPES : kernels.SLOPES + 3] *= -1

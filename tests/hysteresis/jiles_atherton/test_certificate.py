@@ -1,4 +1,4 @@
-"""What the certificate promises, attacked by random motions."""
+"""Guarantees of the certificate, tested by random motions."""
 
 import math
 from dataclasses import replace

@@ -74,9 +74,9 @@ def test_a_damaged_trial_is_named(capsys, tmp_path, whole, content, message):
     shutil.copytree(whole, folder)
     first, second = sorted((folder / "trials").glob("*.json"))[:2]
     first.write_text(second.read_text() if content is None else content)
-    told = fails(capsys, *SMALL, "--out", folder)
-    assert message in told
-    assert "delete it" in told
+    reported = fails(capsys, *SMALL, "--out", folder)
+    assert message in reported
+    assert "delete it" in reported
 
 
 def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):

@@ -25,9 +25,9 @@ def fails(capsys, *arguments) -> str:
 
 def test_design_rig_identify(capsys, tmp_path, undrawn):
     motion, measured = tmp_path / "motion.csv", tmp_path / "rig" / "elbow_flexion.csv"
-    told = run(capsys, "design", curves_path("elbow"), "--out", motion)
-    assert "from 0.52 to 1.57 rad" in told
-    assert f"wrote {motion}; next: activesuit rig --motion {motion}" in told
+    reported = run(capsys, "design", curves_path("elbow"), "--out", motion)
+    assert "from 0.52 to 1.57 rad" in reported
+    assert f"wrote {motion}; next: activesuit rig --motion {motion}" in reported
     run(capsys, "rig", "--motion", motion, "--out", tmp_path / "rig")
     (record,) = load_curves(measured)
     assert (record.name, record.role) == ("motion", "fit")

@@ -21,16 +21,16 @@ def test_files_hold_what_the_table_says(capsys, tmp_path, undrawn):
     assert result["share_of_strength"] == HELD
     with (tmp_path / "points.csv").open() as file:
         rows = list(csv.DictReader(file))
-    for told in result["envelopes"]:
-        assert f"{told['held_litres']:.1f} ± {told['standard_error_litres']:.1f}" in shown
-        branch = told["branch"]
+    for reported in result["envelopes"]:
+        assert f"{reported['held_litres']:.1f} ± {reported['standard_error_litres']:.1f}" in shown
+        branch = reported["branch"]
         own = [one for one in rows if (one["condition"], one["branch"] or None) ==
-               (told["condition"], branch)]  # fmt: skip
-        assert told["held_litres"] == pytest.approx(len(own) * 1e3 * 0.08**3)
+               (reported["condition"], branch)]  # fmt: skip
+        assert reported["held_litres"] == pytest.approx(len(own) * 1e3 * 0.08**3)
         place = np.array([[float(one[f"{axis}_m"]) for axis in ("forward", "left", "up")]
                           for one in own])  # fmt: skip
         posture = np.array([[float(one[joint]) for joint in JOINTS] for one in own])
-        holding = Holding.of(config, told["condition"], branch or "loading")
+        holding = Holding.of(config, reported["condition"], branch or "loading")
         assert holding.positions(posture) == pytest.approx(place, abs=2e-4)
         assert max(float(one["share_of_strength"]) for one in own) <= HELD
     again = work_envelope(config, "assisted", "unloading", spacing=0.08)
@@ -50,8 +50,8 @@ def test_a_mistake_is_one_sentence_and_leaves_nothing(capsys, tmp_path, argument
     with pytest.raises(SystemExit) as stop:
         main(["envelope", *arguments, "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
-    told = capsys.readouterr().err
-    assert told.startswith("activesuit: error: ")
-    assert told.count("\n") == 1
-    assert message in told
+    reported = capsys.readouterr().err
+    assert reported.startswith("activesuit: error: ")
+    assert reported.count("\n") == 1
+    assert message in reported
     assert not any(tmp_path.iterdir())

@@ -95,7 +95,7 @@ def test_bad_curves_get_one_sentence(capsys, tmp_path, case):
     assert said in fails(capsys, written(tmp_path, *lines))
 
 
-def test_a_motion_beyond_the_fitted_range_is_told_with_both_ranges(capsys, tmp_path):
+def test_a_motion_beyond_the_fitted_range_is_reported_with_both_ranges(capsys, tmp_path):
     far = tmp_path / "motion.csv"
     far.write_text("time_s,angle_rad\n" + "".join(f"{i},{0.5 + 0.1 * i}\n" for i in range(15)))
     out = " ".join(run(capsys, ELBOW, "--for", far).split())

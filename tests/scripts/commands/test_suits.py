@@ -41,9 +41,9 @@ def test_the_list_tells_label_pressure_and_joints(capsys):
     listed = json.loads(run(capsys, "--json"))
     assert [*listed] == suit_names()
     shown = run(capsys)
-    for name, told in listed.items():
+    for name, reported in listed.items():
         suit = load_suit(name)
-        assert told == {
+        assert reported == {
             "label": suit.label,
             "pressure_kpa": suit.pressure_kpa,
             "description": suit.description,
@@ -66,8 +66,8 @@ def test_loss_factors_are_those_of_the_docs(capsys):
         "mock-suit": (0.836, 0.753, 0.643, 0.770),
         "published-2022": (0.842, 0.751, 0.642, 0.770),
     }
-    for name, told in listed.items():
-        factors = [told["loss_factor"][joint] for joint in JOINTS]
+    for name, reported in listed.items():
+        factors = [reported["loss_factor"][joint] for joint in JOINTS]
         assert factors == pytest.approx(expected[name], abs=6e-4)
     content = json.loads(run(capsys, "mock-suit", "--json"))
     assert content["joints"]["elbow_flexion"]["loss_factor"] == pytest.approx(0.643, abs=6e-4)
@@ -165,7 +165,7 @@ def test_loops_begin_at_the_lower_end_and_come_back():
     assert np.trapezoid(torque, angle) > 0
 
 
-def test_a_loop_that_meets_the_pole_is_left_out_and_told():
+def test_a_loop_that_meets_the_pole_is_left_out_and_reported():
     entry = entry_of(RISKY, range=(0.0, 2.5))
     loops = first_order_loops(entry, RISKY)
     assert 0 < len(loops) < TURNS

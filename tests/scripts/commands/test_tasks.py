@@ -32,13 +32,13 @@ def short(monkeypatch):
 
 def test_lists_every_task(capsys):
     out = run(capsys, "tasks")
-    told = json.loads(run(capsys, "tasks", "--json"))
-    assert list(told) == list(TASKS)
+    reported = json.loads(run(capsys, "tasks", "--json"))
+    assert list(reported) == list(TASKS)
     for name, task in TASKS.items():
         assert f"ActiveSuit/{name}-v0" in out
-        assert told[name]["rule"] == task.rule
-        assert told[name]["source"]
-        assert told[name]["about"].endswith(".")
+        assert reported[name]["rule"] == task.rule
+        assert reported[name]["source"]
+        assert reported[name]["about"].endswith(".")
 
 
 def test_an_interrupted_table_goes_on(capsys, tmp_path, short, monkeypatch):
@@ -62,7 +62,7 @@ def test_an_interrupted_table_goes_on(capsys, tmp_path, short, monkeypatch):
     assert measured[-1] == ("Ratchet", "nominal")  # other motions are not those on disk
 
 
-def test_the_wrong_model_is_believed_and_the_right_one_is_worn(short):
+def test_the_wrong_model_is_believed_and_the_right_one_is_simulated(short):
     scores = command.difficulty("ElbowFlexion", "nominal", 1, 0).scores
     suits = {
         name: scores[name].human_rms["elbow_flexion"] for name in ("right model", "wrong model")
@@ -77,14 +77,14 @@ def simulated(capsys, tmp_path, *arguments):
 
 
 def test_a_task_brings_its_place_and_a_level_its_suit(capsys, tmp_path, short, undrawn):
-    told = simulated(capsys, tmp_path, "--task", "Handrail")
-    assert (told["env"], told["gravity"]) == ("ActiveSuit/Handrail-v0", "microgravity")
-    told = simulated(capsys, tmp_path, "--task", "Handrail", "--gravity", "moon")
-    assert told["gravity"] == "moon"
-    told = simulated(capsys, tmp_path, "--task", "Scoop", "--level", "shift")
-    assert {name: told[name] for name in LEVELS["shift"]} == LEVELS["shift"]
-    told = simulated(capsys, tmp_path, "--level", "shift", "--suit", "mock-suit")
-    assert (told["suit"], told["pressure"]) == ("mock-suit", None)
+    reported = simulated(capsys, tmp_path, "--task", "Handrail")
+    assert (reported["env"], reported["gravity"]) == ("ActiveSuit/Handrail-v0", "microgravity")
+    reported = simulated(capsys, tmp_path, "--task", "Handrail", "--gravity", "moon")
+    assert reported["gravity"] == "moon"
+    reported = simulated(capsys, tmp_path, "--task", "Scoop", "--level", "shift")
+    assert {name: reported[name] for name in LEVELS["shift"]} == LEVELS["shift"]
+    reported = simulated(capsys, tmp_path, "--level", "shift", "--suit", "mock-suit")
+    assert (reported["suit"], reported["pressure"]) == ("mock-suit", None)
 
 
 def test_a_recorded_motion_is_simulated(capsys, tmp_path, undrawn):
@@ -93,9 +93,9 @@ def test_a_recorded_motion_is_simulated(capsys, tmp_path, undrawn):
     file = tmp_path / "my.csv"
     names = ",".join(["time", *JOINTS])
     np.savetxt(file, np.column_stack([time, angle]), "%.6f", ",", header=names, comments="")
-    told = simulated(capsys, tmp_path, "--task", file)
-    assert told["failures"] == 0
-    assert told["task"] == str(file)
+    reported = simulated(capsys, tmp_path, "--task", file)
+    assert reported["failures"] == 0
+    assert reported["task"] == str(file)
 
 
 @pytest.mark.parametrize(

@@ -243,8 +243,8 @@ def test_simulate_films_in_real_time(capsys, tmp_path, monkeypatch, kind):
     film = tmp_path / "film" / f"motion.{kind}"
     frames = imageio.imread(film, index=None)
     assert frames.shape[:3] == (25, 480, 640)
-    told = imageio.immeta(film)
-    assert told["duration"] == pytest.approx(1 if kind == "mp4" else 40, rel=0.01)  # s; ms each
+    reported = imageio.immeta(film)
+    assert reported["duration"] == pytest.approx(1 if kind == "mp4" else 40, rel=0.01)  # s; ms each
 
 
 @pytest.mark.slow

@@ -82,9 +82,9 @@ def joints(config):
         passive = [VALUE.get(f"passive.{joint}.{what}", 0.0) for what in ("stiffness", "rest")]
         viscosity = VALUE[f"passive.{joint}.viscosity"]
         armature = VALUE[f"arm.{joint}.armature"]
-        worn = joint in ASSISTED and config.coupling != "none"
-        coulomb = VALUE[f"exo.{joint}.coulomb"] if worn else 0.0
-        peak = VALUE[f"exo.{joint}.peak_torque"] if worn else 0.0
+        plant = joint in ASSISTED and config.coupling != "none"
+        coulomb = VALUE[f"exo.{joint}.coulomb"] if plant else 0.0
+        peak = VALUE[f"exo.{joint}.peak_torque"] if plant else 0.0
         muscle, motor = np.array(strength(joint)), np.array([-peak, peak])
         limits, friction = (muscle, 0.0) if cuffed else (muscle + motor, coulomb)
         found[joint] = (span, *passive, viscosity, armature, friction, limits)

@@ -4,7 +4,7 @@ import pytest
 from activesuit.envs.observation import SUITES
 from activesuit.errors import InputError
 from activesuit.scripts.maintenance import tables
-from activesuit.scripts.maintenance.results import FACTS
+from activesuit.scripts.maintenance.sentences import FACTS
 from activesuit.scripts.maintenance.tables import DOCS, TABLES, page, sensor_suites
 
 
