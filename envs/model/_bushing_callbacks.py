@@ -1,4 +1,4 @@
-"""What MuJoCo calls: a bushing as an engine plugin, compiled to C callbacks.
+"""A bushing as an engine plugin of MuJoCo, compiled to C callbacks.
 
 An instance keeps its parameters in `mjData.plugin_state`, so they are part of the physics state and
 may differ between the simulations of a batch. It has no memory: `compute` changes no state.
@@ -48,7 +48,7 @@ def site_frame(d, site, at):
 
 @njit(cache=True)
 def lever(m, d, body, point, at):
-    """Returns the vector to a point from the one that a body's motion (cvel, cdof) is given at."""
+    """Returns the vector to a point from the reference point of a body's motion (cvel, cdof)."""
     root = int32_at(pointer_at(m + at.m_body_rootid), body)
     return subtract(point, triple(doubles(pointer_at(d + at.d_subtree_com) + 24 * root, 3), 0))
 

@@ -33,7 +33,7 @@ KEYS = (
     "offset",
 )
 FIRST_NUMBERS = 2
-LARGEST_OFFSET = 0.1  # m
+LARGEST_OFFSET = 0.1  # [m]
 
 # Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 is none.
 BITS, LARGEST = 12, 2**12 - 1
@@ -131,7 +131,7 @@ def connect(m, instance, at):
 
 @njit(cache=True)
 def configure(m, instance, address, at):
-    """Fills the parameters at `address` from the config; what is not given is 0."""
+    """Fills the parameters at `address` from the config; missing ones are 0."""
     for key in range(FIRST_NUMBERS, len(KEYS)):
         first = 3 * (key - FIRST_NUMBERS)
         values = doubles(address + 8 * first, 3)

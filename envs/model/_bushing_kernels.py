@@ -9,9 +9,9 @@ import math
 
 from numba import njit
 
-SMALL_ANGLE = 0.1  # rad; below, the series of `curvature` is exact to rounding
+SMALL_ANGLE = 0.1  # [rad], angle below which the series of `curvature` is exact to rounding
 
-# Where the numbers of a bushing are in its parameter vector, three each.
+# First indices of a bushing's parameters in its parameter vector, three numbers each.
 STIFFNESS, ROTATIONAL_STIFFNESS, DAMPING, ROTATIONAL_DAMPING, OFFSET = range(0, 15, 3)
 PARAMETER_SIZE = 15
 
@@ -74,8 +74,8 @@ def out_of(R, a):
 def half_turn(x, y, z):
     """Returns cosine and rotation axis times sine of half the angle of a rotation.
 
-    The arguments are the columns of its matrix. The largest of the four squares is divided by, so
-    nothing is lost near any angle; the cosine is never negative, so the angle is at most pi.
+    The arguments are the columns of its matrix. The divisor is the largest of the four squares, so
+    no precision is lost near any angle; the cosine is never negative, so the angle is at most pi.
     """
     trace = x[0] + y[1] + z[2]
     skew = y[2] - z[1], z[0] - x[2], x[1] - y[0]

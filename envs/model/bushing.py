@@ -150,14 +150,14 @@ def replace_bushing(
 def move_bushing(
     mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], name: str, by: Array
 ) -> None:
-    """Moves the position of one simulation's bushing at rest.
+    """Moves the rest position of one simulation's bushing.
 
     Args:
         mj_model: Compiled model.
         plugin_state: Array `data.plugin_state`, or one simulation's row of a batch; it is changed
             in place.
         name: Name of the bushing.
-        by: What is added to its `offset` [m], shape (3,).
+        by: Vector that is added to its `offset` [m], shape (3,).
 
     Raises:
         InputError: There is no such bushing, or the state belongs to another model.

@@ -33,10 +33,10 @@ def compose(
     Args:
         config: Configuration of the model.
         drawn: Whether the model has what is only drawn: 244 of its 255 geoms, lights and cameras.
-            Without, it moves in the same way to the last digit and takes a third less time.
-        also_worn: Suits that `replace_model` can put on instead, also where their models are of
-            another kind or size.
-        edits: What a task adds.
+            Without them the motion is the same to the last digit and takes a third less time.
+        also_worn: Suits that `replace_model` can activate instead, also with models of another
+            kind or size.
+        edits: Changes that a task makes to the model.
 
     Raises:
         InputError: The suit is unknown, a pressure is given for a suit without one of its own, or a
@@ -74,12 +74,10 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
 
 
 def worn_suit(config: ArmConfig) -> Suit | None:
-    """Returns the suit at its operating pressure, with the memory that it begins with.
+    """Returns the suit at its operating pressure, with its initial memory; None without a suit.
 
     A suit whose torque changes over its cycles is in the first of them, or after many if it is
     preconditioned.
-
-    It is None if there is no suit.
 
     Raises:
         InputError: See `compose`.
@@ -89,7 +87,7 @@ def worn_suit(config: ArmConfig) -> Suit | None:
     suit = load_suit(config.suit)
     if config.pressure is not None:
         suit = suit.at_pressure(config.pressure)
-    # Where the gas's share is known, its line is there from the start: an episode may change it.
+    # Where the gas's share is known, its torque has a part of its own: an episode may change it.
     shares = {
         joint: entry.at_pressure_ratio(1.0)
         for joint, entry in suit.joints.items()
@@ -135,7 +133,7 @@ def _compiled(
     others: tuple[str, ...],
     edits: Edits | None,
 ) -> mujoco.MjModel:
-    # The content of the suit file is part of the key: a path may get a new content.
+    # The key has the content of the suit file, since the file at a path may change.
     parsed = None if suit is None else Suit.model_validate_json(suit)
     spec = _built(config, parsed, edits, drawn=drawn)
     also_worn = [Suit.model_validate_json(other) for other in others]
@@ -175,7 +173,7 @@ def _built(
 
 @lru_cache(maxsize=1)
 def _undrawn() -> mujoco.MjSpec:
-    """Returns the scene without drawings; to delete them takes longer than all the rest."""
+    """Returns the scene without drawings, cached: deleting them takes longer than all the rest."""
     spec = mujoco.MjSpec.from_file(str(SCENE))
     keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
     for key in spec.keys:

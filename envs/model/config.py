@@ -90,11 +90,11 @@ class ArmConfig:
     Attributes:
         suit: Name of a shipped suit, path of a suit file, or "none" for no suit; or a `Suit`, or
             `SuitJoint`s by the name of their joint.
-        pressure: Operating pressure of the suit [kPa], to which its torque, or what of it the gas
-            makes, is proportional; by default that of the suit file.
+        pressure: Operating pressure of the suit [kPa], to which its torque, or the gas's part of
+            it, is proportional; by default that of the suit file.
         preconditioned: Whether the suit's memory begins in the steady cycle over the range of each
-            joint, as in a suit that was moved before, and not with the virgin curve of a new one;
-            where the suit file tells a softening, the torque is then that after many cycles.
+            joint, as in a preconditioned suit, instead of on the virgin curve of a new one; where
+            the suit file gives a softening, the torque is then that after many cycles.
         gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.

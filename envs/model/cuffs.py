@@ -39,7 +39,7 @@ _ABOUT_ALONG = Quantity(
 _DAMPING_RATIO = Quantity(
     "cuff.damping_ratio", 0.5, "1", "soft tissue, between 0.3 and 1", "assumed"
 )
-_ISO = "ISO/TS 15066 effective mass, second hand"
+_ISO = "ISO/TS 15066 effective mass, as cited by others"
 _MASSES = {
     "upper_arm": Quantity("cuff.upper_arm.mass", 3.0, "kg", _ISO, "assumed"),
     "forearm": Quantity("cuff.forearm.mass", 2.0, "kg", _ISO, "assumed"),
@@ -131,7 +131,7 @@ def couple(
     shift = np.array(misalignment) * (1, outward, 1)
     keys = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
     for key in list(spec.keys):
-        spec.delete(key)  # no body can move under them
+        spec.delete(key)  # keyframes prevent moving bodies
     base = spec.body("exo_base")
     base.pos = base.pos + shift
     begins = [shift, np.zeros(3), *_lengthen(spec, excess)]
@@ -141,7 +141,7 @@ def couple(
         spec.actuator(name).target, spec.actuator(name).refsite = target, reference
     for joint in JOINTS:
         _hand_over(spec, joint)
-    hanging = np.cumsum(begins, axis=0)[1:]  # where each part is, seen from its segment
+    hanging = np.cumsum(begins, axis=0)[1:]  # position of each part in its segment
     for (segment, name), away in zip(CUFF_SITES.items(), hanging, strict=True):
         site = spec.site(name)
         limb = spec.body(segment).add_site(name=f"limb_{segment}", pos=site.pos, quat=site.quat)
@@ -191,10 +191,10 @@ def _lengthen(spec: mujoco.MjSpec, excess: Mapping[str, float]) -> list[Array]:
 
 
 def _let_go(spec: mujoco.MjSpec) -> dict[str, tuple[str, str]]:
-    """Takes forces off the exoskeleton's sites, with which MuJoCo would delete them; returns both.
+    """Detaches actuators from the exoskeleton's sites, with which MuJoCo would delete them.
 
     Returns:
-        Names of the sites of each such actuator, by its name: target and reference.
+        Names of both sites of each such actuator, target and reference, by the actuator's name.
     """
     found = {}
     for actuator in spec.actuators:

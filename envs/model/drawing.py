@@ -1,4 +1,4 @@
-"""The numbers that arm.xml holds for the composed model, with their sources."""
+"""The numbers of the composed model that arm.xml contains, with their sources."""
 
 from collections.abc import Iterator
 
@@ -7,7 +7,7 @@ import mujoco
 from ...assets import JOINTS, SCENE
 from ..provenance import Quantity
 
-_HEIGHT = "0.803 of stature; below the acromion, 0.818 by Drillis and Contini 1966, second hand"
+_HEIGHT = "0.803 of stature; below the acromion, 0.818 by Drillis and Contini 1966, as cited by others"
 _ROOM = "0.14 of stature; room for the suit beside the torso"
 _SUIT_MASS = "a round number; arms of an EMU are said to weigh 5 kg each, without primary source"
 _SOLIDS = {
@@ -16,11 +16,11 @@ _SOLIDS = {
     "hand": "the mass, as a solid ellipsoid of half axes 0.03, 0.045 and 0.07 m",
 }
 _RING = "the mass, as three rods, of the size drawn"
-_LINK = "next to nothing, but MuJoCo wants a body that moves to have some"
+_LINK = "nearly zero; MuJoCo requires some of every body that moves"
 _AXES = ("sagittal", "transverse", "longitudinal")
 _SUITED = "inside the range of healthy adults (Boone and Azen 1979; AAOS), reduced by the suit"
 _ARMATURE = "MyoSuite's arm, 0.01 kg·m²; less for the wrist; keeps the integration stable"
-_GAIN = "a round number: holds the suited arm and exoskeleton within some degrees"
+_GAIN = "a round number: keeps the suited arm and exoskeleton within some degrees"
 _FASTEST = "a round number, beyond the intentions of all tasks"
 
 

@@ -29,7 +29,7 @@ class Motor:
 
     Attributes:
         peak_torque: Greatest torque, at stall and when braking [N·m].
-        continuous_torque: Greatest root mean square of the torque that it bears without end [N·m].
+        continuous_torque: Greatest root mean square of the torque that it sustains forever [N·m].
         no_load_speed: Speed at which full voltage leaves no torque for the joint [rad/s].
         armature: Reflected inertia of rotor and gear [kg·m²].
         coulomb: Friction torque at any speed [N·m].
@@ -104,7 +104,7 @@ class Exo:
         elbow: Motor of elbow flexion.
         upper_arm_link: Mass of the link beside the upper arm [kg].
         forearm_link: Mass of the link beside the forearm [kg].
-        cuff: Mass of each of both arched guards [kg].
+        cuff: Mass of each of the two arched guards [kg].
         ring: Mass of the U-shaped ring at the hand [kg].
         upper_arm_length: Distance from its shoulder axis to its elbow axis [m]; by default the
             wearer's.
@@ -153,8 +153,8 @@ class Exo:
 _ROUND = "a round number of the size of robot joints (CubeMars AK80, 0.5 to 0.85 kg, 18 to 120 N·m)"
 _FRICTION = (
     "8 % of the peak, rounded: Harmonic Drive's CSF-25-50 starts at 0.15 N·m, times 50 that is "
-    "7.7 % of its repeated peak torque, 98 N·m; back-driving takes 9 N·m (product page, in "
-    "another's copy)"
+    "7.7 % of its repeated peak torque, 98 N·m; back-driving takes 9 N·m (a copy of the "
+    "product page)"
 )
 _MOTOR_SOURCES: dict[str, tuple[str, str]] = {
     "peak_torque": ("N·m", _ROUND),
@@ -297,7 +297,7 @@ def thermal_clip(
 
 
 def _set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:
-    # In units in which a current of 1 gives 1 N·m, so that the activation is the torque. The
+    # The unit of current is the one that gives 1 N·m, so that the activation is the torque. The
     # voltage is the one that turns the unloaded motor, with its viscous friction, at no-load speed.
     drag = motor.viscous * motor.no_load_speed
     resistance = motor.no_load_speed / (motor.peak_torque - drag)

@@ -9,7 +9,7 @@ from ..person import Person, Segment, isometric_strength, segments
 
 DRAWN = Person()  # the person that arm.xml is drawn for
 ROOTS = ("legs", "torso")
-FARTHEST = 1.0  # rad from the intention, where an episode of the environment ends
+FARTHEST = 1.0  # [rad], tracking error at which an episode of the environment ends
 _LIMBS = {  # bodies that are as long as a segment
     "upper_arm": "upper_arm",
     "forearm": "forearm",
@@ -27,9 +27,9 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
     the person's segments. Suit and exoskeleton follow: the exoskeleton keeps its masses, the
     suit's grow with the area of the fabric.
 
-    Of the relaxed arm's torque (`passive_torque`) the joints have the linear part. Where muscles
-    tighten at the ends of the range, the joint limits stand for them: in a suit that is the elbow
-    beyond 2.1 rad, up to 18 N·m, and the last 0.1 rad of wrist extension.
+    The joints have the linear part of the relaxed arm's torque (`passive_torque`). The joint limits
+    replace the muscles that tighten at the ends of the range: in a suit, the elbow's beyond 2.1 rad,
+    up to 18 N·m, and the wrist's in the last 0.1 rad of extension.
     """
     drawn, own = segments(DRAWN), segments(person)
     size = person.stature / DRAWN.stature
@@ -89,7 +89,8 @@ def _set_strength(spec: mujoco.MjSpec, person: Person) -> None:
     for joint, limits in zip(JOINTS, (strength * [[-1], [1]]).T, strict=True):
         actuator = spec.actuator(f"human_{joint}")
         actuator.forcerange = limits
-        # The feed-forward takes back what the impedance asks beyond strength, up to a lost arm.
+        # The feed-forward torque cancels what the impedance gives beyond strength, at any error
+        # before the arm is lost.
         _, stiffness, damping = -actuator.biasprm[:3]
         most = stiffness * FARTHEST + damping * actuator.velrange[1]
         actuator.ffrange = limits + most * np.array([-1, 1])

@@ -1,14 +1,14 @@
-"""Takes out of a specification what is only drawn: the model then simulates faster."""
+"""Removes from a specification what is only drawn: the model then simulates faster."""
 
 import mujoco
 
-ARENA = 200_000  # bytes for contacts, of which an arm has needed 14,400; MuJoCo reserves 13 MB
+ARENA = 200_000  # [bytes], memory for contacts: an arm needs 14,400, MuJoCo reserves 13 MB
 
 
 def make_lean(spec: mujoco.MjSpec) -> None:
     """Removes geoms without mass and contact, empty bodies, lights, cameras and pictures, in place.
 
-    Joints, sensors, actuators and keyframes stay what they are.
+    Joints, sensors, actuators and keyframes stay unchanged.
     """
     postures = [(key.name, list(key.qpos), list(key.act), list(key.ctrl)) for key in spec.keys]
     for key in spec.keys:  # MuJoCo checks their sizes at every deletion, and counts too few inputs

@@ -1,4 +1,4 @@
-"""Puts the suit's hysteretic torque on the arm, or takes the drawn suit off."""
+"""Adds the suit's hysteretic torque to the arm, or removes the drawn suit."""
 
 from collections.abc import Sequence
 
@@ -35,7 +35,7 @@ def attach_others(
     *,
     allow_uncertified: bool = False,
 ) -> None:
-    """Attaches, taken off, what other suits and their samples need to be put on, in place.
+    """Attaches inactive models, which other suits and their samples can activate later, in place.
 
     Raises:
         UncertifiedModelError: A suit is not certified and `allow_uncertified` is not set.
@@ -58,7 +58,7 @@ def attach_others(
 
 
 def remove_suit(spec: mujoco.MjSpec) -> None:
-    """Takes the drawn suit off, in place: joints then move as far as the person can."""
+    """Removes the drawn suit, in place: joints then move as far as the person can."""
     for body in [body for body in spec.bodies if body.name.startswith("suit_")]:
         spec.delete(body)
     for joint in JOINTS:

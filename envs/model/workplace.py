@@ -12,9 +12,9 @@ import numpy as np
 from ...arrays import Array
 
 PUSHES = ("push_forward", "push_outward", "push_up")  # motors whose control is a force [N]
-CARRIED = "carried"  # how names of geoms begin that are seen only while there is a load
+CARRIED = "carried"  # prefix of the names of geoms that are visible only with a load
 _DIRECTIONS = ([1, 0, 0], [0, -1, 0], [0, 0, 1])
-_DRAWN = 2  # group of geoms that are drawn and nothing else
+_DRAWN = 2  # group of geoms that are only drawn
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Edits:
 
 
 def edit(spec: mujoco.MjSpec, edits: Edits) -> None:
-    """Applies edits; keyframes go, whose sizes they may change."""
+    """Applies edits, and removes keyframes, whose sizes the edits may change."""
     for key in spec.keys:
         spec.delete(key)
     edits.apply(spec)
@@ -96,7 +96,7 @@ def draw(
     name: str = "",
     fromto: Sequence[float] | None = None,
 ) -> mujoco.MjsGeom:
-    """Adds a geom that is seen and does nothing; positions are in the frame of the body [m]."""
+    """Adds a geom that is only drawn; positions are in the frame of the body [m]."""
     geom = body.add_geom(
         type=shape, pos=pos, size=size, group=_DRAWN, contype=0, conaffinity=0, mass=0
     )
@@ -119,7 +119,7 @@ def place_of(spec: mujoco.MjSpec, angles: Array, point: Array) -> Array:
 
     Args:
         spec: Specification of a right arm.
-        angles: Angles of shoulder, elbow and wrist flexion [rad], shape (3,); nothing is abducted.
+        angles: Angles of shoulder, elbow and wrist flexion [rad], shape (3,); abduction is zero.
         point: The point in the frame of the hand [m], shape (3,).
     """
     place = np.asarray(point, float)

@@ -13,7 +13,7 @@ from ..provenance import Grade, Quantity
 SEXES = ("male", "female")
 
 _ANSUR = "Gordon et al. 2014, ANSUR II, NATICK/TR-15/007"
-_RECALLED = f"{_ANSUR}, recalled; the pooled mean of both sexes, 79.7 kg, agrees"
+_RECALLED = f"{_ANSUR}, quoted from memory; the pooled mean of both sexes, 79.7 kg, agrees"
 # Mean and standard deviation of stature [m] and body mass [kg], by sex.
 _POPULATION = {
     "male": {"stature": (1.756, 0.0686), "mass": (85.5, 14.2)},
@@ -26,7 +26,7 @@ _POPULATION_SOURCE: dict[str, tuple[str, str, Grade]] = {
 
 _DE_LEVA = "de Leva 1996, J. Biomech. 29(9), 1223-1230"
 _COLUMNS: tuple[tuple[str, str, str, Grade], ...] = (
-    ("length", "mm", f"{_DE_LEVA}, recalled; between joint centers", "assumed"),
+    ("length", "mm", f"{_DE_LEVA}, quoted from memory; between joint centers", "assumed"),
     ("mass", "1", f"{_DE_LEVA}; fraction of body mass", "transcribed"),
     ("center", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
     ("gyration_sagittal", "1", f"{_DE_LEVA}; fraction of length", "transcribed"),
@@ -46,12 +46,12 @@ _SEGMENTS = {
         "hand": (78.0, 0.0056, 0.7474, 0.531, 0.454, 0.335),
     },
 }
-_SEGMENT_STATURE = {"male": 1741.0, "female": 1735.0}  # [mm], the measured people's
+_SEGMENT_STATURE = {"male": 1741.0, "female": 1735.0}  # [mm], mean of the measured people
 
 _BOONE = "Boone and Azen 1979, men"
 _RANGES: dict[str, tuple[tuple[float, str, Grade], tuple[float, str, Grade]]] = {  # degrees
     "shoulder_abduction": (
-        (-11.5, "the torso is in the way", "assumed"),
+        (-11.5, "limited by the torso", "assumed"),
         (184.0, _BOONE, "transcribed"),
     ),
     "shoulder_flexion": ((-62.0, _BOONE, "transcribed"), (167.0, _BOONE, "transcribed")),
@@ -67,7 +67,7 @@ PROVENANCE: tuple[Quantity, ...] = (
         for statistic, value in zip(("mean", "standard_deviation"), pair, strict=True)
     ),
     *(
-        Quantity(f"segments.{sex}.stature", value, "mm", f"{_DE_LEVA}, recalled", "assumed")
+        Quantity(f"segments.{sex}.stature", value, "mm", f"{_DE_LEVA}, quoted from memory", "assumed")
         for sex, value in _SEGMENT_STATURE.items()
     ),
     *(
@@ -115,7 +115,7 @@ class Person:
         """Returns the person whose stature and mass are at a percentile of ANSUR II.
 
         The usual design cases go from the 5th percentile female to the 95th percentile male. Both
-        sizes are taken as normally distributed; strength is the median of that sex and mass.
+        sizes are assumed to be normally distributed; strength is the median of that sex and mass.
 
         Args:
             sex: Sex of the person, "male" or "female".

@@ -7,17 +7,17 @@ In every control period a wearer whose arm is e [rad] and de/dt [rad/s] off the 
     total     = muscle + stiffness (e + damping time · de/dt), within strength
 
 where own is the torque that moves the bare arm along the intention. The stiffness and its damping
-act inside the physics, at every step. The reflex answers stiffness (e + 0.1 s · de/dt) of a delay
-ago, through the lag of muscles. The correction integrates stiffness · e that is older than that:
-without it the arm would hang low. The total then varies in proportion to itself, if asked: slow
+act inside the physics, at every step. The reflex responds to stiffness (e + 0.1 s · de/dt) after a
+delay, through the lag of muscles. The correction integrates stiffness · e after a longer delay:
+without it the arm would stay below its target. Optional noise is proportional to the total: slow
 noise (corner 4 Hz) and tremor (a resonance at 10 Hz, 4 Hz wide).
 
-What a wearer *learns* is the net load: of every answer that was needed, a share is given earlier
-the next time, and a little is forgotten:
+A wearer *learns* the net load: a share of each torque that was needed is given in advance in the
+next repetition, and a smaller share is forgotten:
 
     learned' = (1 - forgetting) learned + rate · answer(t + 0.1 s)
 
-which ends where forgetting and learning balance, at rate / (rate + forgetting) of the load.
+which converges to rate / (rate + forgetting) of the load, where learning and forgetting balance.
 """
 
 from dataclasses import dataclass
@@ -156,10 +156,10 @@ class VoluntaryControl:
     Attributes:
         stiffness: Stiffness in multiples of a typical person's of that strength, 0.25 to 4.
         damping: Damping over stiffness [s], 0.03 to 0.3.
-        contraction: Co-contraction in multiples of a typical one, 0 to 4. What is above 1 stiffens
-            more, and counts as effort and tires.
+        contraction: Co-contraction in multiples of a typical one, 0 to 4. A value above 1 stiffens
+            more, and its excess counts as effort and causes fatigue.
         reflex: Gain of the reflex, a factor of stiffness, 0 to 1.
-        delay: Time from an error to the reflex that answers it [s], 0 to 0.5, a multiple of the
+        delay: Time from an error to the reflex to it [s], 0 to 0.5, a multiple of the
             control period.
         correction: Rate of the slow correction [1/s], 0 to 2.
         adaptation: Rate of learning from episode to episode in multiples of a typical person's, 0
@@ -168,8 +168,8 @@ class VoluntaryControl:
             2.5 % of the torque at shoulder and elbow and 4.5 % at the wrist, 0 to 10.
         tremor: Standard deviation of physiological tremor over the torque, 0 to 0.5.
         stiff: Whether the arm is guided along the intention by stiff hands instead, whose torque is
-            that of inverse dynamics: what a person can learn at most. The other settings of
-            impedance, reflex, correction and learning then mean nothing.
+            that of inverse dynamics, the most that a person can learn. The other settings of
+            impedance, reflex, correction and learning then have no effect.
 
     Raises:
         InputError: a value is outside its range.
@@ -221,11 +221,11 @@ class VoluntaryControl:
         return self.adaptation > 0 and not self.stiff
 
     def impedance(self, person: Person) -> Array:
-        """Returns the numbers of the joints' impedance, shape (5, 4).
+        """Returns the parameters of the joints' impedance, shape (5, 4).
 
         Rows: stiffness at rest [N·m/rad], its growth with torque [1/rad], damping [N·m·s/rad],
-        damping over stiffness [s], and co-contraction that counts as effort [N·m]. What a person is
-        stiff at rest grows with strength.
+        damping over stiffness [s], and co-contraction that counts as effort [N·m]. The
+        stiffness at rest grows with strength.
         """
         zero = np.zeros(len(JOINTS))
         if self.stiff:
@@ -244,7 +244,7 @@ class VoluntaryControl:
         )
 
     def habits(self, dt: float) -> dict[str, Any]:
-        """Returns the numbers of the kernels that all joints share, by name.
+        """Returns the kernels' parameters that all joints share, by name.
 
         Args:
             dt: Control period [s].
@@ -268,10 +268,10 @@ def sight_periods(dt: float) -> int:
 
 
 def noise_constants(dt: float) -> Array:
-    """Returns how noise and tremor go on from one control period to the next, shape (6,).
+    """Returns coefficients that advance noise and tremor by one control period, shape (6,).
 
-    Noise: the share that remains. Tremor: the share that remains, cosine and sine of its turning.
-    Then the weights of the random numbers that drive noise and tremor.
+    Decay of the noise; decay of the tremor, cosine and sine of its rotation; then the weights of
+    the random numbers that drive noise and tremor.
     """
     lag, ring = exp(-2 * pi * _CORNER.value * dt), exp(-pi * _WIDTH.value * dt)
     turn = 2 * pi * _CENTER.value * dt

@@ -11,7 +11,7 @@ from ..provenance import Quantity
 from .smoothness import log_dimensionless_jerk, spectral_arc_length
 
 _MARGARIA = (
-    "Margaria 1968, recalled; legs on a sledge: 0.17 and 0.80, Int. J. Sports Med. 7(1) 1986"
+    "Margaria 1968, quoted from memory; legs on a sledge: 0.17 and 0.80, Int. J. Sports Med. 7(1) 1986"
 )
 _ISOMETRIC = "metabolic rate of isometric torque, arXiv 2501.00723"
 _EXPONENT = Quantity("effort.torque_exponent", 1.36, "1", _ISOMETRIC, "published")
@@ -29,7 +29,7 @@ class EffortMetrics:
     `torque_cost` ignores motion, and `work_cost` ignores holding.
 
     Attributes:
-        rms: Root mean square of the torque [N·m], shape (..., joints) like all.
+        rms: Root mean square of the torque [N·m], shape (..., joints) like all fields.
         peak: Largest |torque| [N·m].
         impulse: Integral of |torque| [N·m·s].
         positive_work: Work done on the arm [J].

@@ -6,13 +6,13 @@ Active muscle tires, and fatigued muscle recovers:
     d fatigued / dt = F · active - R · fatigued
 
 At rest R is multiplied by r (Looft et al. 2018). In the original a controller makes the active part
-follow the load within 0.1 s; here it follows at once, as far as muscle is left:
+follow the load within 0.1 s; here it follows at once, as far as unfatigued muscle remains:
 
     active = min(load, 1 - fatigued),  resting = 1 - active - fatigued
 
 So the fatigued part is the whole state, and a step under constant load has a closed form: it is
-exact for any length. Multiply `isometric_strength` by 1 - fatigued to have the strength that is
-left. The torque of antagonists that cancels out tires nobody here.
+exact for any length. Multiply `isometric_strength` by 1 - fatigued to get the remaining strength.
+Antagonist torques that cancel out cause no fatigue here.
 """
 
 import numpy as np
@@ -71,7 +71,7 @@ def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array
 
     Returns:
         The load, shape (..., 2, 4), in the order of `isometric_strength`. It is 1 where a group
-        would need torque that it cannot have.
+        needs torque and can give none.
     """
     torque, low, high = np.broadcast_arrays(np.asarray(torque, dtype=float), *limits)
     asked, available = np.stack([-torque, torque], axis=-2), np.stack([-low, high], axis=-2)
@@ -83,8 +83,8 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
 
     Args:
         fatigued: Part that is fatigued now, 0 to 1, shape (..., 2, 4); zero in a rested wearer.
-        load: Load from `muscle_load`, shape (..., 2, 4); a higher load than the muscle that is left
-            can bear counts as all of that.
+        load: Load from `muscle_load`, shape (..., 2, 4); a load above what the remaining muscle can
+            bear counts as all of that muscle.
         dt: Duration [s].
 
     Returns:
@@ -94,7 +94,7 @@ def fatigue_step(fatigued: Array, load: Array, dt: float) -> Array:
 
 
 def endurance_time(load: ArrayLike, joint: str) -> Array:
-    """Returns the time for which a rested wearer can hold a load [s].
+    """Returns the time for which a rested wearer can sustain a load [s].
 
     This is -log(1 - R(1 - load) / (F load)) / R, and infinite up to the load R / (F + R).
 

@@ -7,7 +7,7 @@ from numba import njit
 
 @njit(cache=True)
 def loaded(asked: float, available: float) -> float:
-    """Returns the load of a muscle group; 1 where it would need torque that it cannot have."""
+    """Returns the load of a muscle group; 1 where it needs torque and can give none."""
     if asked <= 0.0:
         return 0.0
     return asked / available if available > 0.0 else 1.0

@@ -5,23 +5,23 @@ toward positive ones (flexion, abduction). Each gives
 
     torque = peak · exp(-((angle - best_angle) / width)² / 2) · hill(speed / fastest)
 
-after Millard's torque muscles in RBDL. Their angles are "anatomical", which we read as ours: zero
-with the arm hanging, elbow and wrist straight, flexion positive. Their passive torques fit only
-that: the flexors of the shoulder tighten behind the body, its extensors overhead, those of the
+after Millard's torque muscles in RBDL. Their angles are "anatomical", which we take as our
+convention: zero with the arm hanging, elbow and wrist straight, flexion positive. Their passive
+torques are consistent with no other: the flexors of the shoulder tighten behind the body, its extensors overhead, those of the
 elbow near 150 degrees, and its flexors when it is straight.
 
 Their data are of one elite gymnast, whose elbow flexors are almost as strong straight as bent, and
-whose shoulder flexors are strongest at 51 degrees: other people's are not.
+whose shoulder flexors are strongest at 51 degrees, unlike those of other people.
 
 The flexors of the shoulder are fitted to two studies: static torque at 0 and 45 degrees and torque
 at 50 degrees/s of 26 men (McGill et al. 1994), and at 90 degrees the share of a man's strength that
-holds the bare arm (96 men and 83 furniture removers). The studies do not contradict each other, as
-they measured at different angles; but torque falls almost evenly from 0 to 90 degrees, and a curve
-with its peak within reach cannot. The best angle is therefore put at the end of the range, and peak
+supports the bare arm (96 men and 83 furniture removers). The studies do not contradict each other, as
+they measured at different angles; but torque falls almost evenly from 0 to 90 degrees, and no curve
+with its peak inside the range does so. The best angle is therefore put at the end of the range, and peak
 and width are the least squares of the logarithms: -1.6, +2.7 and -1.1 % at 0, 45 and 90 degrees,
 less than a standard error of the mean of 26 men at the spread below, 3.7 %. Both torques at speed
 are met with the gymnast's fastest speed, but not with the torque at half of it. Beyond 50 degrees/s
-nothing was read: Hill's hyperbola leaves a third of static torque at 180 degrees/s, a fifth at 300.
+there are no data: Hill's hyperbola leaves a third of static torque at 180 degrees/s, a fifth at 300.
 """
 
 from math import exp, log, sqrt
@@ -164,7 +164,7 @@ _SPREAD = Quantity(
 
 _WIEGNER = "Wiegner and Watts 1986, J. Neurol. Neurosurg. Psychiatry 49, 19 people"
 _VISCOSITY = "0.5 for forearm rotation and 0.25 for the wrist in MyoSuite; ours by size"
-# Of an elastic torque in the middle of the range, only the elbow's is known; that of the wrist is
+# Of elastic torques in the middle of the range, only the elbow's is known; that of the wrist is
 # near zero in its central 150 degrees (Delp et al. 1996, 10 men).
 _PASSIVE = (
     Quantity("passive.shoulder_abduction.viscosity", 0.5, "N·m·s/rad", _VISCOSITY, "assumed"),
@@ -223,7 +223,7 @@ def isometric_strength(person: Person) -> Array:
 
     It is proportional to body mass (Jaric 2002, Sports Med. 32(10), for torque), log-normal among
     people of one sex and mass, and for an average woman 0.55 of that of an average man. With much
-    body fat it really grows more slowly (Folland et al. 2008).
+    body fat the real increase is smaller (Folland et al. 2008).
 
     `numpy.stack` the strengths of several people to compute with all of them at once.
 

@@ -422,7 +422,7 @@ class Simulation:
         self._waiting.difference_update(waiting)
         if not at.motors.size:
             return
-        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # cold motors give it
+        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
         self._ctrl[rows[:, None], at.motors] = self._motor[rows]
         self._current[rows] = self._motor[rows]
         self._settle(rows)
@@ -439,7 +439,7 @@ class Simulation:
         self._hold(rows)
 
     def _balance(self, rows: Rows) -> Rows:
-        """Moves exoskeletons toward rest on their cuffs; returns the rows that have not converged."""
+        """Moves exoskeletons toward rest on their cuffs; returns rows that have not converged."""
         free = self._free
         torque = self._needed(rows)
         slope = np.empty((len(rows), free.size, free.size))

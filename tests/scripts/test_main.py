@@ -38,7 +38,7 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     assert process.stdout is not None
     assert process.stdout.readline() == "step\n"
     process.send_signal(sign)
-    _, message = process.communicate(timeout=60)
+    _, message = process.communicate(timeout=300)
     assert process.returncode == 2
     assert "Traceback" not in message
     assert "interrupted: the finished trials (" in message.splitlines()[-1]

@@ -100,7 +100,6 @@ def test_workers_and_processes_change_nothing(tmp_path, whole, arguments):
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(60)
 @pytest.mark.parametrize("backend", ["dask", "ray"])
 def test_a_cluster_of_two_workers_changes_nothing(tmp_path, whole, backend):
     pytest.importorskip("distributed" if backend == "dask" else "ray")
