@@ -12,8 +12,8 @@ from ..arrays import Array
 from ..assets import JOINTS
 from .figures import ASSISTED_COLUMNS
 
-INCHES = 5.4  # height of the figure, whose letters grow with the picture
-TAIL = 0.22  # share of the motion, behind the present, that shines
+INCHES = 5.4  # [in], height of the figure, so that letters grow with the picture
+TAIL = 0.22  # share of the motion, before the present, that is bright
 BACKGROUND, INK, GRID = "#1f252e", "#e3e8ee", "#39424e"
 SUIT, WEARER = "#62b4f5", "#ff8b3d"
 

@@ -27,9 +27,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     """One arm: a wearer who follows an intention, a suit that resists, motors that help.
 
     The wearer follows a minimum-jerk intention by stiffness inside the physics, a reflex, a slow
-    correction, and the torque of the bare arm with what was learned of the rest, within human
-    strength (see `envs.person.control`). The suit resists every joint inside the physics. The agent
-    sets the assist torque of shoulder and elbow.
+    correction, the torque of the bare arm and learned torque, all within human strength (see
+    `envs.person.control`). The suit resists every joint inside the physics. The agent sets the
+    assist torque of shoulder and elbow.
 
     Action: `Box(-1, 1, (2,), float32)`, assist torque of shoulder and elbow flexion over the
     motors' peak. Values outside are clipped and counted in `info["clipped_actions"]`. A motor that
@@ -42,29 +42,29 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     - encoders: angles [rad] of the exoskeleton's four encoders, rates [rad/s] from their counts
       (differences, low-pass of 20 Hz), motor torque over peak, previous action;
     - cuffs: forces on upper arm, forearm and hand [N], noisy;
-    - interaction: torque between person and suit at the four joints [N·m], as pads would tell it,
-      noisy and 0.05 s old: the wearer's torque without what the bare arm needs;
+    - interaction: torque between person and suit at the four joints [N·m], as pads would measure
+      it, noisy and 0.05 s old: the wearer's torque without what the bare arm needs;
     - emg: the wearer's voluntary torque at the four joints [N·m], 0.05 s ahead, noisy, through a
       low-pass of 6 Hz;
     - preview: the part "target", angles that the wearer intends at shoulder and elbow in 0.02, 0.1
       and 0.24 s [rad];
-    - belief: what a believed model says of shoulder and elbow [N·m]: the suit's resistance, then
-      the torque that holds arm, suit, exoskeleton and load, both at the encoder's angle plus 0.02 s
-      of its rate, where the joint will be when the motors have answered;
+    - belief: torques of a believed model at shoulder and elbow [N·m]: the suit's resistance, then
+      the torque that supports arm, suit, exoskeleton and load, both at the encoder's angle plus
+      0.02 s of its rate, where the joint will be when the motors have answered;
     - privileged: the suit's torque on the four joints [N·m], which no real device can measure.
 
     Angles, cuff forces and suit torques are those of this instant; the torques of motors and wearer
     are the ones applied in the last physics step.
 
-    `info` holds what no sensor measures: angle, rate and target_angle of the arm, human_torque,
+    `info` contains what no sensor measures: angle, rate and target_angle of the arm, human_torque,
     suit_torque and assist_torque, energies; with an exoskeleton motor_load, the running root mean
     square of the motors' torque over the continuous one; with cuffs cuff_force [N], with `fatigue`
-    the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint. It is made
-    up when it is read. "effort" is the wearer's torque over the strength of a still joint,
-    "cost_terms" what an episode has cost so far, and "is_success" whether it has gone well so far.
+    the fatigued part of every muscle group, (2, 4): extensors and flexors of each joint. It is
+    computed when it is read. "effort" is the wearer's torque over the strength of a still joint,
+    "cost_terms" are the costs of the episode so far, "is_success" whether it is a success so far.
 
     An episode is truncated at the end of its intention (10 s), and terminated when the arm is lost:
-    more than 1 rad from the intention, or in a suit whose torque met its pole, or diverged.
+    more than 1 rad from the intention, or at a pole of the suit's torque, or diverged.
 
     Reward: 1 / (1 + the sum of `info["reward_terms"]`), in [0, 1], where the terms are the squares
     of effort over that of the suited arm without an exoskeleton, of the tracking error over 0.1 rad
@@ -77,16 +77,16 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         task: Task, or the name of a shipped one.
         sensors: Names of the sensor suites that make up the observation.
         normalize: Whether observations are divided by constants, to the size of 1.
-        history: Number of observations, of now and the control periods before, newest first, that
-            make up one.
+        history: Number of control periods, the present one and those before it, whose observations
+            make up one, newest first.
         control_dt: Time between actions [s]; it is a multiple of the physics step and divides
             0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
-            the task says so.
-        level: How much differs from what a controller was made for: "nominal", "randomized" or
-            "shift" (see `envs.levels`); options that are given replace those of the level.
+            the task decides.
+        level: Difference from the conditions that a controller was designed for: "nominal",
+            "randomized" or "shift" (see `envs.levels`); given options replace those of the level.
         randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
             dict of its terms: suit, suits, pressure, load, payload, gravity, wearers, misalignment,
             sensor_noise, encoder_offset.
@@ -102,14 +102,14 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         render_quality: Quality of pictures: "fast", which needs no graphics card, or "fine", with
             shadows, smooth edges and reflections.
         picture_dt: Simulated time between new pictures [s], in which `render` returns the last one
-            again; 0 draws each anew. A recorder asks after every step: with 0.04 it draws 25
-            pictures a second, and its film still plays in real time.
+            again; 0 draws each anew. A recorder calls `render` after every step: with 0.04 it gets
+            25 new pictures a second, and its film still plays in real time.
         **arm: Fields of `ArmConfig`: suit, pressure, gravity, wearer, exo, coupling, payload,
             side, tilt, misalignment, sim_dt, allow_uncertified. Give nested fields as dicts if you
             need `EnvSpec.to_json`.
 
     Attributes:
-        episodes: What happens in an episode: the simulated arm, its sensors and its task.
+        episodes: Episodes of the task, with the simulated arm and its sensors.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -239,7 +239,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
     def get_state(self) -> dict[str, Any]:
         """Returns the whole state of the episode, to save it or to continue from it more than once.
 
-        The state holds the physics with the suit's memory, the intention, the counters and the
+        The state contains the physics with the suit's memory, the intention, the counters and the
         place in the random streams, as arrays with one row and plain values (picklable).
 
         Raises:

@@ -1,4 +1,4 @@
-"""What a controller believes of an arm: the torque of its suit, and of all that it carries."""
+"""A controller's model of an arm: the torque of its suit, and of all that it carries."""
 
 import copy
 from collections.abc import Mapping
@@ -24,38 +24,38 @@ _LEAD = Quantity(
 )
 PROVENANCE: tuple[Quantity, ...] = (_LEAD,)
 LEAD = _LEAD.value
-DEAD_BAND = 1.5  # counts of an encoder, up to which a change is no motion
+DEAD_BAND = 1.5  # [encoder counts], greatest change that counts as no motion
 
 
 def count_of(bits: int) -> float:
-    """Returns the angle of one count [rad] of an encoder of so many bits."""
+    """Returns the angle of one count [rad] of an encoder with that number of bits."""
     return 2 * np.pi / 2**bits
 
 
 class JointBelief(Protocol):
-    """What is believed of one joint of a suit: a resistance that depends on the past motion."""
+    """A model of one joint of a suit: a resistance that depends on the past motion."""
 
     @property
     def memory_size(self) -> int:
-        """How many numbers its memory takes; the first is the last angle [rad]."""
+        """Number of values in its memory, of which the first is the last angle [rad]."""
         ...
 
     def begin(self) -> Array:
-        """Returns the memory with which the suit begins, shape (memory_size,)."""
+        """Returns the initial memory of the suit, shape (memory_size,)."""
         ...
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
-        """Moves memories on, in place; see `HysteresisModel.advance`."""
+        """Advances memories, in place; see `HysteresisModel.advance`."""
         ...
 
 
 def belief_of(joint: "SuitJoint | JointBelief") -> "JointBelief":
-    """Returns what a joint of a suit file says, as a belief; a belief stays what it is."""
+    """Returns a belief from a joint of a suit file; a belief is returned unchanged."""
     return _OfSuit(joint) if isinstance(joint, SuitJoint) else joint
 
 
 class _OfSuit:
-    """What a joint of a suit file says, as a belief."""
+    """The joint of a suit file, as a belief."""
 
     def __init__(self, joint: SuitJoint) -> None:
         self._joint, self.advance = joint, joint.model.advance
@@ -66,11 +66,11 @@ class _OfSuit:
 
 
 class BelievedSuit:
-    """Follows the suit's torque at the assisted joints by models with a memory of their own.
+    """Predicts the suit's torque at the assisted joints by models with a memory of their own.
 
     The memory follows measured angles; a change of one encoder count is no motion. The torque is
     that at the angle where the joint will be when the motors have answered: the measured angle plus
-    0.02 s of the measured rate. It needs nothing of what the wearer intends. The dashpot of a
+    0.02 s of the measured rate. It does not need the wearer's intention. The dashpot of a
     viscoelastic model resists the measured rate; its Maxwell element follows the measured angle.
 
     Args:
@@ -80,7 +80,7 @@ class BelievedSuit:
         dt: Time from one angle to the next [s].
 
     Attributes:
-        size: How many numbers the memory of an arm takes.
+        size: Number of values in the memory of an arm.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class BelievedSuit:
         self.size = end + 2 * len(self._elements)
 
     def begin(self, angle: Array) -> Array:
-        """Returns memories that begin where the suit's do, shape (n, size).
+        """Returns memories in the suit's initial state, shape (n, size).
 
         Args:
             angle: Measured angles of the assisted joints [rad], shape (n, 2).
@@ -118,7 +118,7 @@ class BelievedSuit:
         return memory
 
     def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
-        """Moves memories on, in place; returns the resistance soon [N·m], shape (n, 2).
+        """Advances memories, in place; returns the resistance after `lead` [N·m], shape (n, 2).
 
         Args:
             memory: Memories, shape (n, size).
@@ -151,14 +151,14 @@ def _relaxed(model: Viscoelastic, torque: Array, rate: Array, time: float) -> Ar
 
 
 class BelievedWeight:
-    """The torque that holds an arm still, with all that it wears and carries.
+    """The static torque that supports an arm with suit, exoskeleton and load.
 
     Between joints that turn about fixed axes, this torque is linear in the sine and in the cosine
     of each joint's angle (see `Trigonometric`).
 
     Args:
-        model: Model of the believed arm; where cuffs hold the exoskeleton, its joints are taken at
-            the same angles as the arm's.
+        model: Model of the believed arm; with cuffs, the exoskeleton's joints are taken at the
+            same angles as the arm's.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -177,7 +177,7 @@ class BelievedWeight:
         self._torque = Trigonometric(static_torque, len(JOINTS), 1)
 
     def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
-        """Returns the weight of what one model has and the other has not."""
+        """Returns the difference of the static torques of two models."""
         rest = copy.copy(self)
         rest._torque = self._torque - other._torque
         return rest

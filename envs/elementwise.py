@@ -11,8 +11,8 @@ from numba import vectorize
 def elementwise(kernel: Any) -> Any:
     """Returns NumPy's function that calls a kernel of floats for every element of its arguments.
 
-    It is made at its first use: an import would wait 40 ms for each. NumPy's own object is
-    returned, because the call of numba's takes longer than the work.
+    The function is compiled at its first use, since an import would wait 40 ms for each. NumPy's
+    own object is returned, because a call of numba's takes longer than the computation.
 
     Args:
         kernel: Kernel of numba that takes floats only and returns one.

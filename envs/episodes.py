@@ -1,4 +1,4 @@
-"""Episodes of a task in many rows: what an action leads to, for one environment or a thousand."""
+"""Episodes of a task in many rows, for single and vector environments."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -49,11 +49,11 @@ from .tasks import Task
 
 Rows = NDArray[np.int64]
 TINIEST = 1e-6  # least effort that scales a reward
-SCALED_BY = 5  # motions of the task, by which efforts are scaled
+SCALED_BY = 5  # number of motions of the task that give the scale of efforts
 
 
 class Episodes:
-    """Runs episodes of one task in `n` rows; environments are thin faces of it.
+    """Runs episodes of one task in `n` rows; environments are thin layers over it.
 
     Args:
         task: The task.
@@ -63,14 +63,14 @@ class Episodes:
             before the end of the intention.
         sensors: Names of the sensor suites that a controller sees.
         normalize: Whether observations are scaled to the size of 1.
-        history: Number of observations, of this control period and those before it, that make up
-            one; before the reset there were only first ones.
+        history: Number of control periods, the present one and those before it, whose observations
+            make up one; the first observation stands for those before the reset.
         control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
         control: The wearer's control of the arm, or a dict of the fields that differ from the
             default.
         fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
-            the task says so.
-        level: Name of one of `LEVELS`, whose options hold where others are not given.
+            the task decides.
+        level: Name of one of `LEVELS`, whose options apply unless others are given.
         randomize: What differs from episode to episode beside the motion, or a dict of the terms.
         sensing: Noise, delay and bandwidth of sensors, or a dict of the fields that differ from the
             default.
@@ -87,7 +87,7 @@ class Episodes:
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
         effort_scale: Effort of the suited arm over strength, by which rewards are scaled.
-        options: The arguments that any number of rows may share, as they were given.
+        options: Arguments that do not depend on the number of rows, as they were given.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -219,10 +219,10 @@ class Episodes:
 
         Args:
             rows: The rows, shape (k,).
-            seeds: Seed of each of them; None goes on with the seed that the row has.
+            seeds: Seed of each of them; None keeps the seed of the row.
             stagger: Whether the episodes end at random times, so that later ones do not all begin
                 together.
-            taught: Learned torque of the wearers beside that of their bare arms [N·m], shape
+            taught: Learned torque of the wearers, added to that of their bare arms [N·m], shape
                 (k, samples, 4).
         """
         memory = self.simulation.memory
@@ -237,10 +237,10 @@ class Episodes:
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
         try:
-            lessons = {} if taught is None else dict(zip(rows.tolist(), taught, strict=True))
-            self.simulation.begin(rows, lambda row: self._start(row, lessons.get(row)))
+            learned = {} if taught is None else dict(zip(rows.tolist(), taught, strict=True))
+            self.simulation.begin(rows, lambda row: self._start(row, learned.get(row)))
         except BaseException:
-            memory.episode[rows] = -1  # they stand between two episodes: `step` asks for a reset
+            memory.episode[rows] = -1  # no episode: `step` asks for a reset
             raise
         if self.task.watches:
             hand = self.simulation.addresses.hand
@@ -277,7 +277,7 @@ class Episodes:
         return np.concatenate([now, memory.shown.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int) -> Info:
-        """Returns what no sensor measures of a row at this instant; it is made up when read."""
+        """Returns what no sensor measures of a row at this instant; it is computed when read."""
         memory = self.simulation.memory
         measured, sums = memory.measured[row].copy(), memory.told[row].copy()
         return Info(measured.item(TIME), partial(self._read, measured, sums))
@@ -315,10 +315,10 @@ class Episodes:
         return {"config": self.identity(), **self.simulation.state(rows)}
 
     def restore(self, rows: Rows, state: Any) -> None:
-        """Restores what `state` returned, also in other rows; they then go on bit for bit.
+        """Restores what `state` returned, also in other rows; they then continue bit for bit.
 
         Raises:
-            InputError: The state is not one of `state`, or of other arms; nothing has changed.
+            InputError: The state is not from `state`, or is of other arms; nothing has changed.
         """
         present, wearers = self.simulation.state(rows), max(1, len(self.randomization.wearers))
         check_state(state, self.identity(), present, self.simulation.model, wearers)
@@ -360,7 +360,7 @@ class Episodes:
         self.simulation.step(action, rows)
         if memory.believed.shape[1]:
             self._write_belief(moving[~memory.diverged[moving]])
-        if last is not None:  # only now: an action may have been refused
+        if last is not None:  # last: the step may have refused the action
             memory.shown[moving, 1:] = memory.shown[moving, :-1]
             memory.shown[moving, 0] = last[moving]
         self._judge(moving, True)
@@ -398,7 +398,7 @@ class Episodes:
         return suited_effort(chain, arm, strength, simulation.suit, plans, simulation.control_dt)
 
     def _believe(self, config: ArmConfig) -> None:
-        """Begins to follow a believed arm."""
+        """Prepares the believed arm of the suite "belief"."""
         simulation = self.simulation
         self._believed = config.to_dict()
         count = count_of(config.exo.encoder_bits)

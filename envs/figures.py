@@ -27,7 +27,7 @@ COLORS = {
 }
 OTHERS = ("#8c564b", "#9467bd", "#17becf")
 JOINT_COLORS = ("#0072b2", "#d55e00")
-SHOWN = 0.5  # s of the past, before the branches
+SHOWN = 0.5  # [s], time that is shown before the branches
 STYLES = {"oracle": "--", "gravity": "-.", "clairvoyant": "--", "unsuited": ":", "suited": ":"}
 
 
@@ -107,7 +107,7 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
 def branches_figure(fork: Fork) -> Figure:
     """Draws one column per policy: angle, human and assist torque after a branch point.
 
-    What all branches share is gray, and so is the intended angle.
+    The common past of all branches is gray, and so is the intended angle.
     """
     labels = ("angle [rad]", "human torque [N·m]", "assist torque [N·m]")
     size = (1.4 + 2.3 * len(fork.futures), 6.2)

@@ -1,14 +1,14 @@
-"""An info dict whose content is made up when it is read first."""
+"""An info dict whose content is computed when it is first read."""
 
 from collections.abc import Callable
 from typing import Any
 
 
 class Info(dict[str, Any]):
-    """A dict that is filled when it is read first; most are never read.
+    """A dict that is filled when it is first read; most are never read.
 
     Args:
-        time: The entry "time", which is there at once: `json` takes an empty dict as it is.
+        time: The entry "time", which is there at once, since `json` writes an empty dict unread.
         read: Function that returns the content, as it was when the info was made.
     """
 

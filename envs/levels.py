@@ -1,4 +1,4 @@
-"""How much an environment differs from what a controller was made for: three levels, as data."""
+"""Three levels of difference from the conditions that a controller was designed for, as data."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -26,19 +26,19 @@ LEVELS: dict[str, dict[str, Any]] = {
     },
     "shift": {"suit": "emu-like", "pressure": 40.0, "gravity": "mars"},
 }
-"""Options of each level, which an option that is given replaces.
+"""Options of each level; given options replace them.
 
 At "randomized" the suit's pressure and the task's loads differ, three people wear it, and
 exoskeleton and sensors sit differently. "shift" is another suit at another pressure in another
-gravity than the defaults, from which nobody builds a belief by accident.
+gravity than the defaults, so that no belief matches it by accident.
 """
 
 
 def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns options of an environment in which "level" is replaced by what it stands for.
+    """Returns options of an environment in which "level" is replaced by its options.
 
-    Terms of `randomize` replace those of the level one by one. What a level says of suits or cuffs
-    does not count where there are none, nor the pressure of its suit for another one.
+    Terms of `randomize` replace those of the level one by one. A level's options for suits or
+    cuffs are left out where there are none, and the pressure of its suit for another suit.
 
     Raises:
         InputError: There is no such level, or randomize is no dict of terms.
@@ -50,7 +50,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
     usual = dict(LEVELS[level])
     terms, own = dict(usual.pop("randomize", {})), given.get("randomize") or {}
     if "suit" in given and "suit" in usual:
-        usual.pop("pressure", None)  # the level's own suit has it
+        usual.pop("pressure", None)  # pressure of the level's own suit
     if given.get("suit") == NO_SUIT:
         terms.pop("pressure", None)
     if given.get("coupling") != "cuffs":

@@ -13,7 +13,7 @@ from ..errors import InputError, shown, unknown_name
 from .arm_env import ArmEnv
 from .vector_env import ArmVectorEnv
 
-OURS = "ActiveSuit/"  # how the ids of our environments begin
+OURS = "ActiveSuit/"  # prefix of the ids of shipped environments
 ROWS_ONLY = (
     *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
     *("taught", "effort_scale"),
@@ -54,7 +54,7 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
 
 
 def _overridden(kind: type[ArmEnv]) -> list[str]:
-    """Returns what a class and its parents define anew of `ArmEnv`, but the metadata."""
+    """Returns the attributes of `ArmEnv` that a class or its parents override, but the metadata."""
     parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
     own = {name for one in parents for name in vars(one) if not name.startswith("_")}
     return sorted(own & {*dir(ArmEnv)} - {"metadata"})
@@ -66,7 +66,7 @@ def _own_code(env_id: str) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except Exception as error:  # the user's code fails in any way that code can
+    except Exception as error:  # user code may raise anything
         raise InputError(
             f"the environment {env_id!r} cannot be made ({type(error).__name__}: {error}): repair "
             "it, or name a module that is installed or in the working folder"
@@ -87,7 +87,7 @@ def _no_arm(env_id: str) -> InputError:
 
 
 def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
-    """Makes a vector environment of the task that an id stands for.
+    """Makes a vector environment of the task of a registered id.
 
     Args:
         env_id: Id of a registered environment whose class is an `ArmEnv`; see `make_env`.

@@ -8,9 +8,9 @@ from functools import cache
 
 
 def give_back() -> None:
-    """Returns freed memory to the system; where the C library does not know how, nothing happens.
+    """Returns freed memory to the system, if the C library can.
 
-    glibc keeps what once was freed: fifty environments would hold their memory when they are gone.
+    glibc keeps freed memory: fifty environments would occupy theirs after they are deleted.
     """
     trim = _trim()
     if trim is not None:

@@ -1,4 +1,4 @@
-"""What a controller sees: suites of sensors, and the observation that they make up."""
+"""The observation of a controller, and the suites of sensors that make it up."""
 
 # pyright: reportCallIssue=false
 
@@ -22,11 +22,11 @@ class Part:
 
     Attributes:
         name: Name of the part.
-        measurement: Name of what it shows.
+        measurement: Name of the measurement that it shows.
         limit: Largest size, at which it is clipped.
         scale: Size that becomes 1 in a normalized observation.
         unit: Unit of both.
-        shows: What it shows, in words.
+        shows: Description of the measurement.
     """
 
     name: str
@@ -56,7 +56,7 @@ SUITES: dict[str, tuple[Part, ...]] = {
     "interaction": (
         Part(
             *("interaction_torque", "interaction_torque", 200.0, 20.0, "N·m"),
-            "torque between person and suit at the four joints, as pads would tell it: "
+            "torque between person and suit at the four joints, as pads would measure it: "
             "10 % noise, 0.05 s old",
         ),
     ),
@@ -76,8 +76,8 @@ SUITES: dict[str, tuple[Part, ...]] = {
     "belief": (
         Part(
             *("belief", "belief", 200.0, 20.0, "N·m"),
-            "what a believed model says of shoulder and elbow: the resistance of the suit, then "
-            "the torque that holds arm, suit, exoskeleton and load",
+            "torques of a believed model at shoulder and elbow: the resistance of the suit, then "
+            "the torque that supports arm, suit, exoskeleton and load",
         ),
     ),
     "privileged": (
@@ -104,12 +104,12 @@ class Observer:
     Attributes:
         sensors: Names of the suites.
         normalized: Whether each part is divided by its scale.
-        layout: Slice of the observation that holds each part, by the name of the part; with a
+        layout: Slice of the observation that contains each part, by the name of the part; with a
             history the newest comes first, and the layout is that of the newest.
         space: Observation space of one row.
 
     Raises:
-        InputError: A suite is not there with these arms, or `history` is out of its range.
+        InputError: These arms do not have a suite, or `history` is out of its range.
     """
 
     def __init__(
@@ -163,7 +163,7 @@ def checked_sensors(given: Sequence[str]) -> tuple[str, ...]:
     """Returns the names of sensor suites.
 
     Raises:
-        InputError: They are no list of known names, each of them once.
+        InputError: The value is not a list of known names, each of them once.
     """
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise InputError(f"sensors is {shown(given)}: give a list of suites, such as ['encoders']")

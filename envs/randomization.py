@@ -19,7 +19,7 @@ SuitChoice = Literal["nominal", "samples"]
 LARGEST_SHARE = 0.5
 LARGEST_OFFSET = 0.2  # rad
 MOST_CYCLES = 1e6
-LOUDEST = 100.0  # times the usual noise of sensors
+LOUDEST = 100.0  # greatest factor of the noise of sensors
 
 Streams = Callable[[str], np.random.Generator]
 """The random generator of each purpose in one episode."""
@@ -27,28 +27,28 @@ Streams = Callable[[str], np.random.Generator]
 
 @dataclass(frozen=True, kw_only=True)
 class Randomization:
-    """Terms that are drawn anew in every episode of every row; plain values, as JSON has them.
+    """Terms that are drawn anew in every episode of every row, as plain values that fit JSON.
 
-    Each term has random numbers of its own: one that is added leaves the draws of the others alone.
+    Each term has random numbers of its own: another term does not change the draws of the others.
 
     Attributes:
         suit: Choice of the suit's models: "nominal" (those of the suit) or "samples" (each joint's
-            own or one of its `samples`, which the identification found possible too).
-        suits: Names or files of suits, of which one is drawn, also of different models; none is the
-            suit of the configuration.
+            own or one of its `samples`, which the identification found plausible too).
+        suits: Names or files of suits, of which one is drawn, also of different models; an empty
+            list is the suit of the configuration.
         pressure: Share by which the operating pressure differs, up to 0.5; the suit's torque, or
-            the gas's part of it where `volume_share` tells it, is multiplied by a number between
+            the gas's part of it where `volume_share` is known, is multiplied by a number between
             1 - pressure and 1 + pressure.
         cycles: Least and greatest number of cycles that the suit has gone through, up to a million,
-            for joints whose file tells their softening; None is the first one, or many of a suit
-            that is preconditioned. The torque stays what it is within an episode.
+            for joints whose file gives their softening; None is the first cycle, or many of a suit
+            that is preconditioned. The torque does not soften within an episode.
         load: Share by which the masses and forces of a task's plan differ, up to 0.5; tools that
-            belong to its model stay what they are.
+            belong to its model do not change.
         payload: Least and greatest load at the hand [kg], 0 to 60; None is the load of the
             configuration.
-        gravity: Names of places, of which one is drawn; none is the place of the configuration.
-        wearers: Persons, of whom one is drawn, or dicts of their fields; none is the wearer of the
-            configuration.
+        gravity: Names of places, of which one is drawn; an empty list is the configured place.
+        wearers: Persons, of whom one is drawn, or dicts of their fields; an empty list is the
+            wearer of the configuration.
         misalignment: Largest distance, forward, outward and up, by which the exoskeleton sits
             differently than in the configuration [m], up to 0.05; it needs cuffs.
         sensor_noise: Least and greatest factor of the noise of sensors, 0 to 100; None is 1.
@@ -114,7 +114,7 @@ class Randomization:
 
     @property
     def changes_suit(self) -> bool:
-        """Whether rows may wear other suits than the compiled one."""
+        """Whether rows may have other suits than the compiled one."""
         drawn = self.suit != "nominal" or bool(self.suits)
         return drawn or self.pressure > 0 or self.cycles is not None
 
@@ -125,8 +125,8 @@ class Randomization:
             config: Configuration of the arms.
 
         Raises:
-            InputError: There is none, none has samples where they are asked for, or the coupling
-                has no cuffs that a misalignment needs.
+            InputError: There is no suit, none has the samples that are asked for, or the coupling
+                has no cuffs, which a misalignment needs.
         """
         if self.misalignment > 0 and config.coupling != "cuffs":
             raise InputError(
@@ -168,7 +168,7 @@ class Randomization:
         found: dict[str, SuitJoint] = dict(wardrobe[number].joints)
         if self.suit == "samples":
             rng = streams("suit")
-            for joint in JOINTS:  # also where there is no choice, so that joints are independent
+            for joint in JOINTS:  # draws without a choice too, so that joints are independent
                 draw = rng.random()
                 if joint in found:
                     entry = found[joint]
@@ -184,7 +184,7 @@ class Randomization:
         return found
 
     def loaded(self, plan: Plan, streams: Streams) -> Plan:
-        """Returns the plan of an episode with the loads of this one."""
+        """Returns a plan with the loads of an episode."""
         if self.load == 0:
             return plan
         factor = 1 + self.load * streams("load").uniform(-1, 1)
@@ -212,7 +212,7 @@ class Randomization:
         return int(streams("wearers").integers(len(self.wearers))) if self.wearers else 0
 
     def shift(self, streams: Streams) -> Array:
-        """Returns by how much the exoskeleton is off in an episode [m], shape (3,)."""
+        """Returns the displacement of the exoskeleton in an episode [m], shape (3,)."""
         if self.misalignment == 0:
             return np.zeros(3)
         return self.misalignment * streams("misalignment").uniform(-1, 1, 3)

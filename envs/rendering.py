@@ -20,17 +20,17 @@ from .simulation.simulation import Posture
 
 RenderQuality = Literal["fast", "fine"]
 
-WINDOW_CLOSES = 5.0  # s that a window may take to close
+WINDOW_CLOSES = 5.0  # [s], longest wait for a window to close
 SEEN, HIDDEN = 2, 5  # groups of geoms
-LONGEST_BETWEEN = 10.0  # s between pictures
+LONGEST_BETWEEN = 10.0  # [s], greatest `picture_dt`
 
 
 @dataclass(frozen=True)
 class _Quality:
-    """What OpenGL is asked for, which the processor pays for where there is no graphics card."""
+    """Settings of OpenGL, which cost time of the processor where there is no graphics card."""
 
     shadowsize: int  # pixels; 0 draws no shadows
-    offsamples: int  # a pixel; more than 0 smooths edges
+    offsamples: int  # samples a pixel; more than 0 smooths edges
     numslices: int  # number of slices around a round shape
     numstacks: int  # number of stacks along it
     reflection: bool
@@ -66,7 +66,7 @@ class Renderer:
             last one again.
 
     Raises:
-        InputError: The size or the quality is none.
+        InputError: The size or the quality is not valid.
     """
 
     # Why OpenGL does not work in this process: a second attempt could abort it.
@@ -135,7 +135,7 @@ class Renderer:
             try:
                 if Renderer._unavailable is None:
                     self._offscreen = mujoco.Renderer(model, self.height, self.width)
-            except Exception as error:  # the GL back ends raise whatever they like
+            except Exception as error:  # GL back ends raise exceptions of any class
                 Renderer._unavailable = f"{type(error).__name__}: {error}"
         if self._offscreen is None:
             raise RenderingUnavailableError(
@@ -183,7 +183,7 @@ class Renderer:
             if part is not None:
                 part.close()
         for thread in self._window_threads:
-            thread.join(WINDOW_CLOSES)  # a process that ends before its window does crashes
+            thread.join(WINDOW_CLOSES)  # a process that ends before its window crashes
         self._offscreen, self._window, self._window_threads = None, None, set()
         self._last = None
         give_back()
@@ -194,7 +194,7 @@ class Renderer:
 
 
 class ArmRenderer:
-    """Draws one arm: it composes the drawn model when the first picture is asked for.
+    """Draws one arm; it composes the drawn model for the first picture.
 
     Args:
         config: Configuration of the arm.

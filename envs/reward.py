@@ -27,7 +27,7 @@ from .tasks import Task
 TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad
 CHANGE_SCALE = 0.25
-LOST = 1.0  # rad of tracking error at an assisted joint at which an episode ends
+LOST = 1.0  # [rad], tracking error of an assisted joint that ends an episode
 LEAST_EFFORT = 0.01  # share of strength, for arms that need none
 
 COSTS = (
@@ -38,12 +38,12 @@ CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = 
 TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
 PERIODS, CLIPPED, DIVERGED, ENDED, TOLD = range(COST + len(COSTS), COST + len(COSTS) + 5)
 MEANS = ("tracking", "effort")  # costs that keep sums of squares
-ROUNDING = 1e-3  # share of a motor's load that its protection, once a period, misses
+ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
 TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
 SLOW = 0.01  # [m/s], greatest speed of a hand that need not be quick
-NEAR = 0.001  # rad from the end of its range where a joint is at its stop
+NEAR = 0.001  # [rad], distance from the end of its range at which a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
-EVERY = 5  # samples of which one counts for `suited_effort`
+EVERY = 5  # samples between those that `suited_effort` uses
 
 
 def suited_effort(
@@ -57,14 +57,14 @@ def suited_effort(
     """Returns the effort that motions take in the suit and without an exoskeleton.
 
     That is the root mean square over time and four joints of the torque of inverse dynamics over
-    the strength of a still joint. What a hand carries is weighed and accelerated with it.
+    the strength of a still joint. It includes weight and inertia of the load in the hand.
 
     Args:
         chain: Inertia of the arm with suit and the load of the configuration.
         arm: The bare arm.
         strength: Isometric strength of the wearer [N·m], shape (2, 4).
         suit: Joints of the suit.
-        plans: What episodes ask of the wearer.
+        plans: Plans of some episodes.
         dt: Time between samples [s].
     """
     squares = []
@@ -115,10 +115,10 @@ def judge(
     terminated: AnyArray,
     truncated: AnyArray,
 ) -> None:
-    """Rewards the last control period of some rows, and says which episodes have ended.
+    """Computes rewards of the last control period of some rows, and which episodes have ended.
 
-    An episode terminates when the arm is lost, in a suit whose torque met its pole, or diverged;
-    that period earns nothing. If rows have `moved`, the period is added to the costs of their
+    An episode terminates when the arm is lost, at a pole of the suit's torque, or diverged; that
+    period earns nothing. If rows have `moved`, the period is added to the costs of their
     episodes. `scale` is the effort of the suited arm; `told` has the columns named above.
     """
     for k in range(rows.shape[0]):
@@ -212,7 +212,7 @@ def watch(
     told: AnyArray,
     dt: float,
 ) -> None:
-    """Looks at the hands of some rows where the task watches them, and keeps the worst.
+    """Updates the greatest errors of the hands of some rows at the samples that are watched.
 
     Columns as `COSTS`: distance of the hand from its place [m], error of its pitch [rad], and the
     share of its intended speed that it lacks.
@@ -252,7 +252,7 @@ def watch(
 
 
 def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
-    """Returns whether an episode has gone well so far.
+    """Returns whether an episode is a success so far.
 
     The arm is not lost, tracking, effort and the hand are within the task's tolerances, cuffs press
     no more than a person should bear, and the motors stay within their continuous torque.

@@ -14,10 +14,10 @@ from .vector_env import ArmVectorEnv
 
 
 class ArmVecEnv(VecEnv):
-    """Stable-Baselines3's face of an `ArmVectorEnv`, with the same episodes.
+    """Adapter of an `ArmVectorEnv` for Stable-Baselines3, with the same episodes.
 
     The info of a row whose episode goes on is empty, and one dict is shared by all of them. Where
-    an episode has ended it holds `terminal_observation`, `TimeLimit.truncated` and `is_success`,
+    an episode has ended it contains `terminal_observation`, `TimeLimit.truncated` and `is_success`,
     which learners log.
 
     Args:
@@ -87,7 +87,7 @@ class ArmVecEnv(VecEnv):
         """Sets an attribute of the vector environment, which all rows share.
 
         Raises:
-            InputError: It is asked for some rows only.
+            InputError: The indices are only some of the rows.
         """
         self._all_of("set_attr", indices)
         setattr(self.arms, attr_name, value)
@@ -98,7 +98,7 @@ class ArmVecEnv(VecEnv):
         """Calls a method of the vector environment once, and returns the result for each row.
 
         Raises:
-            InputError: It is asked for some rows only.
+            InputError: The indices are only some of the rows.
         """
         self._all_of("env_method", indices)
         return [getattr(self.arms, method_name)(*method_args, **method_kwargs)] * self.num_envs

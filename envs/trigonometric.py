@@ -45,7 +45,7 @@ class Trigonometric:
 
         Args:
             angle: Angles [rad], shape (n, joints).
-            slope: Joint by whose angle to differentiate; -1 is none.
+            slope: Joint with respect to whose angle to differentiate; -1 is none.
         """
         found = np.zeros((len(angle), self._coefficients.shape[1]))
         _sum(np.ascontiguousarray(angle), self._degree, slope, self._coefficients, found)

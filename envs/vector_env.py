@@ -28,8 +28,8 @@ Bools = NDArray[np.bool_]
 class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDArray[Any]]):
     """Rows of arms in one process: row i is `ArmEnv` with the seed of row i, to the last bit.
 
-    Everything that is not said here is as in `ArmEnv`, per row: actions are (num_envs, motors),
-    observations (num_envs, size). Each answer is made of new arrays.
+    Everything else is as in `ArmEnv`, per row: actions are (num_envs, motors),
+    observations (num_envs, size). All returned arrays are new.
 
     Args:
         num_envs: Number of rows.
@@ -139,7 +139,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         Args:
             seed: Seed of row 0, where row i has seed + i; or one seed for every row.
             options: None, or a dict: "reset_mask", an array of num_envs booleans that is true for
-                the rows to reset; `taught`, learned torques of the wearers beside those of their
+                the rows to reset; `taught`, learned torques of the wearers, added to those of their
                 bare arms [N·m], shape (rows to reset, samples, 4), where the environment was made
                 with taught=True.
 
@@ -153,7 +153,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             rows,
             None if seeds is None else [seeds[row] for row in rows],
             stagger=self.staggered and rows is self._rows,
-            taught=None if options is None else self._checked_lesson(options, len(rows)),
+            taught=None if options is None else self._checked_torque(options, len(rows)),
         )
         self._over[rows] = False
         if rows is self._rows:
@@ -232,7 +232,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
     @property
     def has_cuffs(self) -> bool:
-        """Whether cuffs hold the exoskeletons."""
+        """Whether cuffs connect the exoskeletons to the arms."""
         return "cuff_force" in self.episodes.simulation.columns
 
     def measured(self) -> NDArray[np.float64]:
@@ -256,7 +256,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def set_state(
         self, state: dict[str, Any], rows: Sequence[int] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
-        """Restores a state in as many rows, which need not be those it is of.
+        """Restores a state in as many rows, which may be others than those that were saved.
 
         Args:
             state: What `get_state` returned, of an `ArmEnv` too.
@@ -271,7 +271,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         """
         chosen = self._checked_rows(rows)
         self.episodes.restore(chosen, state)
-        # A state may be of the end of an episode, whose reset is still to come.
+        # The state may be of the end of an episode, before its reset.
         ended = self.episodes.terminated | self.episodes.truncated
         self._over[chosen] = ended[chosen]
         return self.episodes.observe(), self._infos(self._every)
@@ -302,7 +302,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             raise InputError(f"{MASK} names no row: set at least one to true")
         return self._rows[mask]
 
-    def _checked_lesson(self, options: dict[str, Any], rows: int) -> NDArray[np.float64] | None:
+    def _checked_torque(self, options: dict[str, Any], rows: int) -> NDArray[np.float64] | None:
         taught = options.get(TAUGHT)
         if taught is None:
             return None
@@ -341,7 +341,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return {} if self._info == "none" else self._read(mask)
 
     def _read(self, mask: Bools) -> dict[str, Any]:
-        """Returns what the rows of a mask measure, arrays as Gymnasium wants them."""
+        """Returns the measurements of the rows of a mask, as arrays in Gymnasium's form."""
         episodes = self.episodes
         simulation, memory = episodes.simulation, episodes.simulation.memory
         full = self._info == "full"
@@ -367,7 +367,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return _with_masks(found, mask)
 
     def _successes(self) -> Bools:
-        """Returns whether the episode of each row has gone well so far."""
+        """Returns whether the episode of each row is a success so far."""
         memory, lost = self.episodes.simulation.memory, self.episodes.terminated.tolist()
         ends = zip(self.episodes.costs, memory.step.tolist(), lost, strict=True)
         task = self.episodes.task
@@ -400,8 +400,8 @@ def _with_masks(values: dict[str, Any], mask: Bools) -> dict[str, Any]:
 def _usual_threads() -> int:
     """Returns OMP_NUM_THREADS if it is a number, and otherwise 0, which takes all cores.
 
-    The threads of a batch wait for each other at every step, which takes long where other processes
-    need the cores too. Whoever runs several at once sets that variable for all libraries.
+    The threads of a batch wait for each other at every step, which takes long if other processes
+    use the cores too. Users who run several processes set that variable for all libraries.
     """
     given = os.environ.get("OMP_NUM_THREADS", "")
     return min(int(given), MOST_THREADS) if given.isdecimal() else 0

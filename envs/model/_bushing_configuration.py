@@ -33,7 +33,7 @@ KEYS = (
     "offset",
 )
 FIRST_NUMBERS = 2
-LARGEST_OFFSET = 0.1  # [m]
+LARGEST_OFFSET = 0.1  # m
 
 # Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 is none.
 BITS, LARGEST = 12, 2**12 - 1

@@ -36,7 +36,7 @@ def compose(
             Without them the motion is the same to the last digit and takes a third less time.
         also_worn: Suits that `replace_model` can activate instead, also with models of another
             kind or size.
-        edits: Changes that a task makes to the model.
+        edits: Additions of a task to the model.
 
     Raises:
         InputError: The suit is unknown, a pressure is given for a suit without one of its own, or a
@@ -87,7 +87,7 @@ def worn_suit(config: ArmConfig) -> Suit | None:
     suit = load_suit(config.suit)
     if config.pressure is not None:
         suit = suit.at_pressure(config.pressure)
-    # Where the gas's share is known, its torque has a part of its own: an episode may change it.
+    # Where the gas's share is known, its straight line is added now: an episode may scale it.
     shares = {
         joint: entry.at_pressure_ratio(1.0)
         for joint, entry in suit.joints.items()

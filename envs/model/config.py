@@ -99,7 +99,7 @@ class ArmConfig:
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.
         coupling: Connection of the exoskeleton: "rigid" (it shares the arm's joints), "cuffs" (it
-            has its own joints, and elastic cuffs hold it) or "none" (there is no exoskeleton).
+            has its own joints, and elastic cuffs connect it) or "none" (there is no exoskeleton).
         payload: Load at the hand.
         side: Arm that is simulated, "right" or "left".
         tilt: Pitch (forward positive) and roll (to the wearer's right positive) of the torso on the

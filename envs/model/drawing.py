@@ -7,7 +7,9 @@ import mujoco
 from ...assets import JOINTS, SCENE
 from ..provenance import Quantity
 
-_HEIGHT = "0.803 of stature; below the acromion, 0.818 by Drillis and Contini 1966, as cited by others"
+_HEIGHT = (
+    "0.803 of stature; below the acromion, 0.818 by Drillis and Contini 1966, as cited by others"
+)
 _ROOM = "0.14 of stature; room for the suit beside the torso"
 _SUIT_MASS = "a round number; arms of an EMU are said to weigh 5 kg each, without primary source"
 _SOLIDS = {

@@ -28,8 +28,8 @@ def fit_person(spec: mujoco.MjSpec, person: Person) -> None:
     suit's grow with the area of the fabric.
 
     The joints have the linear part of the relaxed arm's torque (`passive_torque`). The joint limits
-    replace the muscles that tighten at the ends of the range: in a suit, the elbow's beyond 2.1 rad,
-    up to 18 N·m, and the wrist's in the last 0.1 rad of extension.
+    replace the muscles that tighten at the ends of the range: in a suit, those of the elbow beyond
+    2.1 rad, up to 18 N·m, and of the wrist in the last 0.1 rad of extension.
     """
     drawn, own = segments(DRAWN), segments(person)
     size = person.stature / DRAWN.stature

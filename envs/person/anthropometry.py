@@ -67,7 +67,9 @@ PROVENANCE: tuple[Quantity, ...] = (
         for statistic, value in zip(("mean", "standard_deviation"), pair, strict=True)
     ),
     *(
-        Quantity(f"segments.{sex}.stature", value, "mm", f"{_DE_LEVA}, quoted from memory", "assumed")
+        Quantity(
+            f"segments.{sex}.stature", value, "mm", f"{_DE_LEVA}, quoted from memory", "assumed"
+        )
         for sex, value in _SEGMENT_STATURE.items()
     ),
     *(

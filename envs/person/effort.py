@@ -11,7 +11,8 @@ from ..provenance import Quantity
 from .smoothness import log_dimensionless_jerk, spectral_arc_length
 
 _MARGARIA = (
-    "Margaria 1968, quoted from memory; legs on a sledge: 0.17 and 0.80, Int. J. Sports Med. 7(1) 1986"
+    "Margaria 1968, quoted from memory; legs on a sledge: 0.17 and 0.80, "
+    "Int. J. Sports Med. 7(1) 1986"
 )
 _ISOMETRIC = "metabolic rate of isometric torque, arXiv 2501.00723"
 _EXPONENT = Quantity("effort.torque_exponent", 1.36, "1", _ISOMETRIC, "published")
@@ -96,6 +97,6 @@ def _check(torque: Array, rate: Array, dt: float) -> None:
             "(..., samples, joints), with 3 samples or more"
         )
     if not (np.isfinite(torque).all() and np.isfinite(rate).all()):
-        raise InputError("torque or rate holds values that are not finite: leave those samples out")
+        raise InputError("torque or rate has values that are not finite: leave those samples out")
     if not (np.isfinite(dt) and dt > 0):
         raise InputError(f"dt is {dt}: give the sampling period in s, above 0")

@@ -7,21 +7,22 @@ toward positive ones (flexion, abduction). Each gives
 
 after Millard's torque muscles in RBDL. Their angles are "anatomical", which we take as our
 convention: zero with the arm hanging, elbow and wrist straight, flexion positive. Their passive
-torques are consistent with no other: the flexors of the shoulder tighten behind the body, its extensors overhead, those of the
-elbow near 150 degrees, and its flexors when it is straight.
+torques are consistent with no other: the flexors of the shoulder tighten behind the body, its
+extensors overhead, those of the elbow near 150 degrees, and its flexors when it is straight.
 
 Their data are of one elite gymnast, whose elbow flexors are almost as strong straight as bent, and
 whose shoulder flexors are strongest at 51 degrees, unlike those of other people.
 
 The flexors of the shoulder are fitted to two studies: static torque at 0 and 45 degrees and torque
 at 50 degrees/s of 26 men (McGill et al. 1994), and at 90 degrees the share of a man's strength that
-supports the bare arm (96 men and 83 furniture removers). The studies do not contradict each other, as
-they measured at different angles; but torque falls almost evenly from 0 to 90 degrees, and no curve
-with its peak inside the range does so. The best angle is therefore put at the end of the range, and peak
-and width are the least squares of the logarithms: -1.6, +2.7 and -1.1 % at 0, 45 and 90 degrees,
-less than a standard error of the mean of 26 men at the spread below, 3.7 %. Both torques at speed
-are met with the gymnast's fastest speed, but not with the torque at half of it. Beyond 50 degrees/s
-there are no data: Hill's hyperbola leaves a third of static torque at 180 degrees/s, a fifth at 300.
+supports the bare arm (96 men and 83 furniture removers). The studies do not contradict each other,
+as they measured at different angles; but torque falls almost evenly from 0 to 90 degrees, and no
+curve with its peak inside the range does so. The best angle is therefore put at the end of the
+range, and peak and width are the least squares of the logarithms: -1.6, +2.7 and -1.1 % at 0, 45
+and 90 degrees, less than a standard error of the mean of 26 men at the spread below, 3.7 %. Both
+torques at speed are met with the gymnast's fastest speed, but not with the torque at half of it.
+Beyond 50 degrees/s no data were read: Hill's hyperbola leaves a third of static torque at 180
+degrees/s, a fifth at 300.
 """
 
 from math import exp, log, sqrt

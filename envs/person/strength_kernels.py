@@ -47,7 +47,7 @@ def group_torque(
 def _limits(isometric, angle, rate, groups, low, high):
     """Computes the least and the greatest torque at every joint, in place.
 
-    `groups` holds these values in turn: fastest speed, best angle, width, and the three shape
+    `groups` contains these values in turn: fastest speed, best angle, width, and the three shape
     parameters of `velocity_factor`.
     """
     for joint in range(angle.shape[0]):
@@ -70,5 +70,5 @@ def _limits(isometric, angle, rate, groups, low, high):
                 low[joint] = -torque
 
 
-# Called through NumPy: the call of numba's own object takes longer than the work.
+# Called through NumPy, since a call of numba's own object takes longer than the computation.
 limits = _limits.ufunc

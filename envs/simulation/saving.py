@@ -15,7 +15,7 @@ from .streams import HIGHEST_SEED
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT
 MOST = 10**9  # [control periods], greatest count
-LARGEST = 1e9  # [J], [N·m] or [rad/s], more than in any episode; sums of it stay finite
+LARGEST = 1e9  # [SI], more than in any episode; sums of it stay finite
 STRONGEST = 1e4  # [N·m], more than any torque of reflex, correction or learning
 ROUNDING = 1e-9
 # The lowest and the highest number of an array, where they are narrower than LARGEST.

@@ -1,4 +1,4 @@
-"""The sensor suite "belief": what a believed model says, and that alone."""
+"""The sensor suite "belief": the torques of a believed model, and nothing else."""
 
 import numpy as np
 import pytest
@@ -21,16 +21,15 @@ def test_it_is_what_the_policies_of_that_belief_command(believed):
     for _ in range(60):
         shown = observation[env.layout["belief"]]
         np.testing.assert_allclose(shown[:2], suit.act(observation) * peak, rtol=1e-5, atol=1e-4)
-        turned = (
-            0.02 * np.abs(observation[env.layout["rate"]]).max()
-        )  # rad, by which it looks ahead
-        kept = weight.act(observation[:12]) * peak
-        assert np.abs(shown[2:] - kept).max() < 1e-3 + 60 * turned
+        # The belief is of the angles 0.02 s later.
+        turned = 0.02 * np.abs(observation[env.layout["rate"]]).max()
+        static = weight.act(observation[:12]) * peak
+        assert np.abs(shown[2:] - static).max() < 1e-3 + 60 * turned
         observation, *_ = env.step(suit.act(observation))
     assert np.abs(shown).min() > 0.01
 
 
-def test_it_tells_nothing_of_what_is_drawn():
+def test_it_does_not_depend_on_what_is_drawn():
     same = {"sensors": [*SENSORS, "privileged"], "gravity": "microgravity"}
     drawn = ArmEnv(**same, randomize={"pressure": 0.5})
     nominal = make_policy("feedforward", ArmEnv(**same))
@@ -74,11 +73,11 @@ def test_mistakes(options, message):
 @pytest.fixture
 def viscous_suit(elbow):
     joint = Viscoelastic(model=elbow, damping=0.5, relaxation_stiffness=4, relaxation_time=0.3)
-    reported = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
+    fields = {"range": (0.52, 1.57), "start_angle": 0.52, "grade": "assumed", "source": "a test"}
     return Suit(
         name="viscous",
         description="A test.",
-        joints={"elbow_flexion": SuitJoint.from_model(joint, **reported)},
+        joints={"elbow_flexion": SuitJoint.from_model(joint, **fields)},
     )
 
 

@@ -71,7 +71,7 @@ def test_an_episode_lasts_ten_seconds(env_id):
 def test_same_seed_same_everything():
     env = make()
     first = play(env, 100, seed=3)
-    assert_same(first, play(env, 100, seed=3))  # after a dirty episode
+    assert_same(first, play(env, 100, seed=3))  # another episode came before
     assert_same(first, play(make(), 100, seed=3))  # another instance
     different = play(env, 100, seed=4)
     assert not np.array_equal(first[0], different[0])
@@ -86,7 +86,7 @@ def test_observation_is_fresh_and_means_what_the_layout_says():
     for _ in range(50):
         observation, *_, info = env.step(np.array([0.3, -0.2], np.float32))
     layout = env.layout
-    count = 2 * np.pi / 2**14  # of the encoders
+    count = 2 * np.pi / 2**14  # encoder count [rad]
     assert np.abs(observation[layout["angle"]] - env.data.qpos).max() <= 0.501 * count
     # A rate of whole counts in a control period, smoothed over some.
     np.testing.assert_allclose(observation[layout["rate"]], env.data.qvel, atol=count / 0.01)
@@ -152,7 +152,7 @@ def test_reward_follows_from_its_terms_and_energy_adds_up():
         assert reward == pytest.approx(1 / (1 + sum(info["reward_terms"].values())))
         rates = env.data.qvel[[1, 2]]
         assist += np.abs(info["assist_torque"] * rates).sum() * 0.01
-        assert info["dissipated_energy"] >= last - 1e-6  # J, of the start's long way
+        assert info["dissipated_energy"] >= last - 1e-6  # J, rounding over the start's path
         last = info["dissipated_energy"]
     assert info["assist_energy"] == pytest.approx(assist)
     assert last > 0.01
@@ -309,7 +309,7 @@ def test_control_rate_and_gravity_options(gravity):
     assert len(info["assist_torque"]) == len(ASSISTED)
 
 
-def test_a_history_holds_the_last_observations():
+def test_a_history_contains_the_last_observations():
     plain, stacked = make(), make(history=3)
     assert stacked.observation_space.shape == (36,)
     first, shown = plain.reset(seed=2)[0], stacked.reset(seed=2)[0]

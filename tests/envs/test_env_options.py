@@ -95,7 +95,7 @@ def test_on_cuffs_the_exoskeleton_measures_itself():
     env.reset(seed=0)
     for action in 0.3 * ACTIONS:
         env.step(action)
-    for _ in range(30):  # so that rates change slowly
+    for _ in range(30):  # rates then change slowly
         observation, *_, info = env.step(np.zeros(2))
     layout, data = env.layout, env.data
     np.testing.assert_allclose(observation[layout["angle"]], data.qpos[4:], atol=2e-4)
@@ -254,7 +254,7 @@ def test_the_usual_delay_fits_every_control_period(control_dt):
 # --- Evaluation ---------------------------------------------------------------------------------
 
 
-def test_scores_tell_effort_and_cuff_forces():
+def test_scores_contain_effort_and_cuff_forces():
     arms = make(coupling="cuffs").rows(1, max_episode_steps=200)
     (trace,) = rollout(arms, make_policy("none", arms), [0])
     result = score("none", [trace])

@@ -39,7 +39,7 @@ def assert_same(states, others):
 def test_a_level_is_its_options_and_the_same_seed_the_same_episodes(level, coupling):
     named = ArmEnv(coupling=coupling, level=level)
     found = play(named, 4)
-    assert_same(found, play(named, 4))  # after another episode
+    assert_same(found, play(named, 4))  # another episode came before
     options = with_level({"coupling": coupling, "level": level})
     assert "level" not in options
     assert_same(found, play(ArmEnv(**options), 4))
@@ -52,7 +52,7 @@ def test_levels_differ_and_nominal_is_the_default():
     physics = [states[level][0]["physics"] for level in LEVELS]
     assert physics[0].shape == physics[1].shape
     assert not np.array_equal(physics[0], physics[1])
-    for level in ("randomized", "shift"):  # and the motion is the same at each
+    for level in ("randomized", "shift"):  # the motion is the same at each
         np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
 
 

@@ -46,7 +46,7 @@ def test_environments_give_their_memory_back():
     for env in kept:
         env.close()
     del env, kept
-    assert (resident() - before) / ENVIRONMENTS < 3  # was 23
+    assert (resident() - before) / ENVIRONMENTS < 3  # MB; was 23
 
 
 @linux
@@ -65,7 +65,7 @@ def test_pictures_give_their_memory_back():
     for env in kept:
         env.close()
     del env, kept
-    assert (resident() - before) / PICTURED < 30  # MB, of which drivers keep some; was 306
+    assert (resident() - before) / PICTURED < 30  # MB, drivers keep some; was 306
 
 
 def test_the_arm_for_inverse_dynamics_has_nothing_to_draw(tmp_path):

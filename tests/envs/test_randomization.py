@@ -124,7 +124,7 @@ def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
         preconditioned=True,
         randomize={"suit": "samples", "pressure": 0.3},
     )
-    plant = []
+    drawn = []
     for seed in range(6):
         _, info = env.reset(seed=seed)
         angle = info["angle"][ELBOW]
@@ -132,8 +132,8 @@ def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
         assert info["suit_torque"][ELBOW] == pytest.approx(-entry.response([angle])[0], abs=1e-9)
         virgin = entry.model_copy(update={"start_path": ()})
         assert abs(info["suit_torque"][ELBOW] + virgin.response([angle])[0]) > 0.01
-        plant.append(entry.model.Ms)
-    assert len(set(plant)) == 6
+        drawn.append(entry.model.Ms)
+    assert len(set(drawn)) == 6
 
 
 def test_encoder_offsets_are_seen_by_the_controller_only():
@@ -200,7 +200,7 @@ def test_no_misalignment_in_the_range_loses_an_arm_at_once():
 @pytest.mark.parametrize("suit", ["mock-suit", "none-at-the-elbow", "play"])
 def test_suits_of_other_kinds_are_those_of_an_environment_made_with_them(suit, wardrobe):
     other = wardrobe.get(suit, suit)
-    drawn = ArmEnv(randomize={"suits": [other]})  # made with mock-suit
+    drawn = ArmEnv(randomize={"suits": [other]})  # the compiled suit is mock-suit
     made = ArmEnv(suit=other)
     for env in (drawn, made):
         env.reset(seed=4)
@@ -214,8 +214,8 @@ def test_rows_of_one_batch_wear_suits_of_other_kinds(wardrobe):
     suits = ["mock-suit", "emu-like", *wardrobe.values()]
     arms = ArmEnv(randomize={"suits": suits}).rows(16, info="full")
     arms.reset(seed=0)
-    plant = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
-    assert {type(model) for model in plant} == {Held, JilesAtherton, PrandtlIshlinskii}
+    models = [arms.episodes._start(row).suit["shoulder_flexion"].model for row in range(16)]
+    assert {type(model) for model in models} == {Held, JilesAtherton, PrandtlIshlinskii}
     for _ in range(20):
         *_, info = arms.step(np.zeros((16, 2)))
     without = ["elbow_flexion" not in arms.episodes._start(row).suit for row in range(16)]

@@ -21,7 +21,7 @@ STILL = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=2
 
 @pytest.fixture(scope="module", params=["rigid", "cuffs"])
 def motion(request):
-    """A motion under random actions, with all that the environment tells of it."""
+    """A motion under random actions, with all that the environment returns."""
     env = ArmEnv(coupling=request.param, exo={"elbow": {"continuous_torque": 4.0}})
     env.reset(seed=2)
     rng, reported = np.random.default_rng(1), []
@@ -35,7 +35,7 @@ def motion(request):
         for name in reported[0]
         if name not in ("reward_terms", "cost_terms")
     }
-    return SimpleNamespace(env=env, actions=actions, told=reported, **series)
+    return SimpleNamespace(env=env, actions=actions, infos=reported, **series)
 
 
 def test_rewards_by_hand(motion):
@@ -56,7 +56,7 @@ def test_rewards_by_hand(motion):
 
 
 def test_costs_by_hand(motion):
-    costs = motion.told[-1]["cost_terms"]
+    costs = motion.infos[-1]["cost_terms"]
     assert tuple(costs) == COSTS
     change = np.diff(motion.actions, axis=0)
     assert costs["chatter"] == pytest.approx(np.sum(change**2))

@@ -122,14 +122,14 @@ def test_a_seed_forgets_and_no_seed_remembers(practised):
     np.testing.assert_array_equal(episode(env)[0][:, MOVED], practised.errors[0])
 
 
-# --- Settled wearers ----------------------------------------------------------------------------
+# --- Adapted wearers ----------------------------------------------------------------------------
 
 SCENE = {"coupling": "none", "gravity": "microgravity", "threads": 1}
 
 
 @pytest.fixture(scope="module")
 def learned():
-    """What learning by its law leads to from repetition to repetition, and where it ends."""
+    """Errors of repetitions with the law of learning, the torque after them, and its limit."""
     wearers = Wearers(MOTION, 1, **SCENE)
     policy = make_policy("none", wearers.arms)
     traces = wearers.naive(policy, [0])
@@ -145,7 +145,7 @@ def learned():
         traces = rollout(wearers.arms, policy, [0], taught=learned_torque)
     lesson = wearers.lesson(policy, [0])
     wearers.close()
-    return SimpleNamespace(errors=errors, taught=learned_torque, lesson=lesson)
+    return SimpleNamespace(errors=errors, torque=learned_torque, lesson=lesson)
 
 
 def test_the_error_of_a_repeated_motion_falls_to_a_quarter_in_10_to_30(learned):
@@ -153,14 +153,14 @@ def test_the_error_of_a_repeated_motion_falls_to_a_quarter_in_10_to_30(learned):
     assert 10 <= below[0] <= 30
 
 
-def test_the_adapted_wearer_is_where_the_law_ends(learned):
-    off = learned.taught - learned.lesson
+def test_the_adapted_wearer_is_the_limit_of_the_law(learned):
+    off = learned.torque - learned.lesson
     assert rms(off[..., MOVED]) < 0.1 * rms(learned.lesson[..., MOVED])
 
 
 @pytest.fixture(scope="module")
 def adapted():
-    """Motions of those who know them under two policies, after two and three led rollouts."""
+    """Motions of adapted wearers under two policies, after two and three guided rollouts."""
     found = {}
     for name in ("none", "compensation"):
         wearers = Wearers(MOTION, 1, threads=1)
@@ -223,7 +223,7 @@ def test_the_first_half_second_decides_no_score():
         (True, np.full((2, 401, 4), np.nan), "taught has shape .*: give finite numbers of shape"),
     ],
 )
-def test_lessons_are_checked(made, learned_torque, message):
+def test_learned_torques_are_checked(made, learned_torque, message):
     arms = ArmVectorEnv(2, AGAIN, threads=1, taught=made)
     with pytest.raises(InputError, match=message):
         arms.reset(seed=0, options={"taught": learned_torque})

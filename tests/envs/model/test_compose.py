@@ -38,7 +38,7 @@ MODELS = [
 ]
 # Of models that break at four or eight times their step all do within 0.4 s; at sixteen times some
 # take up to 10 s.
-NOISES = 50  # of 0.1 s
+NOISES = 50  # number of noise periods, 0.1 s each
 CASES = [*FEW, *(pytest.param(fields, marks=pytest.mark.slow) for fields in MODELS)]
 
 
@@ -94,7 +94,7 @@ def control_limits(model):
 
 
 def gravity_torque(model, joints=("shoulder_flexion", "elbow_flexion")):
-    """With the arm horizontal [N·m]."""
+    """Gravity torque of the horizontal arm [N·m]."""
     data = mujoco.MjData(model)
     data.joint("shoulder_flexion").qpos[0] = np.pi / 2
     mujoco.mj_forward(model, data)

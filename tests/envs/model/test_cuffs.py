@@ -110,9 +110,9 @@ def test_the_torque_of_a_motor_reaches_the_wearer_through_the_cuffs():
     mujoco.mj_step(model, data, nstep=20_000)
     assist = data.actuator_force[motor]
     wearer = data.sensor("human_torque_shoulder_flexion").data[0]
-    kept = model.jnt_stiffness[:4] * (data.qpos[:4] - model.qpos_spring[:4])
+    passive = model.jnt_stiffness[:4] * (data.qpos[:4] - model.qpos_spring[:4])
     assert abs(assist) > 1
-    assert wearer == pytest.approx(kept[1] - assist, rel=1e-4)
+    assert wearer == pytest.approx(passive[1] - assist, rel=1e-4)
     assert np.linalg.norm(cuff_forces(data), axis=1).min() > 1
     slack = data.qpos[5] - data.qpos[1]
     assert 0 < slack < math.radians(5)

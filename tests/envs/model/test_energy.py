@@ -25,8 +25,8 @@ PEOPLE = [
 ]
 KICK = np.array([1.0, 2.0, -2.0, 3.0])  # rad/s
 LONG, SHORT = 60.0, 10.0  # s: until nothing moves, and until 90 % of the loss of 60 s is lost
-ROUNDING = 1e-8  # J, of energies around 100 J and losses summed over 60,000 steps
-SOFTNESS = 4e-3  # J, which lift the arm by 0.1 mm: MuJoCo's friction gives some back at a stop
+ROUNDING = 1e-8  # J, error of energies around 100 J and of losses over 60,000 steps
+SOFTNESS = 4e-3  # J, work of 0.1 mm: MuJoCo's friction gives some energy back at a stop
 ENERGIES = {
     name: getattr(mujoco.mjtSensor, f"mjSENS_E_{name}") for name in ("KINETIC", "POTENTIAL")
 }

@@ -21,7 +21,7 @@ MOTORS = Exo().motors
 
 
 def driven(joint, speed=0.0):
-    """The default model with `joint` held at a speed by an enormous inertia."""
+    """The default model with `joint` kept at a speed by an enormous inertia."""
     spec = arm_spec(ArmConfig(suit="none", gravity="microgravity"))
     spec.joint(joint).armature = 1e9
     model = spec.compile()
@@ -111,7 +111,7 @@ def test_masses_are_the_configured_ones():
 
 
 @pytest.mark.parametrize("delay", [0.002, 0.01])
-def test_encoders_tell_what_was(delay):
+def test_encoders_report_delayed_values(delay):
     model = compose(ArmConfig(exo=Exo(encoder_delay=delay)))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
@@ -143,9 +143,9 @@ def test_quantized_angles_are_whole_counts_within_half_a_count():
     angle = np.random.default_rng(0).uniform(-3, 3, (50, 4))
     for bits in (10, 14):
         count = 2 * np.pi / 2**bits
-        reported = quantize(angle, bits)
-        np.testing.assert_allclose(reported / count, np.round(reported / count), atol=1e-9)
-        assert np.abs(reported - angle).max() <= count / 2 * (1 + 1e-9)
+        rounded = quantize(angle, bits)
+        np.testing.assert_allclose(rounded / count, np.round(rounded / count), atol=1e-9)
+        assert np.abs(rounded - angle).max() <= count / 2 * (1 + 1e-9)
 
 
 def test_heat_is_the_running_mean_square():

@@ -72,7 +72,7 @@ def test_roll_leans_to_the_same_side_for_both_arms():
         mujoco.mj_forward(model, data)
         heads.append(data.body("torso").xpos.copy())
     np.testing.assert_allclose(heads[0], heads[1], atol=1e-12)
-    assert heads[0][1] < -0.1  # to the wearer's right
+    assert heads[0][1] < -0.1  # the wearer's right
 
 
 def test_mirrored_twice_is_the_original():

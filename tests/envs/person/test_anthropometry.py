@@ -12,7 +12,7 @@ GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62}
 
 
 def holding_torque(person, names, gravity):
-    """What carries the named segments, stretched out horizontally one after the other [N·m]."""
+    """The torque that carries segments, stretched out horizontally in a row [N·m]."""
     torque, reach = 0.0, 0.0
     for name in names:
         segment = segments(person)[name]
@@ -68,7 +68,7 @@ def test_segments_scale_with_stature_and_mass(sex):
         assert large[name].mass == pytest.approx(2 * small[name].mass)
         assert large[name].inertia == pytest.approx(2 * 1.44 * np.array(small[name].inertia))
         sagittal, transverse, longitudinal = large[name].inertia
-        assert sagittal < transverse + longitudinal  # or no rigid body has it
+        assert sagittal < transverse + longitudinal  # true of every rigid body
 
 
 def test_percentiles_are_those_of_the_survey():

@@ -34,13 +34,13 @@ def by_joint(name):
 
 
 class Twin:
-    """What a wearer does in a control period, slowly."""
+    """A slow, readable model of the wearer in a control period."""
 
-    def __init__(self, settings, person, kept):
+    def __init__(self, settings, person, correction):
         own, usual = isometric_strength(person), isometric_strength(Person())
         self.strength, self.settings = own, settings
         self.stronger = own.sum(axis=0) / usual.sum(axis=0)
-        self.held, self.fed = kept.copy(), np.zeros(4)
+        self.held, self.fed = correction.copy(), np.zeros(4)
         self.past = deque([np.zeros(4)] * round(settings.delay / DT))
         self.seen = deque([np.zeros(4)] * round(VALUE["control.correction.delay"] / DT))
 
@@ -106,7 +106,7 @@ def test_stiffness_at_rest_and_under_load():
     weak = VoluntaryControl().impedance(Person(**WEAK))
     ratio = isometric_strength(Person(**WEAK)).sum(axis=0) / isometric_strength(Person()).sum(0)
     np.testing.assert_allclose(weak[0], ratio * base)
-    np.testing.assert_allclose(weak[1], slope)  # she needs the torque, whoever she is
+    np.testing.assert_allclose(weak[1], slope)  # the slope does not depend on strength
     tense = VoluntaryControl(contraction=3).impedance(Person())
     np.testing.assert_allclose(tense[0] - base, slope * tense[4])
     np.testing.assert_allclose(tense[4], 2 * by_joint("contraction"))
@@ -130,9 +130,9 @@ def test_more_contraction_than_usual_counts_as_effort_and_tires():
 
 
 def fixed(**control):
-    """Returns how the muscles answer at an elbow held in a vise, whose target turns by a little.
+    """Returns the muscles' response at an elbow that is clamped, after a small step of its target.
 
-    The answer is over the elastic torque, shape (periods since the turn,).
+    The response is relative to the elastic torque, shape (periods since the step,).
     """
     error, at_period = 0.002, 20
     env = ArmEnv(STILL, control={"adaptation": 0.0, **control}, **BARE)
@@ -144,14 +144,14 @@ def fixed(**control):
         torque.append(physics(env, "ctrl")[at.intention[2, ELBOW]])
         physics(env, "qpos")[:], physics(env, "qvel")[:] = pose, 0
     base, slope, *_ = VoluntaryControl(**control).impedance(Person())[:, ELBOW]
-    foreseen = torque[at_period]  # what the joint itself resists
+    foreseen = torque[at_period]  # resistance of the joint itself
     return (np.array(torque[at_period:]) - foreseen) / ((base + slope * abs(foreseen)) * error)
 
 
 def test_a_reflex_begins_after_50_ms_and_rises_as_muscles_do():
     answer = fixed(correction=0.0)
     np.testing.assert_allclose(answer[:6], 0, atol=1e-6)
-    time = DT * np.arange(1, 35)  # since 50 ms
+    time = DT * np.arange(1, 35)  # time after 50 ms
     np.testing.assert_allclose(answer[6:], 0.5 * (1 - np.exp(-time / 0.035)), rtol=0.02)
     at_once = fixed(correction=0.0, delay=0.0, reflex=1.0)
     np.testing.assert_allclose(at_once[1:8], 2 * answer[6:13], rtol=0.02)
@@ -214,7 +214,7 @@ def test_noise_varies_the_torque_in_proportion():
         share.append(NOISE_SIZE * memory(env).variation[0, 0])
         torque.append(total / (1 + share[-1]))
     assert np.std(share, axis=0) == pytest.approx(NOISE_SIZE, rel=0.6)
-    # What is left of the shoulder's torque without noise is that of a held arm.
+    # Without its noise the shoulder's torque is that of an arm at rest.
     assert np.ptp(np.array(torque)[:, 1]) < 0.25 * np.abs(torque)[:, 1].mean()
 
 

@@ -58,12 +58,12 @@ def test_a_simulated_hold_ends_at_the_endurance_time(dt):
     loads = [0.5, 0.7] if dt == 0.01 else LOADS[:3]
     load = np.broadcast_to(np.reshape(loads, (-1, 1, 1)), (len(loads), 2, 4))
     expected = np.stack([endurance_time(loads, joint) for joint in JOINTS], axis=-1)
-    kept, fatigued = np.zeros(load.shape), np.zeros(load.shape)
+    endured, fatigued = np.zeros(load.shape), np.zeros(load.shape)
     for _ in range(int(expected.max() / dt) + 2):
         fatigued = fatigue_step(fatigued, load, dt)
-        kept += dt * (1 - fatigued >= load)
+        endured += dt * (1 - fatigued >= load)
     for direction in (0, 1):
-        np.testing.assert_allclose(kept[:, direction], expected, rtol=0.01)
+        np.testing.assert_allclose(endured[:, direction], expected, rtol=0.01)
 
 
 def test_it_is_the_original_model_without_the_controllers_lag():

@@ -79,7 +79,7 @@ def test_shoulder_flexors_are_those_of_the_26_men(degrees, speed, published, tol
     assert torque == pytest.approx(published, rel=tolerance)
 
 
-def test_a_man_holds_his_bare_arm_with_22_to_25_percent_of_his_strength():
+def test_the_bare_arm_takes_22_to_25_percent_of_a_mans_strength():
     arm = segments(Person())
     below = arm["forearm"].mass + arm["hand"].mass
     weight = arm["upper_arm"].mass * arm["upper_arm"].center

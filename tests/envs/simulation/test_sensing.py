@@ -1,4 +1,4 @@
-"""Sensors on the person: what they measure, how late, how noisy."""
+"""Sensors on the person: their signals, delays and noise."""
 
 import numpy as np
 import pytest
@@ -28,8 +28,8 @@ def series(sensing, **options):
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
 def test_without_suit_and_exoskeleton_there_is_nothing_between(coupling):
-    plant = "none" if coupling == "none" else "mock-suit"
-    interaction, *_ = series(EXACT, coupling=coupling, suit=plant)
+    suit = "none" if coupling == "none" else "mock-suit"
+    interaction, *_ = series(EXACT, coupling=coupling, suit=suit)
     largest = np.abs(interaction).max(axis=0)
     if coupling == "none":
         # What is left: the armature that keeps the integration stable, and the physics step.
@@ -59,13 +59,13 @@ def test_interaction_comes_late_and_noisy():
     assert np.abs(usual[5:] - exact[:-5]).max() > 0.5
 
 
-def test_emg_tells_the_voluntary_torque_ahead_of_time():
+def test_emg_is_the_voluntary_torque_ahead_of_time():
     calm = {"reflex": 0.0, "correction": 0.0, "adaptation": 0.0}
     _, emg, reported, env = series(EXACT, control=calm)
     memory, chain = env.episodes.simulation.memory, Chain.of(bare_arm(env.config))
     own = arm_torques(chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
-    kept = memory.held[0]
-    ahead = own[np.arange(1, PERIODS + 1) + 5] + kept
+    correction = memory.held[0]
+    ahead = own[np.arange(1, PERIODS + 1) + 5] + correction
     np.testing.assert_allclose(emg, ahead, rtol=1e-5, atol=1e-5)
     with_feedback, *_ = (series(EXACT)[1],)
     assert np.abs(with_feedback - emg).max() > 0.5
