@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
+CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
 LOWEST = -1.0  # relief at which the figure begins
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best policies
 
@@ -90,7 +91,7 @@ def page(standings: Standings, title: str, figure: str) -> str:
         header, rows = task_rows(standings, level)
         turned = [list(column) for column in zip(header, *rows, strict=True)]
         title = f"## {level}, by task: success and relief"
-        parts.append(f"{title}\n\n{markdown_table(turned[0], turned[1:])}\n")
+        parts.append(f"{title}\n\n{CELLS}\n\n{markdown_table(turned[0], turned[1:])}\n")
     parts.append(
         f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
         f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
