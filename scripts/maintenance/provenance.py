@@ -32,8 +32,8 @@ and a grade:
 - **identified**: fitted to curves (suits only);
 - **assumed**: ours, or known at second hand only. Replace it by what you know of your own hardware.
 
-**How to read this.** Each table is a module, each row a number with its name in the code, value, unit,
-source and grade. [The model](model.md) and the module say what the numbers mean.
+**How to read this.** Each table is a module, each row a number with its name in the code, value,
+unit, source and grade. [The model](model.md) and the module say what the numbers mean.
 """
 
 
