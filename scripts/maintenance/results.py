@@ -77,7 +77,9 @@ def door() -> str:
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
         f"Compensation gives back {_signed(space['compensation']['relief']['value'])} of that in "
-        f"weightlessness, the best known plan {_signed(space['clairvoyant']['relief']['value'])}."
+        f"weightlessness, the best known plan {_signed(space['clairvoyant']['relief']['value'])}. "
+        "Motors that are off add weight and gear\nfriction, "
+        "and on Earth cancelling the suit alone does not make up for that weight."
     )
 
 
