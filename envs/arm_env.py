@@ -298,7 +298,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         return {**self.__dict__, "_data": None}
 
     def _require_reset(self, what: str) -> None:
-        if self.episodes.simulation.memory.episode.item() < 0:
+        if self.episodes.simulation.state.episode.episode.item() < 0:
             raise InputError(f"{what} before the first reset: call reset() first")
 
     def _answer(self) -> tuple[NDArray[np.float32], Info]:

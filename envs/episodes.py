@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -26,25 +27,28 @@ from .reward import (
     DIVERGED,
     ENDED,
     PERIODS,
+    SUMS,
     TERM,
     TERMS,
-    TOLD,
+    Score,
+    Watch,
     cost_terms,
     is_success,
     judge,
+    judge_hand,
     suited_effort,
-    watch,
 )
 from .simulation import Simulation
 from .simulation.bound import bound
 from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
-from .simulation.measurements import BELIEF, ENCODER, ENCODER_RATE, TIME, snapshot
+from .simulation.measurements import ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.plan import Plan
 from .simulation.saving import check_state
 from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW, Start
 from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
+from .simulation.structs import saved
 from .tasks import Task
 
 Rows = NDArray[np.int64]
@@ -162,18 +166,15 @@ class Episodes:
             ),
             edits=task.edits,
             carries=task.carries,
-            taught=taught,
+            learned=taught,
             threads=threads,
         )
         self.observer = Observer(
             sensors, self.simulation.columns, normalize=normalize, history=history
         )
         size = self.observer.space.shape[0] // history if history > 1 else 0
-        self.simulation.memory.shown = np.zeros((n, history - 1, size), np.float32)
-        self.simulation.memory.told = np.zeros((n, TOLD))
-        if task.watches:
-            self.simulation.memory.watched = np.zeros((n, samples), np.bool_)
-            self.simulation.memory.places = np.zeros((n, samples, 3))
+        self._frames = np.zeros((n, history - 1, size), np.float32)
+        self._belief, self._belief_state = np.zeros((n, 4)), np.zeros((n, 0))
         if belief is not None and "belief" not in sensors:
             raise InputError(
                 f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
@@ -181,29 +182,9 @@ class Episodes:
         if "belief" in sensors:
             self._believe(nested("belief", {} if belief is None else belief, config))
         self.motors = self.simulation.addresses.motors.size
-        self.reward = np.zeros(n)
-        self.terminated, self.truncated = np.zeros(n, np.bool_), np.zeros(n, np.bool_)
         self._all = np.arange(n)
-        memory, addresses = self.simulation.memory, self.simulation.addresses
         self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
-        self._judge = bound(
-            judge,
-            (self._all, True),
-            (
-                *(memory.measured, memory.change, memory.clipped, memory.diverged),
-                *(memory.step, memory.limit, self.simulation.plugin_state),
-                *(addresses.faults, addresses.assisted, "cuff_force" in self.simulation.columns),
-                *(self.simulation.model.jnt_range[: len(JOINTS)], self.effort_scale, control_dt),
-                *(memory.told, self.reward, self.terminated, self.truncated),
-            ),
-        )
-        self._watch = None
-        if task.watches:
-            looks = (
-                *(memory.step, memory.watched, memory.places, memory.hand, memory.measured),
-                *(self.simulation.sensordata, addresses.hand, memory.told, control_dt),
-            )
-            self._watch = bound(watch, (self._all,), looks)
+        self._begin_judging()
 
     # --- Episodes -----------------------------------------------------------------------------
 
@@ -225,31 +206,35 @@ class Episodes:
             taught: Learned torque of the wearers, added to that of their bare arms [N·m], shape
                 (k, samples, 4).
         """
-        memory = self.simulation.memory
+        episode = self._counters
+        next_gains = self.simulation.state.wearer.learning.next_gains
         for row, seed in zip(rows.tolist(), seeds or [None] * len(rows), strict=True):
-            if seed is not None or memory.episode[row] < 0:
-                memory.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
-                memory.episode[row], memory.growing[row] = -1, 0.0
-        memory.episode[rows] += 1
-        memory.limit[rows] = self._periods
+            if seed is not None or episode.episode[row] < 0:
+                episode.seed[row] = fresh_seed() if seed is None else checked_seed(seed)
+                episode.episode[row], next_gains[row] = -1, 0.0
+        episode.episode[rows] += 1
+        episode.limit[rows] = self._periods
         if stagger:
-            memory.limit[rows] = [
+            episode.limit[rows] = [
                 self._stream(row, "stagger").integers(1, self._periods + 1) for row in rows.tolist()
             ]
+        for values in self._own.values():
+            values[rows] = 0
         try:
             learned = {} if taught is None else dict(zip(rows.tolist(), taught, strict=True))
             self.simulation.begin(rows, lambda row: self._start(row, learned.get(row)))
         except BaseException:
-            memory.episode[rows] = -1  # no episode: `step` asks for a reset
+            episode.episode[rows] = -1  # no episode: `step` asks for a reset
             raise
         if self.task.watches:
-            hand = self.simulation.addresses.hand
-            memory.hand[rows] = self.simulation.sensordata[rows[:, None], hand]
-        if memory.believed.shape[1]:
-            memory.believed[rows] = self._suit.begin(self._encoded(rows)[0][:, self._assisted])
-            self._write_belief(rows)
-        if memory.shown.shape[1]:
-            memory.shown[rows] = self.observer(memory.measured)[rows, None]
+            hand = self._watch.hand
+            self._watch.last_hand[rows] = self.simulation.sensordata[rows[:, None], hand]
+        if self._belief_state.size:
+            angle = self._encoded(rows)[0][:, self._assisted]
+            self._belief_state[rows] = self._suit.begin(angle)
+            self._update_belief(rows)
+        if self._frames.size:
+            self._frames[rows] = self._observed()[rows, None]
         self._judge(rows, False)
 
     def step(self, action: ArrayLike, rows: Rows | None = None) -> None:
@@ -262,7 +247,7 @@ class Episodes:
         Raises:
             InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
         """
-        self._move(checked(action, (self.n, self.motors)), rows)
+        self._move(checked(action, (self.n, self.motors), rows), rows)
 
     def step_one(self, action: ArrayLike) -> None:
         """Applies an action, shape (motors,), in the only row."""
@@ -270,27 +255,25 @@ class Episodes:
 
     def observe(self) -> NDArray[np.float32]:
         """Returns a new array of the observations of all rows, shape (n, size)."""
-        memory = self.simulation.memory
-        now = self.observer(memory.measured)
-        if not memory.shown.shape[1]:
+        now = self._observed()
+        if not self._frames.size:
             return now
-        return np.concatenate([now, memory.shown.reshape(self.n, -1)], axis=1)
+        return np.concatenate([now, self._frames.reshape(self.n, -1)], axis=1)
 
     def info(self, row: int) -> Info:
         """Returns what no sensor measures of a row at this instant; it is computed when read."""
-        memory = self.simulation.memory
-        measured, sums = memory.measured[row].copy(), memory.told[row].copy()
+        measured, sums = self._measured[row].copy(), self._score.sums[row].copy()
         return Info(measured.item(TIME), partial(self._read, measured, sums))
 
     @property
     def terms(self) -> Array:
         """Terms of the reward, shape (n, 3), in the order of `TERMS`."""
-        return self.simulation.memory.told[:, TERM:COST]
+        return self._score.sums[:, TERM:COST]
 
     @property
     def costs(self) -> Array:
         """Costs of the episodes so far, shape (n, 10), in the order of `COSTS`."""
-        return self.simulation.memory.told[:, COST:PERIODS]
+        return self._score.sums[:, COST:PERIODS]
 
     # --- State --------------------------------------------------------------------------------
 
@@ -311,8 +294,8 @@ class Episodes:
         }
 
     def state(self, rows: Rows) -> dict[str, Any]:
-        """Returns the whole state of some rows: physics, memory and configuration."""
-        return {"config": self.identity(), **self.simulation.state(rows)}
+        """Returns the whole state of some rows: physics, episode and configuration."""
+        return {"config": self.identity(), **self._arrays(rows)}
 
     def restore(self, rows: Rows, state: Any) -> None:
         """Restores what `state` returned, also in other rows; they then continue bit for bit.
@@ -320,22 +303,31 @@ class Episodes:
         Raises:
             InputError: The state is not from `state`, or is of other arms; nothing has changed.
         """
-        present, wearers = self.simulation.state(rows), max(1, len(self.randomization.wearers))
+        present, wearers = self._arrays(rows), max(1, len(self.randomization.wearers))
         check_state(state, self.identity(), present, self.simulation.model, wearers)
-        self.simulation.restore(rows, state)
-        limit = self.simulation.memory.limit
+        self._restore(rows, state)
+        limit = self._counters.limit
         limit[rows] = np.minimum(limit[rows], self._periods)
         self._judge(rows, False)
 
     def __getstate__(self) -> dict[str, Any]:
-        everything = self.simulation.state(self._all)
         options = {**self._of_rows, **self.options}
-        return {"task": self.task, "n": self.n, "options": options, "state": everything}
+        state = self._arrays(self._all)
+        return {"task": self.task, "n": self.n, "options": options, "state": state}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
         self.__init__(saved["task"], saved["n"], **saved["options"])
-        self.simulation.restore(self._all, saved["state"])
+        self._restore(self._all, saved["state"])
         self._judge(self._all, False)
+
+    def _arrays(self, rows: Rows) -> dict[str, NDArray]:
+        own = {name: values[rows] for name, values in self._own.items()}
+        return {**self.simulation.get_state(rows), **own}
+
+    def _restore(self, rows: Rows, state: dict[str, NDArray]) -> None:
+        self.simulation.set_state(rows, state)
+        for name, values in self._own.items():
+            values[rows] = state[name]
 
     def _read(self, measured: Array, sums: Array) -> dict[str, Any]:
         costs, periods, ended = sums[COST:PERIODS], int(sums[PERIODS]), bool(sums[ENDED])
@@ -351,26 +343,34 @@ class Episodes:
     # --- Parts --------------------------------------------------------------------------------
 
     def _stream(self, row: int, purpose: str) -> np.random.Generator:
-        memory = self.simulation.memory
-        return stream(int(memory.seed[row]), int(memory.episode[row]), purpose)
+        seed, episode = self._counters.seed[row], self._counters.episode[row]
+        return stream(int(seed), int(episode), purpose)
 
     def _move(self, action: Array, rows: Rows | None) -> None:
-        memory, moving = self.simulation.memory, self._all if rows is None else rows
-        last = self.observer(memory.measured) if memory.shown.shape[1] else None
+        moving = self._all if rows is None else rows
+        if self._frames.size:
+            last = self._observed()[moving]
+            self._frames[moving, 1:] = self._frames[moving, :-1]
+            self._frames[moving, 0] = last
         self.simulation.step(action, rows)
-        if memory.believed.shape[1]:
-            self._write_belief(moving[~memory.diverged[moving]])
-        if last is not None:  # last: the step may have refused the action
-            memory.shown[moving, 1:] = memory.shown[moving, :-1]
-            memory.shown[moving, 0] = last[moving]
+        if self._belief_state.size:
+            self._update_belief(moving[~self._counters.diverged[moving]])
         self._judge(moving, True)
-        if self._watch:
-            self._watch(moving)
+        if self._judge_hand:
+            self._judge_hand(moving)
 
-    def _start(self, row: int, taught: Array | None = None) -> Start:
+    def _observed(self) -> NDArray[np.float32]:
+        return self.observer(self._measured, self._belief)
+
+    def _start(self, row: int, learned_torque: Array | None = None) -> Start:
         streams, terms = partial(self._stream, row), self.randomization
         wearer = terms.person(streams)
         plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
+        plan = self.simulation.checked(plan)
+        if self.task.watches:
+            places = self.simulation.arm_of(wearer).in_world(plan.motion[0])
+            self._watch.watched[row] = False if plan.watched is None else plan.watched
+            self._watch.hand_places[row] = places
         return Start(
             plan=plan,
             suit=terms.worn(self._wardrobe, streams),
@@ -379,8 +379,8 @@ class Episodes:
             gravity=terms.place(streams),
             wearer=wearer,
             misalignment=terms.shift(streams),
-            loudness=terms.loudness(streams),
-            taught=taught,
+            noise_scale=terms.loudness(streams),
+            learned_torque=learned_torque,
         )
 
     def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
@@ -405,28 +405,61 @@ class Episodes:
         self._suit = BelievedSuit(resisting_joints(config), count, simulation.control_dt)
         self._weight = BelievedWeight(compose(config, drawn=False, edits=self.task.edits))
         self._assisted = simulation.addresses.assisted
-        simulation.memory.believed = np.zeros((self.n, self._suit.size))
+        self._belief_state = np.zeros((self.n, self._suit.size))
+
+    def _begin_judging(self) -> None:
+        """Prepares what depends on the task: rewards, costs and the places of the hand."""
+        n, simulation = self.n, self.simulation
+        state, addresses = simulation.state, simulation.addresses
+        samples = simulation.samples if self.task.watches else 0
+        self._counters, self._measured = state.episode, state.sensors.measured
+        self._score = Score(
+            sums=np.zeros((n, SUMS)),
+            reward=np.zeros(n),
+            terminated=np.zeros(n, np.bool_),
+            truncated=np.zeros(n, np.bool_),
+            ranges=simulation.model.jnt_range[: len(JOINTS)],
+            scale=self.effort_scale,
+            has_cuffs="cuff_force" in simulation.columns,
+            assisted=addresses.assisted,
+            faults=addresses.faults,
+        )
+        self._watch = Watch(
+            watched=np.zeros((n, samples), np.bool_),
+            hand_places=np.zeros((n, samples, 3)),
+            last_hand=np.zeros((n, 3)),
+            hand=addresses.hand,
+        )
+        self.reward, self.terminated = self._score.reward, self._score.terminated
+        self.truncated = self._score.truncated
+        own = {"belief": self._belief, "belief_state": self._belief_state, "frames": self._frames}
+        self._own: dict[str, NDArray] = {**saved(self._score), **saved(self._watch), **own}
+        counters, measured = self._counters, self._measured
+        judged = (simulation.plugin_state, counters, state.motors.change, measured, self._score)
+        self._judge = bound(judge, (self._all, True), judged)
+        looks = (simulation.sensordata, counters, measured, self._watch, self._score.sums)
+        self._judge_hand = bound(judge_hand, (self._all,), looks) if self.task.watches else None
 
     def _encoded(self, rows: Rows) -> tuple[Array, Array]:
-        measured = self.simulation.memory.measured[rows]
+        measured = self._measured[rows]
         return measured[:, ENCODER : ENCODER + 4], measured[:, ENCODER_RATE : ENCODER_RATE + 4]
 
-    def _write_belief(self, rows: Rows) -> None:
-        """Writes the believed torques of suit and weight as measurements of some rows."""
-        memory, assisted = self.simulation.memory, self._assisted
+    def _update_belief(self, rows: Rows) -> None:
+        """Updates the believed torques of suit and weight of some rows."""
+        assisted = self._assisted
         angle, rate = self._encoded(rows)
-        believed = memory.believed[rows]
-        suit = self._suit.follow(believed, angle[:, assisted], rate[:, assisted])
-        memory.believed[rows] = believed
+        state = self._belief_state[rows]
+        suit = self._suit.follow(state, angle[:, assisted], rate[:, assisted])
+        self._belief_state[rows] = state
         weight = self._weight(angle + LEAD * rate)
-        memory.measured[rows, BELIEF : BELIEF + 4] = np.concatenate([suit, weight], axis=1)
+        self._belief[rows] = np.concatenate([suit, weight], axis=1)
 
 
-def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Returns actions as an array of that shape.
+def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None) -> Array:
+    """Returns actions as an array of that shape, finite in the rows that move.
 
     Raises:
-        InputError: The actions have another shape, or are no numbers.
+        InputError: The actions have another shape, or are no finite numbers.
     """
     try:
         given = np.asarray(action)
@@ -438,7 +471,19 @@ def checked(action: ArrayLike, shape: tuple[int, ...]) -> Array:
         raise InputError(
             f"action has shape {given.shape}: give {shape}, one number for every motor"
         )
-    return given.astype(np.float64, order="C")
+    found = given.astype(np.float64, order="C")
+    if not isfinite(found.sum()):  # also where finite numbers overflow
+        _refuse_infinite(found if rows is None else found[rows], rows)
+    return found
+
+
+def _refuse_infinite(action: Array, rows: Rows | None) -> None:
+    bad = np.flatnonzero(~np.isfinite(action.reshape(-1, action.shape[-1])).all(axis=1))
+    if bad.size:
+        row = bad[0] if rows is None else rows[bad[0]]
+        place = f"action of row {row}" if action.size > action.shape[-1] else "action"
+        given = action.reshape(-1, action.shape[-1])[bad[0]].tolist()
+        raise InputError(f"{place} is {given}: give finite numbers from -1 to 1")
 
 
 def checked_seed(seed: Any) -> int:

@@ -12,8 +12,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..assets import JOINTS
 from ..errors import InputError, shown, unknown_name
-from .simulation.bound import bound
+from .simulation.bound import bound, thawed
+from .simulation.measurements import WIDTH
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,7 @@ class Observer:
                 "the suite out"
             )
         self.sensors, self.normalized = tuple(sensors), normalize
+        columns = {**columns, "belief": slice(WIDTH, WIDTH + len(JOINTS))}
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []
         for part in (part for name in sensors for part in SUITES[name]):
@@ -135,27 +138,31 @@ class Observer:
             limits += [part.limit * factors[-1]] * size if size else []
         self._index = np.array(index, np.int64)
         self._factor, self._limit = np.array(factors), np.array(limits, np.float32)
-        like = np.empty((1, 1)), np.empty((1, 1), np.float32)
+        like = np.empty((1, 1)), np.empty((1, 1)), np.empty((1, 1), np.float32)
         self._pick = bound(_pick, like, (self._index, self._factor, self._limit))
         limit = np.tile(self._limit, history)
         self.space = Box(-limit, limit, dtype=np.float32)
 
-    def __call__(self, measured: Array) -> NDArray[np.float32]:
+    def __call__(self, measured: Array, belief: Array) -> NDArray[np.float32]:
         """Returns new observations without history, clipped to their limits, shape (n, size).
 
         Args:
             measured: Measurements of n rows, shape (n, columns).
+            belief: Torques of the suite "belief" [N·m], shape (n, 4).
         """
         observation = np.empty((len(measured), len(self._index)), np.float32)
-        self._pick(measured, observation)
+        self._pick(measured, belief, observation)
         return observation
 
 
 @njit(cache=True)
-def _pick(measured, observation, index, factor, limit) -> None:
+def _pick(measured, belief, observation, picked) -> None:
+    index, factor, limit = thawed(picked)
     for row in range(measured.shape[0]):
         for j in range(index.shape[0]):
-            value = np.float32(measured[row, index[j]] * factor[j])
+            i = index[j]
+            given = measured[row, i] if i < WIDTH else belief[row, i - WIDTH]
+            value = np.float32(given * factor[j])
             observation[row, j] = max(-limit[j], min(value, limit[j]))
 
 

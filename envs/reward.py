@@ -9,19 +9,22 @@ where E is the effort of the suited arm without an exoskeleton, a constant of th
 (`suited_effort`). It is never negative, so that an episode that ends early gains nothing.
 """
 
-# pyright: reportCallIssue=false
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from ..arrays import AnyArray, Array
+from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
+from ..kernels import inner
 from .model.cuffs import FORCE_LIMITS
 from .person import strength_limits
+from .simulation.bound import Frozen, thawed
 from .simulation.inverse_dynamics import Chain, arm_torques
 from .simulation.kinematics import Arm
 from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, TARGET
 from .simulation.plan import Plan
+from .simulation.structs import SAVED, Bools, Episode, Whole
 from .tasks import Task
 
 TERMS = ("effort", "tracking", "smoothness")
@@ -36,7 +39,7 @@ COSTS = (
 )
 CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
 TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
-PERIODS, CLIPPED, DIVERGED, ENDED, TOLD = range(COST + len(COSTS), COST + len(COSTS) + 5)
+PERIODS, CLIPPED, DIVERGED, ENDED, SUMS = range(COST + len(COSTS), COST + len(COSTS) + 5)
 MEANS = ("tracking", "effort")  # costs that keep sums of squares
 ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
 TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
@@ -93,34 +96,49 @@ def _force(arm: Arm, plan: Plan, dt: float) -> Array:
     return force
 
 
+class Score(NamedTuple):
+    """Rewards and costs of the episodes, and the constants of which they are made."""
+
+    sums: Annotated[Array, SAVED]  # reward terms and costs of the episode so far, (n, SUMS)
+    reward: Array  # of the last control period, (n,)
+    terminated: Bools
+    truncated: Bools
+    ranges: Array  # ranges of the joints [rad], (4, 2)
+    scale: float  # effort of the suited arm
+    has_cuffs: bool
+    assisted: Whole  # positions of the assisted joints
+    faults: Whole  # fault flags of the suits in plugin_state
+
+
+class Watch(NamedTuple):
+    """The places at which a task judges the hand; without samples if it judges none."""
+
+    watched: Annotated[Bools, SAVED]  # samples that are judged, (n, samples)
+    hand_places: Annotated[Array, SAVED]  # intended places of the hand [m], (n, samples, 3)
+    last_hand: Annotated[Array, SAVED]  # place of the hand one control period ago [m], (n, 3)
+    hand: Whole  # place of the hand in sensordata, (3,)
+
+
 @njit(cache=True)
 def judge(
-    rows: AnyArray,
+    rows: Whole,
     moved: bool,
-    measured: AnyArray,
-    change: AnyArray,
-    clipped: AnyArray,
-    diverged: AnyArray,
-    step: AnyArray,
-    limit: AnyArray,
-    plugin_state: AnyArray,
-    faults: AnyArray,
-    assisted: AnyArray,
-    has_cuffs: bool,
-    ranges: AnyArray,
-    scale: float,
-    dt: float,
-    told: AnyArray,
-    reward: AnyArray,
-    terminated: AnyArray,
-    truncated: AnyArray,
+    arms: Frozen[tuple[Array, Episode, Array, Array, Score]],
 ) -> None:
     """Computes rewards of the last control period of some rows, and which episodes have ended.
 
     An episode terminates when the arm is lost, at a pole of the suit's torque, or diverged; that
     period earns nothing. If rows have `moved`, the period is added to the costs of their
-    episodes. `scale` is the effort of the suited arm; `told` has the columns named above.
+    episodes.
+
+    Args:
+        rows: The rows, shape (k,).
+        moved: Whether a control period has passed since the last call.
+        arms: State of the suits, shape (n, size); counters of the episodes; last change of the
+            command, shape (n, motors); measurements, shape (n, columns); rewards and costs.
     """
+    plugin_state, episode, change, measured, score = thawed(arms)
+    sums, assisted = score.sums, score.assisted
     for k in range(rows.shape[0]):
         row = rows[k]
         effort, tracking, unsteady, worst = 0.0, 0.0, 0.0, 0.0
@@ -132,58 +150,51 @@ def judge(
             worst = max(worst, abs(measured[row, ANGLE + at] - measured[row, TARGET + at]))
         for j in range(change.shape[1]):
             unsteady += change[row, j] ** 2 / change.shape[1]
-        told[row, TERM] = effort / scale**2
-        told[row, TERM + 1] = tracking / ERROR_SCALE**2
-        told[row, TERM + 2] = unsteady / CHANGE_SCALE**2
-        ended = worst > LOST or diverged[row]
-        for j in range(faults.shape[0]):
-            ended = ended or plugin_state[row, faults[j]] == 1.0
-        terminated[row] = ended
-        size = told[row, TERM] + told[row, TERM + 1] + told[row, TERM + 2]
-        reward[row] = 0.0 if ended else 1.0 / (1.0 + size)
-        truncated[row] = step[row] >= limit[row]
-        told[row, PERIODS], told[row, CLIPPED] = step[row], clipped[row]
-        told[row, DIVERGED], told[row, ENDED] = diverged[row], ended
-        if moved and not diverged[row]:
-            told[row, COST + TRACKING] += tracking
-            told[row, COST + STRAIN] += effort
-            account(row, measured, change, assisted, has_cuffs, ranges, dt, told)
+        sums[row, TERM] = effort / score.scale**2
+        sums[row, TERM + 1] = tracking / ERROR_SCALE**2
+        sums[row, TERM + 2] = unsteady / CHANGE_SCALE**2
+        diverged, step = episode.diverged[row], episode.step[row]
+        ended = worst > LOST or diverged
+        for j in range(score.faults.shape[0]):
+            ended = ended or plugin_state[row, score.faults[j]] == 1.0
+        score.terminated[row] = ended
+        size = sums[row, TERM] + sums[row, TERM + 1] + sums[row, TERM + 2]
+        score.reward[row] = 0.0 if ended else 1.0 / (1.0 + size)
+        score.truncated[row] = step >= episode.limit[row]
+        sums[row, PERIODS], sums[row, CLIPPED] = step, episode.clipped[row]
+        sums[row, DIVERGED], sums[row, ENDED] = diverged, ended
+        if moved and not diverged:
+            sums[row, COST + TRACKING] += tracking
+            sums[row, COST + STRAIN] += effort
+            account(row, episode.dt, change, measured, score)
 
 
-@njit(cache=True)
-def account(
-    row: int,
-    measured: AnyArray,
-    change: AnyArray,
-    assisted: AnyArray,
-    has_cuffs: bool,
-    ranges: AnyArray,
-    dt: float,
-    told: AnyArray,
-) -> None:
+@inner
+def account(row: int, dt: float, change: Array, measured: Array, score: Score) -> None:
     """Adds the last control period of a row to the costs of its episode.
 
     Columns as `COSTS`: greatest cuff force over what a person should bear; greatest motor load;
     work of the motors against the motion [J]; sum of the squared changes of the command; time at
     the ends of ranges [s].
     """
+    sums, ranges = score.sums, score.ranges
     for j in range(change.shape[1]):
-        told[row, COST + HEAT] = max(told[row, COST + HEAT], measured[row, LOAD + j])
-        power = measured[row, ASSIST + j] * measured[row, RATE + assisted[j]]
-        told[row, COST + WRONG_WAY] += max(0.0, -power) * dt
-        told[row, COST + CHATTER] += change[row, j] ** 2
-    if has_cuffs:
+        sums[row, COST + HEAT] = max(sums[row, COST + HEAT], measured[row, LOAD + j])
+        power = measured[row, ASSIST + j] * measured[row, RATE + score.assisted[j]]
+        sums[row, COST + WRONG_WAY] += max(0.0, -power) * dt
+        sums[row, COST + CHATTER] += change[row, j] ** 2
+    if score.has_cuffs:
         for i in range(3):
             force = 0.0
             for j in range(3):
                 force += measured[row, CUFFS + 3 * i + j] ** 2
-            told[row, COST + CUFF] = max(told[row, COST + CUFF], np.sqrt(force) / LIMITS[i])
+            sums[row, COST + CUFF] = max(sums[row, COST + CUFF], np.sqrt(force) / LIMITS[i])
     stopped = False
     for j in range(4):
         angle = measured[row, ANGLE + j]
         stopped = stopped or angle < ranges[j, 0] + NEAR or angle > ranges[j, 1] - NEAR
     if stopped:
-        told[row, COST + STOPS] += dt
+        sums[row, COST + STOPS] += dt
 
 
 def cost_terms(costs: Array, periods: int) -> dict[str, float]:
@@ -200,18 +211,7 @@ def cost_terms(costs: Array, periods: int) -> dict[str, float]:
 
 
 @njit(cache=True)
-def watch(
-    rows: AnyArray,
-    step: AnyArray,
-    watched: AnyArray,
-    places: AnyArray,
-    before: AnyArray,
-    measured: AnyArray,
-    sensordata: AnyArray,
-    hand: AnyArray,
-    told: AnyArray,
-    dt: float,
-) -> None:
+def judge_hand(rows: Whole, arms: Frozen[tuple[Array, Episode, Array, Watch, Array]]) -> None:
     """Updates the greatest errors of the hands of some rows at the samples that are watched.
 
     Columns as `COSTS`: distance of the hand from its place [m], error of its pitch [rad], and the
@@ -219,36 +219,31 @@ def watch(
 
     Args:
         rows: The rows, shape (k,).
-        step: Control periods since the reset, shape (n,).
-        watched: Samples that are watched, shape (n, samples).
-        places: Intended places of the hand, shape (n, samples, 3).
-        before: Place of the hand one control period ago, which is overwritten, shape (n, 3).
-        measured: Measurements of all rows.
-        sensordata: Sensors of the physics.
-        hand: Place of the hand in them, shape (3,).
-        told: Reward terms and costs of the episodes.
-        dt: Control period [s].
+        arms: Sensors of the physics; counters of the episodes; measurements; places of the hand,
+            of which `last_hand` is overwritten; reward terms and costs of the episodes.
     """
+    sensordata, episode, measured, watch, sums = thawed(arms)
+    places, last = watch.hand_places, watch.last_hand
     for k in range(rows.shape[0]):
         row = rows[k]
-        now = min(step[row], watched.shape[1] - 1)
-        if watched[row, now]:
+        now = min(episode.step[row], watch.watched.shape[1] - 1)
+        if watch.watched[row, now]:
             error, speed, intended, tilt = 0.0, 0.0, 0.0, 0.0
             for j in range(3):
-                place = sensordata[row, hand[j]]
+                place = sensordata[row, watch.hand[j]]
                 error += (place - places[row, now, j]) ** 2
-                speed += (place - before[row, j]) ** 2
+                speed += (place - last[row, j]) ** 2
                 if now > 0:
                     intended += (places[row, now, j] - places[row, now - 1, j]) ** 2
             for j in range(1, 4):
                 tilt += measured[row, ANGLE + j] - measured[row, TARGET + j]
-            told[row, COST + HAND] = max(told[row, COST + HAND], np.sqrt(error))
-            told[row, COST + TILT] = max(told[row, COST + TILT], abs(tilt))
-            if np.sqrt(intended) > SLOW * dt:
+            sums[row, COST + HAND] = max(sums[row, COST + HAND], np.sqrt(error))
+            sums[row, COST + TILT] = max(sums[row, COST + TILT], abs(tilt))
+            if np.sqrt(intended) > SLOW * episode.dt:
                 lacking = 1.0 - np.sqrt(speed / intended)
-                told[row, COST + SLOWNESS] = max(told[row, COST + SLOWNESS], lacking)
+                sums[row, COST + SLOWNESS] = max(sums[row, COST + SLOWNESS], lacking)
         for j in range(3):
-            before[row, j] = sensordata[row, hand[j]]
+            last[row, j] = sensordata[row, watch.hand[j]]
 
 
 def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:

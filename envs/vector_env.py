@@ -237,7 +237,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
     def measured(self) -> NDArray[np.float64]:
         """Returns a new array of all measurements, for an evaluation; see `simulation`."""
-        return self.episodes.simulation.memory.measured.copy()
+        return self.episodes.simulation.state.sensors.measured.copy()
 
     # --- State --------------------------------------------------------------------------------
 
@@ -306,7 +306,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         taught = options.get(TAUGHT)
         if taught is None:
             return None
-        shape = (rows, *self.episodes.simulation.memory.taught.shape[1:])
+        shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
         if not shape[1]:
             raise InputError(f"{TAUGHT} is given: make the environment with taught=True")
         try:
@@ -334,7 +334,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return chosen.astype(np.int64)
 
     def _require_reset(self, what: str) -> None:
-        if (self.episodes.simulation.memory.episode < 0).any():
+        if (self.episodes.simulation.state.episode.episode < 0).any():
             raise InputError(f"{what} before the first reset: call reset() first")
 
     def _infos(self, mask: Bools) -> dict[str, Any]:
@@ -343,7 +343,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
     def _read(self, mask: Bools) -> dict[str, Any]:
         """Returns the measurements of the rows of a mask, as arrays in Gymnasium's form."""
         episodes = self.episodes
-        simulation, memory = episodes.simulation, episodes.simulation.memory
+        simulation, counters = episodes.simulation, episodes.simulation.state.episode
         full = self._info == "full"
         names = [name for name in simulation.columns if name not in SENSED]
         found: dict[str, Any] = {
@@ -354,11 +354,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         }
         found["is_success"] = self._successes()
         if full:
-            found["clipped_actions"] = memory.clipped.copy()
-            found["diverged"] = memory.diverged.copy()
+            found["clipped_actions"] = counters.clipped.copy()
+            found["diverged"] = counters.diverged.copy()
             each = [
                 cost_terms(row, int(count))
-                for row, count in zip(episodes.costs, memory.step, strict=True)
+                for row, count in zip(episodes.costs, counters.step, strict=True)
             ]
             by_name = {name: np.array([one[name] for one in each]) for name in COSTS}
             found["cost_terms"] = _with_masks(by_name, mask)
@@ -368,8 +368,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
     def _successes(self) -> Bools:
         """Returns whether the episode of each row is a success so far."""
-        memory, lost = self.episodes.simulation.memory, self.episodes.terminated.tolist()
-        ends = zip(self.episodes.costs, memory.step.tolist(), lost, strict=True)
+        step, lost = self.episodes.simulation.state.episode.step, self.episodes.terminated.tolist()
+        ends = zip(self.episodes.costs, step.tolist(), lost, strict=True)
         task = self.episodes.task
         return np.array(
             [is_success(costs, periods, task, ended=end) for costs, periods, end in ends]

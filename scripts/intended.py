@@ -58,7 +58,7 @@ def _task_motions(name: str, joint: str) -> list[Motion]:
     found: list[Motion] = []
     for seed in range(FIRST_SEED, FIRST_SEED + MOTIONS):
         env.reset(seed=seed)
-        angle: Array = simulation.memory.angle[0, :, column].copy()
+        angle: Array = simulation.state.intention.motion.angle[0, :, column].copy()
         time: Array = simulation.control_dt * np.arange(angle.size, dtype=np.float64)
         found.append(Motion(time, angle))
     env.close()

@@ -1,9 +1,10 @@
 """Looks into environments, as only tests may."""
 
+from types import SimpleNamespace
+
 import numpy as np
 from activesuit.envs import ArmEnv
 from activesuit.envs.simulation.addresses import Addresses
-from activesuit.envs.simulation.memory import Memory
 
 
 def physics(env: ArmEnv, name: str) -> np.ndarray:
@@ -15,5 +16,6 @@ def addresses(env: ArmEnv) -> Addresses:
     return env.episodes.simulation.addresses
 
 
-def memory(env: ArmEnv) -> Memory:
-    return env.episodes.simulation.memory
+def state(env: ArmEnv) -> SimpleNamespace:
+    """Returns the arrays of the episode's state by name, which may be written."""
+    return SimpleNamespace(**env.episodes.simulation.state.arrays())

@@ -115,8 +115,8 @@ def rollout(
         if isinstance(policy, Guard):
             guarded[ended] = policy.acted[ended]
     series, returns = np.array(measured), np.array(rewards)
-    limits = arms.episodes.simulation.memory.limit
-    wearers = arms.episodes.simulation.memory.wearer
+    limits = arms.episodes.simulation.state.episode.limit
+    wearers = arms.episodes.simulation.state.conditions.wearer
     return [
         _trace(
             series[:end, row],

@@ -243,22 +243,29 @@ class VoluntaryControl:
             ]
         )
 
-    def habits(self, dt: float) -> dict[str, Any]:
-        """Returns the kernels' parameters that all joints share, by name.
+    def feedback(self, dt: float) -> dict[str, float]:
+        """Returns the constants of reflex and correction in control periods of `dt` [s].
 
-        Args:
-            dt: Control period [s].
+        They are the gain and lead [s] of the reflex, the share of a change that the muscles follow
+        in one period, and the gain of the correction for one period.
         """
         return {
-            "reflex": 0.0 if self.stiff else self.reflex,
+            "reflex_gain": 0.0 if self.stiff else self.reflex,
             "lead": LEAD,
             "lag": 1 - exp(-dt / _LAG.value),
-            "correction": 0.0 if self.stiff else self.correction * dt,
-            "noise": self.noise,
-            "tremor": self.tremor,
-            "learning": self.adaptation * _PACE.value if self.learns else 0.0,
+            "correction_gain": 0.0 if self.stiff else self.correction * dt,
+        }
+
+    def learning(self, dt: float) -> dict[str, Any]:
+        """Returns the constants of learning in control periods of `dt` [s].
+
+        They are its rate, the share that is forgotten, and the number of periods by which the
+        learned torque precedes the error that it corrects.
+        """
+        return {
+            "rate": self.adaptation * _PACE.value if self.learns else 0.0,
             "forgetting": FORGETTING / RATE,
-            "credit": round(_CREDIT.value / dt),
+            "ahead": round(_CREDIT.value / dt),
         }
 
 

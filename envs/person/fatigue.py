@@ -57,8 +57,8 @@ PROVENANCE: tuple[Quantity, ...] = (
 )
 
 _TIRING, _RECOVERY, _MULTIPLIER = np.array([_REGIONS[_REGION_OF[joint]] for joint in JOINTS]).T
-RATES = (_TIRING, _RECOVERY, _MULTIPLIER, np.full(len(JOINTS), _RESTING.value))
-"""F and R [1/s], r and the load below which a group rests, shape (joints,) each."""
+RATES = np.array([_TIRING, _RECOVERY, _MULTIPLIER, np.full(len(JOINTS), _RESTING.value)])
+"""F and R [1/s], r and the load below which a group rests, shape (4, joints)."""
 
 
 def muscle_load(torque: ArrayLike, limits: tuple[ArrayLike, ArrayLike]) -> Array:

@@ -1,7 +1,7 @@
 """The addresses in MuJoCo's arrays of everything that a simulation reads and writes."""
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -17,8 +17,7 @@ from ..model.workplace import PUSHES
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class Addresses:
+class Addresses(NamedTuple):
     """Indices into mjData, in the order of `JOINTS` or `ASSISTED`.
 
     The arrays of motors are empty without an exoskeleton, and those of cuff forces without cuffs.

@@ -4,8 +4,6 @@ Featherstone 2008, Rigid Body Dynamics Algorithms, chapter 5.3, for a chain of f
 frame of each link. The relaxed arm's own springs and dampers are part of the torque.
 """
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
-
 import math
 from dataclasses import dataclass
 
@@ -13,9 +11,11 @@ import mujoco
 import numpy as np
 from numba import njit
 
-from ...arrays import AnyArray, Array
+from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
+from ...kernels import inner
+from .structs import BareArm, Index, Motions
 
 # Columns of a link: position and axis of its joint in the frame above, mass, center of mass,
 # inertia about it (xx, yy, zz, xy, xz, yz) in its own axes, stiffness, rest angle and damping.
@@ -88,6 +88,15 @@ class Chain:
         down = torso.T @ np.array([0.0, 0.0, -1.0])
         return cls(links[None], (torso.T @ arm.opt.gravity)[None], down[None])
 
+    def rows(self, n: int) -> BareArm:
+        """Returns the only arm of this chain for `n` rows, as the kernels take it."""
+        return BareArm(
+            links=np.repeat(self.links, n, axis=0),
+            gravity=np.repeat(self.gravity, n, axis=0),
+            torque=np.zeros((n, len(JOINTS))),
+            scratch=np.empty((n, len(JOINTS), 8)),
+        )
+
 
 def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, last: bool) -> None:
     """Adds suit and load to the inertia of a link; the arm is straight in `data`."""
@@ -110,32 +119,15 @@ def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, 
     link[INERTIA:STIFFNESS] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
-@njit(cache=True)
-def arm_torque(  # noqa: PLR0915 (one pass out and one back, in scalars)
-    row: int,
-    links: AnyArray,
-    gravity: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    sample: int,
-    scratch: AnyArray,
-    torque: AnyArray,
-) -> None:
-    """Computes the torque [N·m] that moves a bare arm.
+@inner
+def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None:  # noqa: PLR0915
+    """Computes the torque that moves a bare arm at a sample of a motion, in `arm.torque` [N·m].
 
-    Args:
-        row: Number of the arm.
-        links: Links of `Chain`, shape (arms, 4, 19).
-        gravity: Gravity of `Chain`, shape (arms, 3).
-        angle: Joint angles [rad], shape (arms, samples, 4).
-        rate: Joint rates [rad/s], the same shape.
-        acceleration: Joint accelerations [rad/s²], the same shape.
-        sample: Number of the sample.
-        scratch: Sine and cosine of each joint, then force and moment at its origin, shape
-            (arms, 4, 8).
-        torque: The result, shape (arms, 4).
+    One pass goes out along the links and one comes back, in scalars. `arm.scratch` takes sine and
+    cosine of each joint, then force and moment at its origin.
     """
+    links, gravity, scratch, torque = arm.links, arm.gravity, arm.scratch, arm.torque
+    angle, rate, acceleration = motion.angle, motion.rate, motion.acceleration
     wx, wy, wz = 0.0, 0.0, 0.0  # rate of turning of the frame above
     bx, by, bz = 0.0, 0.0, 0.0  # its derivative
     ax, ay, az = -gravity[row, 0], -gravity[row, 1], -gravity[row, 2]
@@ -228,9 +220,16 @@ def arm_torques(chain: Chain, angle: Array, rate: Array, acceleration: Array) ->
         rate: Joint rates [rad/s], the same shape.
         acceleration: Joint accelerations [rad/s²], the same shape.
     """
-    found, torque = np.empty_like(angle), np.empty((1, len(JOINTS)))
-    scratch, motion = np.empty((1, len(JOINTS), 8)), (angle[None], rate[None], acceleration[None])
-    for sample in range(len(angle)):
-        arm_torque(0, chain.links, chain.gravity, *motion, sample, scratch, torque)
-        found[sample] = torque[0]
+    arm, found = chain.rows(1), np.empty_like(angle)
+    motion = Motions(angle[None].copy(), rate[None].copy(), acceleration[None].copy())
+    along(found, arm, motion)
     return found
+
+
+@njit(cache=True)
+def along(found: Array, arm: BareArm, motion: Motions) -> None:
+    """Computes the torque of the first arm at all samples of a motion, shape (samples, 4)."""
+    for sample in range(found.shape[0]):
+        arm_torque(np.int64(0), sample, arm, motion)
+        for j in range(4):
+            found[sample, j] = arm.torque[0, j]

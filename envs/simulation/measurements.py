@@ -1,14 +1,14 @@
 """The measurements of every control period: one row of numbers, and the column of each."""
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
-
 import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from ...arrays import AnyArray
+from ...kernels import inner
+from .addresses import Addresses
+from .structs import Episode, Intention, Motors, Muscles, Physics, Sensors
 
 # Name and size of each measurement, in the order of their columns.
 _SIZES = (
@@ -33,7 +33,6 @@ _SIZES = (
     ("interaction_torque", 4),  # N·m
     ("emg", 4),  # N·m
     ("cuff_sensor", 9),  # N
-    ("belief", 4),  # N·m
     ("effort", 4),  # torque / strength
 )
 
@@ -57,7 +56,7 @@ STILL = 1e-9  # [rad/s], greatest rate of an encoder that counts as zero
 
 SENSED = (
     *("encoder_angle", "encoder_rate", "motor_torque", "previous_action", "preview"),
-    *("interaction_torque", "emg", "cuff_sensor", "belief"),
+    *("interaction_torque", "emg", "cuff_sensor"),
 )
 """Measurements of sensors; the others are of the simulation itself."""
 
@@ -85,7 +84,6 @@ SHAPES = {"fatigue": (2, 4), "cuff_force": (3, 3)}  # measurements that are no v
     INTERACTION,
     EMG,
     CUFF_SENSOR,
-    BELIEF,
     EFFORT,
 ) = (columns.start for columns in COLUMNS.values())
 
@@ -103,102 +101,101 @@ def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
     return found
 
 
-@njit(cache=True)
-def is_finite(
-    row: int,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    sensordata: AnyArray,
-    suit_torque: AnyArray,
-    dissipated: AnyArray,
-) -> bool:
+@inner
+def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     """Returns whether motion, suit torque and dissipated energy of a row are finite."""
     total = 0.0
-    for j in range(qpos.shape[1]):
-        total += qpos[row, j] + qvel[row, j]
-    for j in range(suit_torque.shape[0]):
-        total += sensordata[row, suit_torque[j]] + sensordata[row, dissipated[j]]
+    for j in range(physics.qpos.shape[1]):
+        total += physics.qpos[row, j] + physics.qvel[row, j]
+    for j in range(at.suit_torque.shape[0]):
+        total += physics.sensordata[row, at.suit_torque[j]]
+        total += physics.sensordata[row, at.dissipated[j]]
     return math.isfinite(total)
 
 
-@njit(cache=True)
-def measure(  # noqa: PLR0912 (a loop for each measurement)
+@inner
+def measure(
     row: int,
-    measured: AnyArray,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    sensordata: AnyArray,
-    actuator_force: AnyArray,
-    angle: AnyArray,
-    step: AnyArray,
-    command: AnyArray,
-    mean_square: AnyArray,
-    fatigued: AnyArray,
-    counts: AnyArray,
-    offset: AnyArray,
-    dissipated_before: AnyArray,
-    joints: AnyArray,
-    driven: AnyArray,
-    assisted: AnyArray,
-    human: AnyArray,
-    assist: AnyArray,
-    encoders: AnyArray,
-    cuffs: AnyArray,
-    suited: AnyArray,
-    suit_torque: AnyArray,
-    dissipated: AnyArray,
-    ratings: AnyArray,
-    ahead: AnyArray,
-    count: float,
-    smoothing: float,
-    dt: float,
     moved: bool,
+    physics: Physics,
+    at: Addresses,
+    episode: Episode,
+    intention: Intention,
+    muscles: Muscles,
+    motors: Motors,
+    sensors: Sensors,
 ) -> None:
     """Reads all measurements of a row; after motion, also adds the energies of the period."""
-    last = angle.shape[1] - 1
-    now = min(step[row], last)
+    target, measured, sensordata = intention.motion.angle, sensors.measured, physics.sensordata
+    last = target.shape[1] - 1
+    now = min(episode.step[row], last)
     for j in range(4):
-        measured[row, ANGLE + j] = qpos[row, joints[j]]
-        measured[row, RATE + j] = qvel[row, joints[j]]
-        measured[row, TARGET + j] = angle[row, now, j]
-        measured[row, HUMAN + j] = actuator_force[row, human[j]]
+        measured[row, ANGLE + j] = physics.qpos[row, at.joints[j]]
+        measured[row, RATE + j] = physics.qvel[row, at.joints[j]]
+        measured[row, TARGET + j] = target[row, now, j]
+        measured[row, HUMAN + j] = physics.actuator_force[row, at.human[j]]
         measured[row, SUIT + j] = 0.0
-    for j in range(suited.shape[0]):
-        measured[row, SUIT + suited[j]] += sensordata[row, suit_torque[j]]
-    work = 0.0
-    for j in range(4):
-        work += abs(measured[row, HUMAN + j] * measured[row, RATE + j])
-    measured[row, HUMAN_ENERGY] += work * dt if moved else 0.0
-    work = 0.0
-    for j in range(assist.shape[0]):
-        torque = actuator_force[row, assist[j]]
-        measured[row, ASSIST + j] = torque
-        measured[row, MOTOR + j] = torque / ratings[PEAK, j]
-        measured[row, PREVIOUS + j] = command[row, j]
-        measured[row, LOAD + j] = math.sqrt(mean_square[row, j]) / ratings[CONTINUOUS, j]
-        work += abs(torque * qvel[row, driven[j]])
-    measured[row, ASSIST_ENERGY] += work * dt if moved else 0.0
-    work = 0.0
-    for j in range(dissipated.shape[0]):
-        work += sensordata[row, dissipated[j]]
-    if not moved:
-        dissipated_before[row] = work
-    measured[row, DISSIPATED] = work - dissipated_before[row]
+    for j in range(at.suited.shape[0]):
+        measured[row, SUIT + at.suited[j]] += sensordata[row, at.suit_torque[j]]
+    work(row, moved, episode.dt, physics, at, motors, sensors)
     for way in range(2):
         for j in range(4):
-            measured[row, FATIGUE + 4 * way + j] = fatigued[row, way, j]
-    for j in range(cuffs.shape[0]):
-        measured[row, CUFFS + j] = sensordata[row, cuffs[j]]
+            measured[row, FATIGUE + 4 * way + j] = muscles.fatigued[row, way, j]
+    for j in range(at.cuffs.shape[0]):
+        measured[row, CUFFS + j] = sensordata[row, at.cuffs[j]]
+    encode(row, moved, episode.dt, physics, at, sensors)
+    for i in range(sensors.preview.shape[0]):
+        later = min(now + sensors.preview[i], last)
+        for j in range(at.assisted.shape[0]):
+            column = PREVIEW + at.assisted.shape[0] * i + j
+            measured[row, column] = target[row, later, at.assisted[j]]
+
+
+@inner
+def work(
+    row: int,
+    moved: bool,
+    dt: float,
+    physics: Physics,
+    at: Addresses,
+    motors: Motors,
+    sensors: Sensors,
+) -> None:
+    """Measures the motors, and adds the work of wearer, motors and suit in the period."""
+    measured, ratings, done = sensors.measured, motors.ratings, 0.0
     for j in range(4):
-        shown = np.rint((sensordata[row, encoders[j]] + offset[row, j]) / count)
+        done += abs(measured[row, HUMAN + j] * measured[row, RATE + j])
+    measured[row, HUMAN_ENERGY] += done * dt if moved else 0.0
+    done = 0.0
+    for j in range(at.assist.shape[0]):
+        torque = physics.actuator_force[row, at.assist[j]]
+        measured[row, ASSIST + j] = torque
+        measured[row, MOTOR + j] = torque / ratings[PEAK, j]
+        measured[row, PREVIOUS + j] = motors.command[row, j]
+        measured[row, LOAD + j] = math.sqrt(motors.mean_square[row, j]) / ratings[CONTINUOUS, j]
+        done += abs(torque * physics.qvel[row, at.driven[j]])
+    measured[row, ASSIST_ENERGY] += done * dt if moved else 0.0
+    done = 0.0
+    for j in range(at.dissipated.shape[0]):
+        done += physics.sensordata[row, at.dissipated[j]]
+    if not moved:
+        sensors.dissipated_at_reset[row] = done
+    measured[row, DISSIPATED] = done - sensors.dissipated_at_reset[row]
+
+
+@inner
+def encode(
+    row: int, moved: bool, dt: float, physics: Physics, at: Addresses, sensors: Sensors
+) -> None:
+    """Reads the encoders: counts, and low-passed differences of counts."""
+    measured, counts = sensors.measured, sensors.encoder_counts
+    for j in range(4):
+        angle = physics.sensordata[row, at.encoders[j]] + sensors.encoder_offset[row, j]
+        shown = np.rint(angle / sensors.resolution)
         if moved:
-            turned = (shown - counts[row, j]) * count / dt
+            turned = (shown - counts[row, j]) * sensors.resolution / dt
             slow = measured[row, ENCODER_RATE + j]
-            slow += smoothing * (turned - slow)
+            slow += sensors.smoothing * (turned - slow)
             measured[row, ENCODER_RATE + j] = slow if abs(slow) > STILL else 0.0
         counts[row, j] = shown
-        measured[row, ENCODER + j] = shown * count
-    for i in range(ahead.shape[0]):
-        later = min(now + ahead[i], last)
-        for j in range(assisted.shape[0]):
-            measured[row, PREVIEW + assisted.shape[0] * i + j] = angle[row, later, assisted[j]]
+        measured[row, ENCODER + j] = shown * sensors.resolution

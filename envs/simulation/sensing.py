@@ -1,7 +1,5 @@
 """Noisy and delayed sensors at the cuffs and on the person."""
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -9,12 +7,16 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from ...arrays import AnyArray, Array
+from ...arrays import Array
 from ...checks import within
+from ...kernels import inner
 from ..provenance import Quantity
+from .addresses import Addresses
+from .bound import Frozen, thawed
 from .inverse_dynamics import arm_torque
 from .measurements import CUFF_NOISES, CUFF_SENSOR, CUFFS, EMG, EMG_NOISES, INTERACTION
-from .wearer import foresee
+from .structs import BareArm, Episode, Intention, NoisySensors, Physics, Wearer, Whole
+from .wearer import feed_forward
 
 _PADS = "ours: pads between suit and skin yield and slip"
 _EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"
@@ -88,196 +90,86 @@ def smoothing(cutoff: float | Array, dt: float) -> Any:
     return 1 - np.exp(-math.tau * cutoff * dt)
 
 
-@njit(cache=True)
+@inner
 def touch(
     row: int,
     moved: bool,
-    measured: AnyArray,
-    felt: AnyArray,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    qacc: AnyArray,
-    actuator_force: AnyArray,
-    step: AnyArray,
-    shaken: AnyArray,
-    here_angle: AnyArray,
-    here_rate: AnyArray,
-    here_acceleration: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    human: AnyArray,
-    loudness: AnyArray,
-    interaction_noise: float,
+    physics: Physics,
+    at: Addresses,
+    episode: Episode,
+    arm: BareArm,
+    noisy: NoisySensors,
+    measured: Array,
 ) -> None:
     """Measures the torque between person and suit, delayed and noisy.
 
-    It is the wearer's torque minus that of the bare arm in the present motion. `felt` is a ring
-    buffer indexed by the step; the `here` arrays receive the present motion of the arm.
+    It is the wearer's torque minus that of the bare arm in the present motion.
     """
+    present, felt, step = noisy.present, noisy.interaction_delay, episode.step[row]
     for j in range(4):
-        here_angle[row, 0, j] = qpos[row, joints[j]]
-        here_rate[row, 0, j] = qvel[row, joints[j]]
-        here_acceleration[row, 0, j] = qacc[row, joints[j]]
-    arm_torque(row, links, gravity, here_angle, here_rate, here_acceleration, 0, scratch, own)
+        present.angle[row, 0, j] = physics.qpos[row, at.joints[j]]
+        present.rate[row, 0, j] = physics.qvel[row, at.joints[j]]
+        present.acceleration[row, 0, j] = physics.qacc[row, at.joints[j]]
+    arm_torque(row, np.int64(0), arm, present)
     count = felt.shape[1]
-    place = step[row] % count
+    place = step % count
     for j in range(4):
-        torque = actuator_force[row, human[j]] - own[row, j]
+        torque = physics.actuator_force[row, at.human[j]] - arm.torque[row, j]
         if moved:
-            noise = loudness[row] * shaken[row, (step[row] - 1) % shaken.shape[1], j]
-            felt[row, place, j] = torque * (1.0 + interaction_noise * noise)
+            draws = noisy.sensor_draws
+            noise = noisy.noise_scale[row] * draws[row, (step - 1) % draws.shape[1], j]
+            felt[row, place, j] = torque * (1.0 + noisy.interaction_noise * noise)
         else:
             for i in range(count):
                 felt[row, i, j] = torque
         measured[row, INTERACTION + j] = felt[row, (place + 1) % count, j]
 
 
-@njit(cache=True)
+@inner
 def listen(
     row: int,
     moved: bool,
-    measured: AnyArray,
-    step: AnyArray,
-    shaken: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    taught: AnyArray,
-    gains: AnyArray,
-    features: AnyArray,
-    fed: AnyArray,
-    held: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    own: AnyArray,
-    loudness: AnyArray,
-    emg_lead: int,
-    emg_noise: float,
-    emg_smoothing: float,
+    episode: Episode,
+    intention: Intention,
+    wearer: Wearer,
+    noisy: NoisySensors,
+    measured: Array,
 ) -> None:
     """Measures the EMG: the voluntary torque `emg_lead` samples ahead, noisy, low-passed."""
-    last = angle.shape[1] - 1
-    soon = int(min(step[row] + emg_lead, last))
-    foresee(
-        row,
-        soon,
-        angle,
-        rate,
-        acceleration,
-        links,
-        gravity,
-        scratch,
-        taught,
-        gains,
-        features,
-        own,
-    )
+    step = episode.step[row]
+    soon = int(min(step + noisy.emg_lead, intention.motion.angle.shape[1] - 1))
+    feed_forward(row, soon, intention, wearer)
     for j in range(4):
-        voluntary = own[row, j] + fed[row, j] + held[row, j]
+        voluntary = wearer.arm.torque[row, j] + wearer.feedback.reflex[row, j]
+        voluntary += wearer.feedback.correction[row, j]
         if moved:
-            noise = shaken[row, (step[row] - 1) % shaken.shape[1], EMG_NOISES + j]
-            received = voluntary * (1.0 + loudness[row] * emg_noise * noise)
-            measured[row, EMG + j] += emg_smoothing * (received - measured[row, EMG + j])
+            draws = noisy.sensor_draws
+            noise = draws[row, (step - 1) % draws.shape[1], EMG_NOISES + j]
+            received = voluntary * (1.0 + noisy.noise_scale[row] * noisy.emg_noise * noise)
+            measured[row, EMG + j] += noisy.emg_smoothing * (received - measured[row, EMG + j])
         else:
             measured[row, EMG + j] = voluntary
 
 
 @njit(cache=True, nogil=True)
 def sense(
-    rows: AnyArray,
+    rows: Whole,
     moved: bool,
-    measured: AnyArray,
-    diverged: AnyArray,
-    felt: AnyArray,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    qacc: AnyArray,
-    actuator_force: AnyArray,
-    step: AnyArray,
-    shaken: AnyArray,
-    here_angle: AnyArray,
-    here_rate: AnyArray,
-    here_acceleration: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    taught: AnyArray,
-    gains: AnyArray,
-    features: AnyArray,
-    fed: AnyArray,
-    held: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    human: AnyArray,
-    loudness: AnyArray,
-    cuffs: AnyArray,
-    cuff_noise: float,
-    interaction_noise: float,
-    emg_lead: int,
-    emg_noise: float,
-    emg_smoothing: float,
+    arms: Frozen[tuple[Physics, Addresses, Episode, Intention, Wearer, NoisySensors, Array]],
 ) -> None:
     """Reads the noisy sensors of some rows, after the control period's measurements."""
+    physics, at, episode, intention, wearer, noisy, measured = thawed(arms)
     for k in range(rows.shape[0]):
         row = rows[k]
-        if diverged[row]:
+        if episode.diverged[row]:
             continue
-        for j in range(cuffs.shape[0]):
+        step = episode.step[row]
+        for j in range(at.cuffs.shape[0]):
             force = measured[row, CUFFS + j]
             if moved:
-                noise = shaken[row, (step[row] - 1) % shaken.shape[1], CUFF_NOISES + j]
-                force += loudness[row] * cuff_noise * noise
+                draws = noisy.sensor_draws
+                noise = draws[row, (step - 1) % draws.shape[1], CUFF_NOISES + j]
+                force += noisy.noise_scale[row] * noisy.cuff_noise * noise
             measured[row, CUFF_SENSOR + j] = force
-        touch(
-            row,
-            moved,
-            measured,
-            felt,
-            qpos,
-            qvel,
-            qacc,
-            actuator_force,
-            step,
-            shaken,
-            here_angle,
-            here_rate,
-            here_acceleration,
-            links,
-            gravity,
-            scratch,
-            own,
-            joints,
-            human,
-            loudness,
-            interaction_noise,
-        )
-        listen(
-            row,
-            moved,
-            measured,
-            step,
-            shaken,
-            angle,
-            rate,
-            acceleration,
-            taught,
-            gains,
-            features,
-            fed,
-            held,
-            links,
-            gravity,
-            scratch,
-            own,
-            loudness,
-            emg_lead,
-            emg_noise,
-            emg_smoothing,
-        )
+        touch(row, moved, physics, at, episode, wearer.arm, noisy, measured)
+        listen(row, moved, episode, intention, wearer, noisy, measured)

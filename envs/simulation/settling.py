@@ -1,11 +1,14 @@
 """The start of an episode: an arm at rest, with the wearer's torque that keeps it there."""
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
-
+import numpy as np
 from numba import njit
 
 from ...arrays import AnyArray
-from .wearer import BASE, RELAXATION, SLOPE, foresee
+from ...kernels import inner
+from .addresses import Addresses
+from .bound import Frozen, thawed
+from .structs import Equilibrium, Intention, Muscles, Physics, Wearer, Whole
+from .wearer import BASE, RELAXATION, SLOPE, feed_forward
 from .wearer import DAMPING as FIXED
 
 MOST_CORRECTIONS = 30  # greatest number of steps of an exoskeleton on cuffs; four are usual
@@ -17,65 +20,28 @@ FRESH, MOVED, SETTLED = range(3)
 
 
 @njit(cache=True)
-def begin(
-    rows: AnyArray,
-    qpos: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    taught: AnyArray,
-    gains: AnyArray,
-    features: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    exo_joints: AnyArray,
-) -> None:
+def begin(rows: Whole, arms: Frozen[tuple[Physics, Addresses, Intention, Wearer]]) -> None:
     """Puts some arms at their first intention, and computes the feed-forward torque."""
+    physics, at, intention, wearer = thawed(arms)
     for k in range(rows.shape[0]):
         row = rows[k]
-        foresee(
-            row,
-            0,
-            angle,
-            rate,
-            acceleration,
-            links,
-            gravity,
-            scratch,
-            taught,
-            gains,
-            features,
-            own,
-        )
+        feed_forward(row, np.int64(0), intention, wearer)
         for j in range(4):
-            qpos[row, joints[j]] = angle[row, 0, j]
-            qpos[row, exo_joints[j]] = angle[row, 0, j]
+            physics.qpos[row, at.joints[j]] = intention.motion.angle[row, 0, j]
+            physics.qpos[row, at.exo_joints[j]] = intention.motion.angle[row, 0, j]
 
 
 @njit(cache=True)
-def imbalance(
-    rows: AnyArray,
-    torque: AnyArray,
-    qpos: AnyArray,
-    qfrc_passive: AnyArray,
-    qfrc_bias: AnyArray,
-    motor: AnyArray,
-    driven: AnyArray,
-) -> None:
-    """Computes the net torque on some arms at rest, without the wearer's [N·m].
-
-    It is negative where the arm would sink, shape (n, dofs); `motor` is the torque of the motors.
-    """
+def imbalance(rows: Whole, arms: Frozen[tuple[Physics, Addresses, Equilibrium]]) -> None:
+    """Computes the net torque on some arms at rest, negative where the arm would sink [N·m]."""
+    physics, at, rest = thawed(arms)
     for k in range(rows.shape[0]):
         row = rows[k]
-        for i in range(qpos.shape[1]):
-            torque[row, i] = qfrc_passive[row, i] - qfrc_bias[row, i]
-        for j in range(driven.shape[0]):
-            if j < motor.shape[1]:
-                torque[row, driven[j]] += motor[row, j]
+        for i in range(physics.qpos.shape[1]):
+            rest.torque[row, i] = physics.qfrc_passive[row, i] - physics.qfrc_bias[row, i]
+        for j in range(at.driven.shape[0]):
+            if j < rest.motor.shape[1]:
+                rest.torque[row, at.driven[j]] += rest.motor[row, j]
 
 
 @njit(cache=True)
@@ -132,7 +98,7 @@ def correct(
     return unbalanced
 
 
-@njit(cache=True)
+@inner
 def _improve(
     k: int, row: int, torque: AnyArray, inverse: AnyArray, dofs: AnyArray, moves: AnyArray
 ) -> None:
@@ -161,28 +127,21 @@ def _improve(
 
 @njit(cache=True)
 def hold(
-    rows: AnyArray,
-    torque: AnyArray,
-    ctrl: AnyArray,
-    bias: AnyArray,
-    angle: AnyArray,
-    held: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    human: AnyArray,
-    intention: AnyArray,
-    impedance: AnyArray,
+    rows: Whole,
+    arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]],
 ) -> None:
     """Lets wearers hold still: the slow correction starts at what the feed-forward torque lacks."""
+    physics, at, intention, wearer, muscles, rest = thawed(arms)
+    ctrl, impedance, feedback = physics.ctrl, muscles.impedance, wearer.feedback
     for k in range(rows.shape[0]):
         row = rows[k]
         for j in range(4):
-            needed = -torque[row, joints[j]]
-            held[row, j] = needed - own[row, j]
+            needed = -rest.torque[row, at.joints[j]]
+            feedback.correction[row, j] = needed - wearer.arm.torque[row, j]
             stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * abs(needed)
             damping = impedance[row, FIXED, j] + impedance[row, RELAXATION, j] * stiffness
-            bias[row, human[j], 1] = -stiffness
-            bias[row, human[j], 2] = -damping
-            ctrl[row, intention[0, j]] = angle[row, 0, j]
-            ctrl[row, intention[1, j]] = 0.0
-            ctrl[row, intention[2, j]] = needed
+            physics.biasprm[row, at.human[j], 1] = -stiffness
+            physics.biasprm[row, at.human[j], 2] = -damping
+            ctrl[row, at.intention[0, j]] = intention.motion.angle[row, 0, j]
+            ctrl[row, at.intention[1, j]] = 0.0
+            ctrl[row, at.intention[2, j]] = needed

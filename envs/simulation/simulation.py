@@ -1,10 +1,9 @@
 """Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo."""
 
-import inspect
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -12,16 +11,13 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from ...arrays import AnyArray, Array
-from ...assets import JOINTS, SuitJoint
+from ...assets import SuitJoint
 from ...errors import InputError
 from ...hysteresis.engine import replace_model, take_off
 from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, start_encoders
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
-from ..person.control import NOISE_SIZE, noise_constants, sight_periods
-from ..person.fatigue import RATES
-from ..person.strength import SHAPE
 from . import settling
 from .addresses import Addresses
 from .bound import bound
@@ -30,17 +26,28 @@ from .differing import Differing, Variety
 from .inverse_dynamics import arm_torques
 from .kinematics import Arm
 from .measurements import COLUMNS
-from .memory import STRETCH, Memory
 from .plan import Plan, checked_plan
-from .sensing import Sensing, sense, smoothing
+from .sensing import Sensing, sense
+from .state import (
+    KEPT,
+    STRETCH,
+    State,
+    conditions_of,
+    episodes_of,
+    intention_of,
+    motors_of,
+    muscles_of,
+    noisy_sensors_of,
+    sensors_of,
+    wearer_of,
+)
 from .streams import stream
-from .wearer import FEATURES
+from .structs import Equilibrium, Physics
 
 Rows = NDArray[np.int64]
 
 VELOCITIES = mujoco.mjtStage.mjSTAGE_VEL.value
 NOTHING = mujoco.mjtStage.mjSTAGE_NONE.value
-DIVERGENCE = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 PREVIEW = (0.02, 0.1, 0.24)  # [s], look-ahead times of the target in the observation
 
 
@@ -49,15 +56,15 @@ class Start:
     """Start of an episode of one row.
 
     Attributes:
-        plan: Intended motion of the wearer, and loads on the hand.
+        plan: Intended motion of the wearer, and loads on the hand, as `Simulation.checked` returns.
         suit: Joints of the wearer's suit; None is the compiled one.
         encoder_offset: Error of the encoders' zeros [rad], shape (4,).
         payload: Load at the hand; None is that of the configuration.
         gravity: Name of the place; None is that of the configuration.
         wearer: Number of the wearer.
         misalignment: Displacement of the exoskeleton from its configured position [m], shape (3,).
-        loudness: Factor of the noise of sensors.
-        taught: Learned torque of the wearer, added to that of the bare arm [N·m], shape
+        noise_scale: Factor of the noise of sensors.
+        learned_torque: Torque of the wearer, added to that of the bare arm [N·m], shape
             (samples, 4); None means no such torque.
     """
 
@@ -68,8 +75,8 @@ class Start:
     gravity: str | None
     wearer: int
     misalignment: Array
-    loudness: float
-    taught: Array | None
+    noise_scale: float
+    learned_torque: Array | None
 
 
 class Posture(NamedTuple):
@@ -105,16 +112,16 @@ class Simulation:
         variety: What may differ between rows.
         edits: What a task adds to the model.
         carries: Whether loads change during an episode; rows then may have loads of their own.
-        taught: Whether wearers take a learned torque.
+        learned: Whether episodes may begin with a learned torque of the wearer.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
         model: MuJoCo model of a row, without drawings.
-        memory: State of the episodes, beside the state of the physics.
+        state: State of the episodes, beside the state of the physics.
         addresses: Addresses of the model.
         suit: Joints that the compiled suit resists, at its operating pressure.
         ranges: Ranges of the bare arm's joints [rad], shape (4, 2); intentions stay inside.
-        columns: Columns of `memory.measured` that these arms have, by name.
+        columns: Columns of the measurements that these arms have, by name.
         batch: The physics.
         plugin_state: State of the suits, a view of shape (n, size).
         sensordata: Sensors of the physics, a view of shape (n, size).
@@ -134,7 +141,7 @@ class Simulation:
         variety: Variety,
         edits: Edits | None,
         carries: bool,
-        taught: bool,
+        learned: bool,
         threads: int,
     ) -> None:
         self.config, self.control, self.fatigue = config, control, fatigue
@@ -149,20 +156,25 @@ class Simulation:
         self.ranges = bare_arm(config).jnt_range
         self.suit = resisting_joints(config)
         self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
-        self.memory = Memory.empty(
-            n,
-            samples=samples,
-            motors=self.addresses.motors.size,
-            delay=round(control.delay / control_dt),
-            sight=sight_periods(control_dt),
-            taught=taught,
-            learns=control.learns,
-            noisy=control.noise > 0 or control.tremor > 0,
-            felt=round(sensing.interaction_delay / control_dt) if noisy else None,
-            carries=carries,
-            pushed=self._pushed,
+        at, dt = self.addresses, control_dt
+        motors = list(config.exo.motors.values())[: at.motors.size]
+        ratings = [(motor.continuous_torque, motor.thermal_time_constant) for motor in motors]
+        preview = np.array([round(ahead / dt) for ahead in PREVIEW])
+        resolution = math.tau / 2**config.exo.encoder_bits
+        strength, impedance = self._differing.strengths[0], self._impedance_of(0)
+        self.state = State(
+            episode=episodes_of(n, samples, dt),
+            conditions=conditions_of(n, samples if carries else 0, samples if self._pushed else 0),
+            intention=intention_of(n, samples, learned=learned),
+            wearer=wearer_of(n, self._differing.chains[0], control, dt),
+            muscles=muscles_of(n, strength, impedance, tires=fatigue),
+            motors=motors_of(n, np.vstack([at.peak_torque, np.array(ratings).reshape(-1, 2).T])),
+            sensors=sensors_of(n, preview, resolution, sensing, dt),
+            noisy=noisy_sensors_of(n, sensing, dt, used=noisy),
         )
-        self._is_noisy = noisy or self.memory.fresh.size > 0
+        self._saved = self.state.arrays()
+        self._cleared = [values for name, values in self._saved.items() if name not in KEPT]
+        self._draws = noisy or self.state.wearer.noise.muscle_draws.size > 0
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
@@ -176,50 +188,25 @@ class Simulation:
         feed-forward torque lacks. Strength does not limit it there: a wearer who is too weak drops
         the arm afterwards. At the first step the motors start at the commanded torque and the
         wearer at the remainder, so that there is no start-up transient. Seeds and numbers of the
-        episodes must be in `memory` before the call.
+        episodes must be in `state` before the call.
 
         Args:
             rows: The rows, shape (k,).
             start_of: Function that returns the start of the episode of a row.
 
         Raises:
-            InputError: A motion has other shapes, is not finite or leaves the range of a joint; the
-                rows then need another reset.
+            InputError: A load is too heavy, or a suit cannot be worn; the rows then need another
+                reset.
         """
-        memory = self.memory
-        memory.clear(rows)
-        memory.gains[rows] = memory.growing[rows]
+        learning = self.state.wearer.learning
+        for values in self._cleared:
+            values[rows] = 0
+        learning.gains[rows] = learning.next_gains[rows]
         self.batch.reset(self._ids(rows), stage=NOTHING)
         for row in rows.tolist():
-            start = start_of(row)
-            plan = self.checked(start.plan)
-            memory.angle[row], memory.rate[row], memory.acceleration[row] = plan.motion
-            memory.offset[row], memory.loudness[row] = start.encoder_offset, start.loudness
-            memory.wearer[row], memory.misalignment[row] = start.wearer, start.misalignment
-            self._differing.strap(self.plugin_state[row], start.wearer, start.misalignment)
-            memory.load[row] = (start.payload or self.config.payload).mass
-            if self._carries:
-                memory.carried[row] = memory.load[row] + (0.0 if plan.mass is None else plan.mass)
-                heaviest = memory.carried[row].max()
-                if heaviest > HEAVIEST_PAYLOAD:
-                    raise InputError(
-                        f"payload and the task's load are {heaviest:.3g} kg together: stay within "
-                        f"{HEAVIEST_PAYLOAD:g} kg"
-                    )
-                memory.load[row] = memory.carried[row, 0]
-            if plan.push is not None:
-                memory.push[row] = plan.push
-            if memory.watched.shape[1]:
-                memory.watched[row] = False if plan.watched is None else plan.watched
-                memory.places[row] = self.arm_of(start.wearer).in_world(plan.motion[0])
-            if start.gravity is not None:
-                memory.fall[row] = GRAVITY[start.gravity]
-            if start.suit is not None:
-                self._put_on(row, start.suit)
-            if start.taught is not None:
-                memory.taught[row] = start.taught
+            self._write_start(row, start_of(row))
         self._write_differences(rows)
-        self._motor[rows] = 0.0
+        self._rest.motor[rows] = 0.0
         self._settle(rows)
         self._waiting.update(rows.tolist())
         if self.config.exo.encoder_delay > 0:
@@ -233,26 +220,20 @@ class Simulation:
         """Moves some rows by one control period.
 
         Args:
-            action: Torque of the motors over their peaks, shape (n, motors); values beyond [-1, 1]
-                are clipped and counted.
+            action: Torque of the motors over their peaks, finite, shape (n, motors); values beyond
+                [-1, 1] are clipped and counted.
             rows: The rows that move; by default all.
-
-        Raises:
-            InputError: An action is not of finite numbers; nothing has changed.
         """
         moving = self._all if rows is None else rows
         if self._waiting:
             self._take_over(action, moving)
-        if self._is_noisy:
+        if self._draws:
             self._draw_noise(moving)
         if self._carries:
             self._exchange(moving)
         if self._pushed:
             self._push(moving)
-        bad = self._before(moving, action)
-        if bad >= 0:
-            place = f"action of row {bad}" if self.n > 1 else "action"
-            raise InputError(f"{place} is {action[bad].tolist()}: give finite numbers from -1 to 1")
+        self._before(moving, action)
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         self._after(moving, True)
         if self._sense:
@@ -276,33 +257,33 @@ class Simulation:
         Returns:
             The torques, shape (k, samples, 4).
         """
-        memory, found = self.memory, np.empty((len(rows), self.samples, len(JOINTS)))
-        for row, torque in zip(rows.tolist(), found, strict=True):
-            motion = (memory.angle[row], memory.rate[row], memory.acceleration[row])
-            chain = self._differing.chains[memory.wearer[row]]
-            torque[:] = arm_torques(replace(chain, gravity=self._gravity[row, None]), *motion)
-        return found
+        motion, found = self.state.intention.motion, []
+        for row in rows.tolist():
+            chain = self._differing.chains[self.state.conditions.wearer[row]]
+            here = replace(chain, gravity=self.state.wearer.arm.gravity[row, None])
+            found.append(arm_torques(here, *(part[row] for part in motion)))
+        return np.array(found)
 
     def measured(self, name: str) -> Array:
         """Returns a view of one measurement of all rows, shape (n, size)."""
-        return self.memory.measured[:, COLUMNS[name]]
+        return self.state.sensors.measured[:, COLUMNS[name]]
 
     # --- State --------------------------------------------------------------------------------
 
-    def state(self, rows: Rows) -> dict[str, NDArray]:
-        """Returns physics and memory of some rows, as new arrays with a leading axis of rows."""
-        arrays = {"physics": self.batch.state, **self.memory.arrays()}
+    def get_state(self, rows: Rows) -> dict[str, NDArray]:
+        """Returns the state of some rows, as new arrays with a leading axis of rows."""
+        arrays = {"physics": self.batch.state, **self._saved}
         return {name: values[rows] for name, values in arrays.items()}
 
-    def restore(self, rows: Rows, state: dict[str, NDArray]) -> None:
-        """Restores what `state` returned, in as many rows; they then continue bit for bit."""
+    def set_state(self, rows: Rows, state: dict[str, NDArray]) -> None:
+        """Restores what `get_state` returned, in as many rows; they then continue bit for bit."""
         self.batch.reset(rows, stage=NOTHING)
         self.batch.state[rows] = state["physics"]
-        for name, values in self.memory.arrays().items():
+        for name, values in self._saved.items():
             values[rows] = state[name]
         self._write_differences(rows)
         self._waiting.difference_update(rows.tolist())
-        self._waiting.update(rows[self.memory.step[rows] == 0].tolist())
+        self._waiting.update(rows[self.state.episode.step[rows] == 0].tolist())
         self.batch.forward(rows, stage=VELOCITIES)
 
     def data(self, row: int, into: mujoco.MjData | None = None) -> mujoco.MjData:
@@ -311,8 +292,9 @@ class Simulation:
 
     def posture_of(self, row: int) -> Posture:
         """Returns time and pose of a row, for a picture."""
-        carried = self.memory.carried[row]
-        loaded = carried.size > 0 and self.memory.load[row] > carried.min()
+        conditions = self.state.conditions
+        carried = conditions.carried[row]
+        loaded = carried.size > 0 and conditions.load[row] > carried.min()
         return Posture(float(self._time[row]), self._qpos[row].copy(), bool(loaded))
 
     # --- Parts --------------------------------------------------------------------------------
@@ -333,82 +315,74 @@ class Simulation:
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()
         self._differing.begin(batch)
-        bound = ("time", "qpos", "qvel", "act", "ctrl", "sensordata", "actuator_force")
-        bound = (*bound, "plugin_state")
-        physics = {name: batch.bind(name) for name in bound}
-        self._time, self._qpos, self._ctrl = physics["time"], physics["qpos"], physics["ctrl"]
-        self._current = physics["act"]
-        self.plugin_state, self.sensordata = physics["plugin_state"], physics["sensordata"]
-        physics |= {name: batch.bind(name) for name in ("qfrc_passive", "qfrc_bias", "qacc")}
-        physics["bias"] = batch.expand("actuator_biasprm")
-        physics["warning"] = batch.warning[:, DIVERGENCE, 1]
-        names = {**vars(self.addresses), **self.memory.arrays(), **physics, **self._constants()}
-        chain = self._differing.chains[0]
-        for name in ("links", "gravity"):
-            names[name] = np.repeat(getattr(chain, name), self.n, axis=0)
-        self._links, self._gravity = names["links"], names["gravity"]
-        self._strength, self._impedance = names["strength"], names["impedance"]
-        self._torque, self._motor = names["torque"], names["motor"]
-        self._free = np.setdiff1d(self.addresses.exo_joints, self.addresses.joints)
-        rows, action = self._all, np.empty((self.n, self.addresses.motors.size))
-        self._begin_rest = _bound(settling.begin, names, rows)
-        self._imbalance = _bound(settling.imbalance, names, rows)
-        self._hold = _bound(settling.hold, names, rows)
-        self._before = _bound(before, names, rows, action)
-        self._after = _bound(after, names, rows, True)
-        self._sense = _bound(sense, names, rows, True) if self._noisy else None
+        self._time, self._current = batch.bind("time"), batch.bind("act")
+        self.plugin_state = batch.bind("plugin_state")
+        physics, at, state = Physics.of(batch), self.addresses, self.state
+        self._qpos, self._ctrl = physics.qpos, physics.ctrl
+        self.sensordata = physics.sensordata
+        self._free = np.setdiff1d(at.exo_joints, at.joints)
+        rest = self._rest = Equilibrium(
+            torque=np.zeros((self.n, self.model.nq)), motor=np.zeros((self.n, at.motors.size))
+        )
+        rows, action = self._all, np.empty((self.n, at.motors.size))
+        intended = (physics, at, state.intention, state.wearer)
+        self._begin_rest = bound(settling.begin, (rows,), intended)
+        self._imbalance = bound(settling.imbalance, (rows,), (physics, at, rest))
+        self._hold = bound(settling.hold, (rows,), (*intended, state.muscles, rest))
+        here = (physics, at, state.episode, state.intention)
+        muscles, motors, sensors = state.muscles, state.motors, state.sensors
+        self._before = bound(before, (rows, action), (*here, state.wearer, muscles, motors))
+        self._after = bound(after, (rows, True), (*here, muscles, motors, sensors))
+        self._sense = None
+        if self._noisy:
+            noisy = (*here, state.wearer, state.noisy, sensors.measured)
+            self._sense = bound(sense, (rows, True), noisy)
 
-    def _constants(self) -> dict[str, Any]:
-        n, config, dt = self.n, self.config, self.control_dt
-        motors = list(config.exo.motors.values())[: self.addresses.motors.size]
-        impedance = self._impedance_of(0)
-        continuous = [motor.continuous_torque for motor in motors]
-        heating = [motor.thermal_time_constant for motor in motors]
-        return {
-            "scratch": np.empty((n, len(JOINTS), 8)),
-            "own": np.zeros((n, len(JOINTS))),
-            "strength": np.tile(self._differing.strengths[0], (n, 1, 1)),
-            "rested": np.zeros((n, 2, len(JOINTS))),
-            "shape": SHAPE,
-            "impedance": np.tile(impedance, (n, 1, 1)),
-            "features": np.zeros((n, len(JOINTS), FEATURES)),
-            "answer": np.zeros((n, len(JOINTS))),
-            "torque": np.zeros((n, self.model.nq)),
-            "motor": np.zeros((n, self.addresses.motors.size)),
-            **self.control.habits(dt),
-            "spread": NOISE_SIZE,
-            "ringing": noise_constants(dt),
-            "ratings": np.array([self.addresses.peak_torque, continuous, heating]),
-            "rates": np.array(RATES),
-            "ahead": np.array([round(ahead / dt) for ahead in PREVIEW]),
-            "count": math.tau / 2**config.exo.encoder_bits,
-            "smoothing": smoothing(self.sensing.rate_cutoff, dt),
-            "here_angle": np.zeros((n, 1, len(JOINTS))),
-            "here_rate": np.zeros((n, 1, len(JOINTS))),
-            "here_acceleration": np.zeros((n, 1, len(JOINTS))),
-            "cuff_noise": self.sensing.cuff_noise,
-            "interaction_noise": self.sensing.interaction_noise,
-            "emg_lead": round(self.sensing.emg_lead / dt),
-            "emg_noise": self.sensing.emg_noise,
-            "emg_smoothing": smoothing(self.sensing.emg_cutoff, dt),
-            "dt": dt,
-            "tires": self.fatigue,
-        }
+    def _write_start(self, row: int, start: Start) -> None:
+        state, conditions, plan = self.state, self.state.conditions, start.plan
+        for values, part in zip(state.intention.motion, plan.motion, strict=True):
+            values[row] = part
+        state.sensors.encoder_offset[row] = start.encoder_offset
+        state.noisy.noise_scale[row] = start.noise_scale
+        conditions.wearer[row], conditions.misalignment[row] = start.wearer, start.misalignment
+        self._differing.strap(self.plugin_state[row], start.wearer, start.misalignment)
+        conditions.load[row] = (start.payload or self.config.payload).mass
+        if self._carries:
+            carried = conditions.load[row] + (0.0 if plan.mass is None else plan.mass)
+            conditions.carried[row] = carried
+            heaviest = conditions.carried[row].max()
+            if heaviest > HEAVIEST_PAYLOAD:
+                raise InputError(
+                    f"payload and the task's load are {heaviest:.3g} kg together: stay within "
+                    f"{HEAVIEST_PAYLOAD:g} kg"
+                )
+            conditions.load[row] = conditions.carried[row, 0]
+        if plan.push is not None:
+            conditions.push[row] = plan.push
+        if start.gravity is not None:
+            conditions.free_fall[row] = GRAVITY[start.gravity]
+        if start.suit is not None:
+            self._put_on(row, start.suit)
+        if start.learned_torque is not None:
+            state.intention.learned_torque[row] = start.learned_torque
 
     def _exchange(self, moving: Rows) -> None:
         """Sets the masses that hands carry in the coming control period."""
-        memory = self.memory
-        wanted = memory.carried[moving, np.minimum(memory.step[moving], self.samples - 1)]
-        changed = moving[wanted != memory.load[moving]]
+        conditions = self.state.conditions
+        wanted = conditions.carried[moving, self._sample(moving)]
+        changed = moving[wanted != conditions.load[moving]]
         if changed.size:
-            memory.load[moving] = wanted
-            self._differing.load(changed, memory.wearer, memory.load)
+            conditions.load[moving] = wanted
+            self._differing.load(changed, conditions.wearer, conditions.load)
 
     def _push(self, moving: Rows) -> None:
         """Sets the forces on the grips for the coming control period."""
-        memory = self.memory
-        now = memory.push[moving, np.minimum(memory.step[moving], self.samples - 1)]
+        now = self.state.conditions.push[moving, self._sample(moving)]
         self._ctrl[moving[:, None], self.addresses.pushes] = now
+
+    def _sample(self, rows: Rows) -> Rows:
+        """Returns the sample of the intention at which rows are, shape (k,)."""
+        return np.minimum(self.state.episode.step[rows], self.samples - 1)
 
     def _impedance_of(self, wearer: int) -> Array:
         return self.control.impedance(self._differing.persons[wearer])
@@ -416,15 +390,15 @@ class Simulation:
     def _take_over(self, action: Array, moving: Rows) -> None:
         """Starts motors at the first commanded torque, and wearers at the remainder."""
         waiting = [row for row in moving.tolist() if row in self._waiting]
-        if not waiting or not np.isfinite(action[moving]).all():
-            return  # the kernel `before` reports an action that is not finite
+        if not waiting:
+            return
         rows, at = np.array(waiting), self.addresses
         self._waiting.difference_update(waiting)
         if not at.motors.size:
             return
-        self._motor[rows] = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
-        self._ctrl[rows[:, None], at.motors] = self._motor[rows]
-        self._current[rows] = self._motor[rows]
+        torque = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
+        self._rest.motor[rows] = self._current[rows] = torque
+        self._ctrl[rows[:, None], at.motors] = torque
         self._settle(rows)
 
     def _settle(self, rows: Rows) -> None:
@@ -451,9 +425,11 @@ class Simulation:
         inverse: AnyArray = np.linalg.inv(slope)
         moves = np.zeros((len(rows), 4, free.size))
         status = np.full(len(rows), settling.FRESH)
-        self._torque[rows] = torque
+        self._rest.torque[rows] = torque
         for _ in range(settling.MOST_CORRECTIONS):
-            if not settling.correct(rows, self._torque, inverse, self._qpos, free, moves, status):
+            if not settling.correct(
+                rows, self._rest.torque, inverse, self._qpos, free, moves, status
+            ):
                 break
             self._needed(rows)
         return rows[status != settling.SETTLED]
@@ -462,22 +438,24 @@ class Simulation:
         """Returns the net torque on arms at rest, without the wearer's, shape (k, dofs)."""
         self.batch.forward(self._ids(rows), stage=VELOCITIES)
         self._imbalance(rows)
-        return self._torque[rows]
+        return self._rest.torque[rows]
 
     def _ids(self, rows: Rows) -> Rows | None:
         return None if len(rows) == self.n else rows  # Batch takes all of them faster
 
     def _write_differences(self, rows: Rows) -> None:
-        memory, differing = self.memory, self._differing
-        wearer = memory.wearer
-        differing.write(rows, wearer, memory.misalignment, memory.load, memory.fall)
+        differing, conditions, muscles = self._differing, self.state.conditions, self.state.muscles
+        wearer, arm = conditions.wearer, self.state.wearer.arm
+        differing.write(
+            rows, wearer, conditions.misalignment, conditions.load, conditions.free_fall
+        )
         for row in rows.tolist() if self._variety.wearers else ():
             chain = differing.chains[wearer[row]]
-            self._links[row], self._gravity[row] = chain.links[0], chain.gravity[0]
-            self._strength[row] = differing.strengths[wearer[row]]
-            self._impedance[row] = self._impedance_of(int(wearer[row]))
+            arm.links[row], arm.gravity[row] = chain.links[0], chain.gravity[0]
+            muscles.strength[row] = differing.strengths[wearer[row]]
+            muscles.impedance[row] = self._impedance_of(int(wearer[row]))
         if self._variety.places:
-            self._gravity[rows] = memory.fall[rows, None] * differing.chains[0].down
+            arm.gravity[rows] = conditions.free_fall[rows, None] * differing.chains[0].down
 
     def _put_on(self, row: int, suit: Mapping[str, SuitJoint]) -> None:
         for joint in self._joints - suit.keys():
@@ -503,19 +481,13 @@ class Simulation:
             history[row] = data.history
 
     def _draw_noise(self, rows: Rows) -> None:
-        memory = self.memory
-        for row in rows[memory.step[rows] % STRETCH == 0].tolist():
-            part = int(memory.step[row]) // STRETCH
-            key = int(memory.seed[row]), int(memory.episode[row])
+        episode, noise = self.state.episode, self.state.wearer.noise
+        for row in rows[episode.step[rows] % STRETCH == 0].tolist():
+            part = int(episode.step[row]) // STRETCH
+            key = int(episode.seed[row]), int(episode.episode[row])
             for numbers, purpose in (
-                (memory.fresh[row], "muscle noise"),
-                (memory.shaken[row], "sensor noise"),
+                (noise.muscle_draws[row], "muscle noise"),
+                (self.state.noisy.sensor_draws[row], "sensor noise"),
             ):
                 if numbers.size:
                     stream(*key, purpose, part).standard_normal(out=numbers)
-
-
-def _bound(kernel: Any, names: dict[str, Any], *first: Any) -> Callable[..., Any]:
-    """Returns a kernel with its arguments bound by name, but the first, which have examples."""
-    wanted = list(inspect.signature(kernel.py_func).parameters)
-    return bound(kernel, first, [names[name] for name in wanted[len(first) :]])

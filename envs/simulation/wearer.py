@@ -1,83 +1,70 @@
 """The wearer's control in one control period, for one row (see `envs.person.control`).
 
-Scalars and arrays with the row as their first index, as in `cycle`.
+The structs are those of `structs`.
 """
-
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
 
 import math
 
-from numba import njit
-
-from ...arrays import AnyArray
+from ...arrays import Array
+from ...kernels import inner
+from ..person.control import NOISE_SIZE
+from ..person.strength import SHAPE
 from ..person.strength_kernels import group_torque
+from .addresses import Addresses
 from .inverse_dynamics import arm_torque
+from .structs import Episode, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
 
 # Rows of `impedance`.
 BASE, SLOPE, DAMPING, RELAXATION, EXTRA = range(5)
-# Entries of `ringing`: coefficients that advance noise and tremor by one control period.
+# Entries of `recursion`: coefficients that advance noise and tremor by one control period.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
 FEATURES = 10  # number of features of the motion that predict the net load
 STILL = 0.05  # [rad/s], least rate of a motion with a direction
 
 
-@njit(cache=True)
-def vary(row: int, variation: AnyArray, fresh: AnyArray, place: int, ringing: AnyArray) -> None:
+@inner
+def vary(row: int, step: int, noise: MuscleNoise) -> None:
     """Advances the noise of muscles: first-order autoregression and a driven, damped rotation."""
+    varied, draws, by = noise.muscle_noise, noise.muscle_draws, noise.recursion
+    place = step % draws.shape[1]
     for j in range(4):
-        slow, x, y = variation[row, 0, j], variation[row, 1, j], variation[row, 2, j]
-        variation[row, 0, j] = ringing[SLOW] * slow + ringing[SLOW_DRIVE] * fresh[row, place, 0, j]
-        turned = ringing[RING] * (ringing[COSINE] * x - ringing[SINE] * y)
-        variation[row, 1, j] = turned + ringing[RING_DRIVE] * fresh[row, place, 1, j]
-        turned = ringing[RING] * (ringing[SINE] * x + ringing[COSINE] * y)
-        variation[row, 2, j] = turned + ringing[RING_DRIVE] * fresh[row, place, 2, j]
+        slow, x, y = varied[row, 0, j], varied[row, 1, j], varied[row, 2, j]
+        varied[row, 0, j] = by[SLOW] * slow + by[SLOW_DRIVE] * draws[row, place, 0, j]
+        turned = by[RING] * (by[COSINE] * x - by[SINE] * y)
+        varied[row, 1, j] = turned + by[RING_DRIVE] * draws[row, place, 1, j]
+        turned = by[RING] * (by[SINE] * x + by[COSINE] * y)
+        varied[row, 2, j] = turned + by[RING_DRIVE] * draws[row, place, 2, j]
 
 
-@njit(cache=True)
-def most(
-    row: int,
-    way: int,
-    joint: int,
-    angle: float,
-    speed: float,
-    strength: AnyArray,
-    fatigued: AnyArray,
-    shape: AnyArray,
-) -> float:
-    """Returns the greatest torque of a muscle group, reduced by its fatigue [N·m]."""
+@inner
+def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> float:
+    """Returns the greatest torque of a muscle group with some isometric strength [N·m]."""
     return group_torque(
-        strength[row, way, joint] * (1.0 - fatigued[row, way, joint]),
+        isometric,
         angle,
         speed,
-        shape[0, way, joint],
-        shape[1, way, joint],
-        shape[2, way, joint],
-        shape[3, way, joint],
-        shape[4, way, joint],
-        shape[5, way, joint],
+        SHAPE[0, way, joint],
+        SHAPE[1, way, joint],
+        SHAPE[2, way, joint],
+        SHAPE[3, way, joint],
+        SHAPE[4, way, joint],
+        SHAPE[5, way, joint],
     )
 
 
-@njit(cache=True)
-def describe(
-    row: int,
-    sample: int,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    own: AnyArray,
-    features: AnyArray,
-) -> None:
+@inner
+def describe(row: int, sample: Index, intention: Intention, wearer: Wearer) -> None:
     """Computes features of the intended motion at a sample, which the net load depends on.
 
-    Sines and cosines represent weight, rates friction and hysteresis, accelerations inertia.
-    `own` is the bare arm's torque at the sample; features are (rows, 4, FEATURES).
+    Sines and cosines represent weight, rates friction and hysteresis, accelerations inertia. The
+    bare arm's torque at the sample must be in `wearer.arm.torque`.
     """
-    upper = angle[row, sample, 1]
-    lower = upper + angle[row, sample, 2]
+    motion, features = intention.motion, wearer.learning.features
+    upper = motion.angle[row, sample, 1]
+    lower = upper + motion.angle[row, sample, 2]
     for j in range(4):
-        speed = rate[row, sample, j]
-        features[row, j, 0] = own[row, j] / 10.0
+        speed = motion.rate[row, sample, j]
+        features[row, j, 0] = wearer.arm.torque[row, j] / 10.0
         features[row, j, 1] = math.sin(upper)
         features[row, j, 2] = math.cos(upper)
         features[row, j, 3] = math.sin(lower)
@@ -85,12 +72,12 @@ def describe(
         features[row, j, 5] = speed
         features[row, j, 6] = math.tanh(speed / STILL)
         features[row, j, 7] = 1.0
-        features[row, j, 8] = acceleration[row, sample, 1] / 5.0
-        features[row, j, 9] = acceleration[row, sample, 2] / 5.0
+        features[row, j, 8] = motion.acceleration[row, sample, 1] / 5.0
+        features[row, j, 9] = motion.acceleration[row, sample, 2] / 5.0
 
 
-@njit(cache=True)
-def foreseen(row: int, joint: int, gains: AnyArray, features: AnyArray) -> float:
+@inner
+def predicted(row: int, joint: int, gains: Array, features: Array) -> float:
     """Returns the learned torque, which is the net load that gains and features predict [N·m]."""
     torque = 0.0
     for k in range(gains.shape[2]):
@@ -98,138 +85,102 @@ def foreseen(row: int, joint: int, gains: AnyArray, features: AnyArray) -> float
     return torque
 
 
-@njit(cache=True)
-def foresee(
-    row: int,
-    sample: int,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    taught: AnyArray,
-    gains: AnyArray,
-    features: AnyArray,
-    own: AnyArray,
-) -> None:
-    """Computes the wearer's feed-forward torque in `own`: that of the bare arm plus the learned."""
-    arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
-    if gains.shape[2] > 0:
-        describe(row, sample, angle, rate, acceleration, own, features)
+@inner
+def feed_forward(row: int, sample: Index, intention: Intention, wearer: Wearer) -> None:
+    """Computes the wearer's feed-forward torque in `wearer.arm.torque`: bare arm plus learned."""
+    torque, learning, learned = wearer.arm.torque, wearer.learning, intention.learned_torque
+    arm_torque(row, sample, wearer.arm, intention.motion)
+    if learning.gains.shape[2] > 0:
+        describe(row, sample, intention, wearer)
     for j in range(4):
-        if taught.shape[1] > 0:
-            own[row, j] += taught[row, sample, j]
-        if gains.shape[2] > 0:
-            own[row, j] += foreseen(row, j, gains, features)
+        if learned.shape[1] > 0:
+            torque[row, j] += learned[row, sample, j]
+        if learning.gains.shape[2] > 0:
+            torque[row, j] += predicted(row, j, learning.gains, learning.features)
 
 
-@njit(cache=True)
-def learn(
-    row: int,
-    sample: int,
-    angle: AnyArray,
-    rate: AnyArray,
-    acceleration: AnyArray,
-    links: AnyArray,
-    gravity: AnyArray,
-    scratch: AnyArray,
-    gains: AnyArray,
-    growing: AnyArray,
-    features: AnyArray,
-    own: AnyArray,
-    answer: AnyArray,
-    learning: float,
-    forgetting: float,
-) -> None:
+@inner
+def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
     """Updates the learned gains by the torque that was needed now, at the features of `sample`.
 
     The rule is normalized least mean squares; it converges where learning and forgetting balance.
-    It updates `growing`, which takes effect in the next episode; in this one reflex and correction
-    already carry the load. `answer` is the torque that was needed beside the feed-forward torque.
+    It updates `next_gains`, which take effect in the next episode; in this one reflex and
+    correction already carry the load. `feedback.needed` is the torque that was needed beside the
+    feed-forward torque.
     """
-    arm_torque(row, links, gravity, angle, rate, acceleration, sample, scratch, own)
-    describe(row, sample, angle, rate, acceleration, own, features)
+    learning = wearer.learning
+    gains, next_gains, features = learning.gains, learning.next_gains, learning.features
+    arm_torque(row, sample, wearer.arm, intention.motion)
+    describe(row, sample, intention, wearer)
     for j in range(4):
         size = 0.0
         for k in range(gains.shape[2]):
             size += features[row, j, k] * features[row, j, k]
-        load = answer[row, j] + foreseen(row, j, gains, features)
-        missing = load - (1.0 + forgetting) * foreseen(row, j, growing, features)
-        step = learning * missing / size
+        load = wearer.feedback.needed[row, j] + predicted(row, j, gains, features)
+        missing = load - (1.0 + learning.forgetting) * predicted(row, j, next_gains, features)
+        step = learning.rate * missing / size
         for k in range(gains.shape[2]):
-            growing[row, j, k] += step * features[row, j, k]
+            next_gains[row, j, k] += step * features[row, j, k]
 
 
-@njit(cache=True)
+@inner
 def act(
     row: int,
-    qpos: AnyArray,
-    qvel: AnyArray,
-    ctrl: AnyArray,
-    bias: AnyArray,
-    step: AnyArray,
-    angle: AnyArray,
-    rate: AnyArray,
-    past: AnyArray,
-    seen: AnyArray,
-    fed: AnyArray,
-    held: AnyArray,
-    answer: AnyArray,
-    variation: AnyArray,
-    fresh: AnyArray,
-    fatigued: AnyArray,
-    own: AnyArray,
-    joints: AnyArray,
-    human: AnyArray,
-    intention: AnyArray,
-    impedance: AnyArray,
-    strength: AnyArray,
-    shape: AnyArray,
-    spread: AnyArray,
-    ringing: AnyArray,
-    reflex: float,
-    lead: float,
-    lag: float,
-    correction: float,
-    noise: float,
-    tremor: float,
+    physics: Physics,
+    at: Addresses,
+    episode: Episode,
+    intention: Intention,
+    wearer: Wearer,
+    muscles: Muscles,
 ) -> None:
     """Sets intention, impedance and added torque of the wearer's actuators for the coming period.
 
-    `own` is the feed-forward torque; `fed` and `held` are the torques of reflex and correction.
+    `wearer.arm.torque` is the feed-forward torque.
     """
-    last = angle.shape[1] - 1
-    ahead = step[row] + 1
-    i = int(min(ahead, last))
-    if fresh.shape[1] > 0:
-        vary(row, variation, fresh, step[row] % fresh.shape[1], ringing)
+    feedback, motion, noise, ctrl = wearer.feedback, intention.motion, wearer.noise, physics.ctrl
+    strength, fatigued, impedance = muscles.strength, muscles.fatigued, muscles.impedance
+    reflex, correction = feedback.reflex, feedback.correction
+    noisy, delayed = noise.muscle_draws.shape[1] > 0, feedback.reflex_delay.shape[1] > 0
+    step, ahead = episode.step[row], episode.step[row] + 1
+    i = int(min(ahead, motion.angle.shape[1] - 1))
+    if noisy:
+        vary(row, step, noise)
     for j in range(4):
-        q, v = qpos[row, joints[j]], qvel[row, joints[j]]
-        target = angle[row, i, j]
-        target_rate = rate[row, i, j] if i == ahead else 0.0
+        q, v = physics.qpos[row, at.joints[j]], physics.qvel[row, at.joints[j]]
+        own = wearer.arm.torque[row, j]
+        target = motion.angle[row, i, j]
+        target_rate = motion.rate[row, i, j] if i == ahead else 0.0
         error, slip = target - q, target_rate - v
-        low = -most(row, 0, j, q, -v, strength, fatigued, shape)
-        high = most(row, 1, j, q, v, strength, fatigued, shape)
-        muscle = max(low, min(own[row, j] + fed[row, j] + held[row, j], high))
+        low, high = 0.0, 0.0
+        for way in range(2):
+            isometric = strength[row, way, j] * (1.0 - fatigued[row, way, j])
+            if way == 1:
+                high = most(isometric, way, j, q, v)
+            else:
+                low = -most(isometric, way, j, q, -v)
+        muscle = max(low, min(own + reflex[row, j] + correction[row, j], high))
         stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * abs(muscle)
         damping = impedance[row, DAMPING, j] + impedance[row, RELAXATION, j] * stiffness
         intrinsic = stiffness * error + damping * slip
         total = max(low, min(muscle + intrinsic, high))
-        answer[row, j] = total - own[row, j]
-        if fresh.shape[1] > 0:
-            varied = noise * spread[j] * variation[row, 0, j] + tremor * variation[row, 1, j]
+        feedback.needed[row, j] = total - own
+        if noisy:
+            varied = noise.noise * NOISE_SIZE[j] * noise.muscle_noise[row, 0, j]
+            varied += noise.tremor * noise.muscle_noise[row, 1, j]
             total = max(low, min(total * (1.0 + varied), high))
-        ctrl[row, intention[0, j]] = target
-        ctrl[row, intention[1, j]] = target_rate
-        ctrl[row, intention[2, j]] = total - intrinsic
-        bias[row, human[j], 1] = -stiffness
-        bias[row, human[j], 2] = -damping
-        sensed, place = stiffness * (error + lead * slip), 0
-        if past.shape[1] > 0:
-            place = step[row] % past.shape[1]
-            sensed, past[row, place, j] = past[row, place, j], sensed
-        fed[row, j] += lag * (reflex * sensed - fed[row, j])
-        place = step[row] % seen.shape[1]
-        held[row, j] = max(low, min(held[row, j] + correction * seen[row, place, j], high))
-        seen[row, place, j] = stiffness * error
+        ctrl[row, at.intention[0, j]] = target
+        ctrl[row, at.intention[1, j]] = target_rate
+        ctrl[row, at.intention[2, j]] = total - intrinsic
+        physics.biasprm[row, at.human[j], 1] = -stiffness
+        physics.biasprm[row, at.human[j], 2] = -damping
+        sensed = stiffness * (error + feedback.lead * slip)
+        if delayed:
+            place = step % feedback.reflex_delay.shape[1]
+            now, sensed = sensed, feedback.reflex_delay[row, place, j]
+            feedback.reflex_delay[row, place, j] = now
+        reflex[row, j] += feedback.lag * (feedback.reflex_gain * sensed - reflex[row, j])
+        place = step % feedback.correction_delay.shape[1]
+        seen = feedback.correction_delay[row, place, j]
+        corrected = correction[row, j] + feedback.correction_gain * seen
+        correction[row, j] = max(low, min(corrected, high))
+        feedback.correction_delay[row, place, j] = stiffness * error

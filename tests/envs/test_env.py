@@ -14,7 +14,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.model import ASSISTED
 from activesuit.errors import InputError
 from activesuit.hysteresis import UncertifiedModelError
-from arms import addresses, memory
+from arms import addresses, state
 from gymnasium.utils.env_checker import check_env
 
 IDS = [f"ActiveSuit/{task}-v0" for task in activesuit.TASKS]
@@ -97,7 +97,7 @@ def test_observation_is_fresh_and_means_what_the_layout_says():
     )
     np.testing.assert_allclose(observation[layout["previous_action"]], [0.3, -0.2], rtol=1e-6)
     np.testing.assert_allclose(observation[layout["suit_torque"]], info["suit_torque"], rtol=1e-5)
-    ahead = memory(env).angle[0, [52, 60, 74]][:, [1, 2]]
+    ahead = state(env).angle[0, [52, 60, 74]][:, [1, 2]]
     np.testing.assert_allclose(observation[layout["target"]].reshape(3, 2), ahead, rtol=1e-6)
     data, at = env.data, addresses(env)
     hand = data.site("hand_grip").xpos.copy()
@@ -169,7 +169,7 @@ def test_actions_are_checked():
     assert info["clipped_actions"] == 1
     info = env.step(np.array([1.0, -1.0]))[-1]
     assert info["clipped_actions"] == 1
-    np.testing.assert_allclose(memory(env).command[0], [1, -1])
+    np.testing.assert_allclose(state(env).command[0], [1, -1])
     # The first command was clipped to 1: the motors never exceed their peak.
     greatest = np.zeros(2)
     for _ in range(50):

@@ -14,7 +14,7 @@ from activesuit.envs.model.cuffs import FORCE_LIMITS
 from activesuit.envs.person import Person, effort_metrics, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
-from arms import addresses, memory, physics
+from arms import addresses, physics, state
 
 ENV = "ActiveSuit/ArmTracking-v0"
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (200, 2))
@@ -248,7 +248,7 @@ def test_the_usual_delay_fits_every_control_period(control_dt):
     env.step(np.zeros(2))
     delay = env.episodes.simulation.control.delay
     assert abs(delay - 0.05) <= control_dt / 2 + 1e-12
-    assert memory(env).past.shape[1] == round(delay / control_dt)
+    assert state(env).reflex_delay.shape[1] == round(delay / control_dt)
 
 
 # --- Evaluation ---------------------------------------------------------------------------------

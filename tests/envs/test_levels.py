@@ -123,7 +123,7 @@ def test_references_are_of_the_same_wearers_places_and_motions(level, reference)
         exo.reset(seed=seed)
         other.reset(seed=seed)
         one, two = exo.get_state(), other.get_state()
-        for name in ("angle", "wearer", "load", "fall"):
+        for name in ("angle", "wearer", "load", "free_fall"):
             np.testing.assert_array_equal(one[name], two[name], name)
         met.add(int(one["wearer"][0]))
     assert (len(met) > 1) == (level == "randomized")

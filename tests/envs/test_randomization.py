@@ -248,7 +248,7 @@ def test_the_noise_of_sensors_may_differ():
     ratios = []
     for seed in range(6):
         env.reset(seed=seed)
-        factor, errors = env.get_state()["loudness"][0], []
+        factor, errors = env.get_state()["noise_scale"][0], []
         for _ in range(60):
             shown, *_, info = env.step(np.zeros(2))
             errors.append(shown - info["cuff_force"].ravel())
@@ -289,7 +289,7 @@ def test_a_term_that_is_added_leaves_the_others_alone(sampled):
         one, other = few.get_state(), many.get_state()
         np.testing.assert_array_equal(one["angle"], other["angle"])
         np.testing.assert_array_equal(one["physics"], other["physics"])
-        assert not np.array_equal(one["offset"], other["offset"])
+        assert not np.array_equal(one["encoder_offset"], other["encoder_offset"])
 
 
 def test_it_is_plain_data_and_part_of_the_identity():

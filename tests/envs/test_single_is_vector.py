@@ -167,9 +167,9 @@ def test_a_staggered_start_spreads_the_resets():
     assert sum(ends) >= 32
     again = ArmVectorEnv(8, stagger=True, max_episode_steps=20)
     again.reset(seed=0)
-    limit = again.episodes.simulation.memory.limit
+    limit = again.episodes.simulation.state.episode.limit
     arms.reset(seed=0)
-    np.testing.assert_array_equal(limit, arms.episodes.simulation.memory.limit[:8])
+    np.testing.assert_array_equal(limit, arms.episodes.simulation.state.episode.limit[:8])
 
 
 def test_metrics_are_some_of_the_info():

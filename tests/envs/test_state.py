@@ -104,7 +104,7 @@ def test_a_state_without_a_part_is_refused(saved):
         part = {name: value for name, value in saved.items() if name != key}
         with pytest.raises(InputError, match=f"the state lacks {key}: give"):
             env.set_state(part)
-    with pytest.raises(InputError, match=r"the state lacks config, physics, .*shown: give"):
+    with pytest.raises(InputError, match=r"the state lacks config, physics, .*frames: give"):
         env.set_state({})
 
 
@@ -134,17 +134,17 @@ JUNK = [
     ("angle", lambda old: spoiled(old, 9, 1e9), r"angle is .* from -6\.28319 to 6\.28319"),
     ("rate", lambda old: spoiled(old, 9, -np.inf), r"rate is .* from -1e[+]09"),
     ("acceleration", spoiled, r"acceleration is "),
-    ("past", lambda old: old[:, 1:], r"past is .* of shape \(1, 5, 4\)"),
-    ("past", lambda old: spoiled(old, 3, -1e200), "past is .* from -1e[+]09"),
-    ("variation", spoiled, r"variation is .* of shape \(1, 3, 4\)"),
-    ("variation", lambda old: spoiled(old, 3, 1e200), "variation is .* from -1e[+]09"),
+    ("reflex_delay", lambda old: old[:, 1:], r"reflex_delay is .* of shape \(1, 5, 4\)"),
+    ("reflex_delay", lambda old: spoiled(old, 3, -1e200), "reflex_delay is .* from -1e[+]09"),
+    ("muscle_noise", spoiled, r"muscle_noise is .* of shape \(1, 3, 4\)"),
+    ("muscle_noise", lambda old: spoiled(old, 3, 1e200), "muscle_noise is .* from -1e[+]09"),
     ("fatigued", lambda old: 0.0, r"fatigued is 0\.0.* of shape \(1, 2, 4\)"),
     ("fatigued", lambda old: spoiled(old, 3, 1.1), "fatigued is .* from .* to 1,"),
     ("mean_square", lambda old: None, r"mean_square is None.* of shape \(1, 2\)"),
     ("mean_square", lambda old: spoiled(old, 0, -1.0), "mean_square is .* from 0 to"),
     ("measured", spoiled, "measured is .* float64 numbers"),
-    ("counts", lambda old: spoiled(old, 0, 1e300), "must be .* from -1e[+]09 to 1e[+]09"),
-    ("dissipated_before", lambda old: np.inf, "dissipated_before is inf: it must be float64"),
+    ("encoder_counts", lambda old: spoiled(old, 0, 1e300), "must be .* from -1e[+]09 to 1e[+]09"),
+    ("dissipated_at_reset", lambda old: np.inf, "dissipated_at_reset is inf: it must be float64"),
     ("step", lambda old: True, "step is True: it must be int64 numbers of shape"),
     ("step", lambda old: 10**400, "step is 1000.*0000: it must be int64 numbers"),
     ("step", lambda old: old - 10**6, "step is .* from 0 to 1e[+]09"),

@@ -15,7 +15,7 @@ from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
-from arms import addresses, memory
+from arms import addresses, state
 
 MOVED = [JOINTS.index("shoulder_flexion"), JOINTS.index("elbow_flexion")]
 CREDIT = 10  # control periods between what was missing and what is given more of
@@ -91,7 +91,7 @@ def test_after_effects_point_the_other_way_and_are_forgotten(practised):
     bare = ArmEnv(AGAIN, suit="none", **options)
     bare.reset(seed=0)
     before, _ = episode(bare)
-    memory(bare).growing[:] = memory(practised.env).growing  # the suit is taken off
+    state(bare).next_gains[:] = state(practised.env).next_gains  # the suit is taken off
     errors = repeated(bare, 12)
     loaded = practised.errors[0]
     usual = before[:, MOVED]
@@ -105,20 +105,20 @@ def test_who_never_learns_repeats_the_same_errors():
     env.reset(seed=0)
     first, *others = [episode(env)[0], *repeated(env, 1)]
     np.testing.assert_array_equal(first[:, MOVED], others[0])
-    assert memory(env).gains.size == 0
+    assert state(env).gains.size == 0
 
 
 def test_a_seed_forgets_and_no_seed_remembers(practised):
     env = ArmEnv(AGAIN, coupling="none", gravity="microgravity")
     env.reset(seed=0)
     episode(env)
-    kept = memory(env).growing.copy()
-    assert not memory(env).gains.any()  # what was learned is foreseen in the next episode
+    kept = state(env).next_gains.copy()
+    assert not state(env).gains.any()  # what was learned is foreseen in the next episode
     env.reset()
-    np.testing.assert_array_equal(memory(env).gains, kept)
+    np.testing.assert_array_equal(state(env).gains, kept)
     assert kept.any()
     env.reset(seed=0)
-    assert not memory(env).gains.any()
+    assert not state(env).gains.any()
     np.testing.assert_array_equal(episode(env)[0][:, MOVED], practised.errors[0])
 
 

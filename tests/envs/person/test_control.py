@@ -16,10 +16,11 @@ from activesuit.envs.person.control import (
     VoluntaryControl,
     noise_constants,
 )
+from activesuit.envs.simulation.structs import MuscleNoise
 from activesuit.envs.simulation.wearer import vary
 from activesuit.envs.tasks import RandomMoves
 from activesuit.errors import InputError
-from arms import addresses, memory, physics
+from arms import addresses, physics, state
 
 DT = 0.01
 VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
@@ -79,13 +80,13 @@ def test_the_engine_is_given_what_the_law_says(settings, person):
     settings = VoluntaryControl(adaptation=0.0, **settings)
     env = ArmEnv(control=settings, wearer=person, coupling="none", payload={"mass": 2.0})
     env.reset(seed=2)
-    twin, at = Twin(settings, Person(**person), memory(env).held[0]), addresses(env)
+    twin, at = Twin(settings, Person(**person), state(env).correction[0]), addresses(env)
     own = env.episodes.simulation.own_torque(np.array([0]))[0]
     biasprm = env.episodes.simulation.batch.expand("actuator_biasprm")[0]
     for i in range(1, 120):
         physics(env, "qfrc_applied")[ELBOW] = -15.0 * (i > 40)
         angle, rate = physics(env, "qpos")[:4].copy(), physics(env, "qvel")[:4].copy()
-        error, slip = memory(env).angle[0, i] - angle, memory(env).rate[0, i] - rate
+        error, slip = state(env).angle[0, i] - angle, state(env).rate[0, i] - rate
         stiffness, damping, total = twin.act(own[i], error, slip, angle, rate)
         env.step(np.zeros(0))
         np.testing.assert_allclose(-biasprm[at.human, 1], stiffness, rtol=1e-9)
@@ -137,7 +138,7 @@ def fixed(**control):
     error, at_period = 0.002, 20
     env = ArmEnv(STILL, control={"adaptation": 0.0, **control}, **BARE)
     env.reset(seed=0)
-    memory(env).angle[0, at_period + 1 :, ELBOW] += error
+    state(env).angle[0, at_period + 1 :, ELBOW] += error
     pose, at, torque = physics(env, "qpos").copy(), addresses(env), []
     for _ in range(60):
         env.step(np.zeros(0))
@@ -180,13 +181,19 @@ def test_the_slow_correction_removes_a_steady_error(correction, remains):
 
 def test_noise_and_tremor_have_the_stated_spectra():
     count, periods = 500, 400
-    rng, ringing = np.random.default_rng(2), noise_constants(DT)
-    variation, fresh, found = np.zeros((count, 3, 4)), np.empty((count, 1, 3, 4)), []
+    rng, found = np.random.default_rng(2), []
+    noise = MuscleNoise(
+        muscle_noise=np.zeros((count, 3, 4)),
+        muscle_draws=np.empty((count, 1, 3, 4)),
+        recursion=noise_constants(DT),
+        noise=0.0,
+        tremor=0.0,
+    )
     for _ in range(periods):
-        rng.standard_normal(out=fresh)
+        rng.standard_normal(out=noise.muscle_draws)
         for row in range(count):
-            vary(row, variation, fresh, 0, ringing)
-        found.append(variation.copy())
+            vary.py_func(row, 0, noise)
+        found.append(noise.muscle_noise.copy())
     found = np.array(found[100:])
     np.testing.assert_allclose(found.std(axis=(0, 1)), 1, atol=0.05)
     slow, tremor = found[:, :, 0], found[:, :, 1]
@@ -211,7 +218,7 @@ def test_noise_varies_the_torque_in_proportion():
         biasprm = env.episodes.simulation.batch.expand("actuator_biasprm")[0]
         stiffness, damping = -biasprm[addresses(env).human, 1:3].T
         total = given + stiffness * (target - angle) + damping * (target_rate - rate)
-        share.append(NOISE_SIZE * memory(env).variation[0, 0])
+        share.append(NOISE_SIZE * state(env).muscle_noise[0, 0])
         torque.append(total / (1 + share[-1]))
     assert np.std(share, axis=0) == pytest.approx(NOISE_SIZE, rel=0.6)
     # Without its noise the shoulder's torque is that of an arm at rest.

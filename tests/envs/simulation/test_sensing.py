@@ -6,6 +6,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.model import bare_arm
 from activesuit.envs.simulation.inverse_dynamics import Chain, arm_torques
+from arms import state
 
 EXACT = {"interaction_noise": 0.0, "interaction_delay": 0.0, "emg_noise": 0.0, "emg_cutoff": 1000.0}
 PERIODS = 200
@@ -62,9 +63,9 @@ def test_interaction_comes_late_and_noisy():
 def test_emg_is_the_voluntary_torque_ahead_of_time():
     calm = {"reflex": 0.0, "correction": 0.0, "adaptation": 0.0}
     _, emg, reported, env = series(EXACT, control=calm)
-    memory, chain = env.episodes.simulation.memory, Chain.of(bare_arm(env.config))
-    own = arm_torques(chain, memory.angle[0], memory.rate[0], memory.acceleration[0])
-    correction = memory.held[0]
+    kept, chain = state(env), Chain.of(bare_arm(env.config))
+    own = arm_torques(chain, kept.angle[0], kept.rate[0], kept.acceleration[0])
+    correction = kept.correction[0]
     ahead = own[np.arange(1, PERIODS + 1) + 5] + correction
     np.testing.assert_allclose(emg, ahead, rtol=1e-5, atol=1e-5)
     with_feedback, *_ = (series(EXACT)[1],)

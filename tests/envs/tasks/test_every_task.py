@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.tasks import TASKS
-from arms import memory
+from arms import state
 from gymnasium.utils.env_checker import check_env
 from scipy.stats import qmc
 
@@ -55,10 +55,10 @@ def test_noise_breaks_nothing(made):
     env.reset(seed=7)
     rewards = [env.step(action)[1] for action in noise]
     assert not env.episodes.simulation.batch.warning[..., 1].any()
-    assert not memory(env).diverged.any()
+    assert not state(env).diverged.any()
     assert env.episodes.truncated.all()
     assert np.isfinite(rewards).all()
-    assert np.isfinite(memory(env).measured).all()
+    assert np.isfinite(state(env).measured).all()
 
 
 def assert_same(state, other):
@@ -75,8 +75,8 @@ def until_loaded(env, arms, rng):
     for period in range(100):
         if period == 50 and not env.episodes.task.carries:
             break
-        load = memory(env).load[0]
-        if period > 50 and load != memory(env).carried[0].min():
+        load = state(env).load[0]
+        if period > 50 and load != state(env).carried[0].min():
             break
         actions = rng.uniform(-0.3, 0.3, (ROWS, *motors))
         answers = env.step(actions[1]), arms.step(actions)

@@ -7,7 +7,7 @@ import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Task
-from arms import memory
+from arms import state
 
 POSTURE = np.array([0.0, 0.7, 1.0, 0.0])
 PERIODS = 200  # two seconds: from the first load to after its release
@@ -43,7 +43,7 @@ def test_rows_are_single_environments_through_pick_up_and_release(task, coupling
             observation, _ = single.reset()
         np.testing.assert_array_equal(observation, shown[1])
         assert reward == rewards[1]
-        loads.append((memory(single).load[0], arms.episodes.simulation.memory.load[1]))
+        loads.append((state(single).load[0], arms.episodes.simulation.state.conditions.load[1]))
     alone, row = np.array(loads).T
     np.testing.assert_array_equal(alone, row)
     loaded = alone[:PERIODS] > 0
@@ -57,10 +57,10 @@ def test_rows_are_single_environments_through_pick_up_and_release(task, coupling
 def test_loads_are_those_of_the_plan():
     env = ArmEnv(Juggle(name="Juggle", duration=1.0), coupling="none", payload={"mass": 0.5})
     env.reset(seed=3)
-    carried = memory(env).carried[0].copy()
+    carried = state(env).carried[0].copy()
     for period in range(100):
         env.step(np.zeros(0))
-        assert memory(env).load[0] == carried[period]
+        assert state(env).load[0] == carried[period]
     assert carried.min() == 0.5  # the payload stays in the hand
     assert np.ptp(carried) > 1
 
@@ -74,10 +74,10 @@ def test_randomize_load_multiplies_masses_and_pushes(name):
         loads = []
         for env in (plain, drawn):
             env.reset(seed=seed)
-            own = memory(env).push if name == "Handrail" else memory(env).carried
+            own = state(env).push if name == "Handrail" else state(env).carried
             loads.append(own[0].copy())
-            angle = memory(env).angle[0].copy()
-        np.testing.assert_array_equal(angle, memory(plain).angle[0])  # the motion is the same
+            angle = state(env).angle[0].copy()
+        np.testing.assert_array_equal(angle, state(plain).angle[0])  # the motion is the same
         there = loads[0] != 0
         ratio = loads[1][there] / loads[0][there]
         np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)

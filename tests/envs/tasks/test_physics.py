@@ -12,7 +12,7 @@ from activesuit.envs.model.workplace import PUSHES
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED, THROUGH
-from arms import addresses, memory, physics
+from arms import addresses, physics, state
 
 SHOULDER = JOINTS.index("shoulder_flexion")
 PICKED, PUT_DOWN, MASS = 100, 600, 3.0  # control periods, kg
@@ -62,7 +62,7 @@ def test_a_load_that_is_picked_up_weighs_at_once(options):
     motors = np.zeros(env.action_space.shape)
     for _ in range(PICKED + 1):
         env.step(motors)
-    assert memory(env).load[0] == MASS
+    assert state(env).load[0] == MASS
     bias, still = {}, {}
     for mass in (0.0, MASS):
         model = compose(ArmConfig(payload=Payload(mass=mass), **options), drawn=False)
@@ -99,7 +99,7 @@ def test_a_wearer_bears_what_he_has_picked_up():
     assert more[SHOULDER] == pytest.approx(MASS * G * arm, rel=0.01)
     for _ in range(40):
         env.step(np.zeros(0))
-    assert memory(env).load[0] == 0
+    assert state(env).load[0] == 0
 
 
 @pytest.mark.parametrize("options", ARMS.values(), ids=ARMS)
@@ -110,7 +110,7 @@ def test_a_push_acts_as_a_force_on_the_grip(options):
     for _ in range(100):
         env.step(motors)
     model, data = env.model, env.data
-    push = memory(env).push[0, 99]  # of the last control period
+    push = state(env).push[0, 99]  # of the last control period
     assert np.linalg.norm(push) > 10
     pushes = addresses(env).pushes
     np.testing.assert_array_equal(data.ctrl[pushes], push)
@@ -136,7 +136,7 @@ def test_the_push_of_a_control_period_is_that_of_the_plan():
     for period in range(50):
         env.step(np.zeros(2))
         now = physics(env, "ctrl")[addresses(env).pushes]
-        np.testing.assert_array_equal(now, memory(env).push[0, period])
+        np.testing.assert_array_equal(now, state(env).push[0, period])
     assert [env.model.actuator(name).name for name in PUSHES] == list(PUSHES)
 
 

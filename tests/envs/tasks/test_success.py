@@ -8,7 +8,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.reward import TOLERANCES, is_success
 from activesuit.envs.tasks import TASKS
 from activesuit.envs.tasks.task import FARTHEST
-from arms import memory, physics
+from arms import physics, state
 
 LOOSE = dict.fromkeys(TOLERANCES, 5.0)
 TINY = 1e-6
@@ -48,7 +48,7 @@ def test_each_quantity_that_is_watched_can_spoil_it(played):
     shipped, env, _ = played
     watched = {name for name in TOLERANCES if getattr(shipped, name) < FARTHEST}
     assert watched >= {"tracking"}
-    costs, periods = env.unwrapped.episodes.costs[0], int(memory(env).step[0])
+    costs, periods = env.unwrapped.episodes.costs[0], int(state(env).step[0])
     for name in watched:
         strict = replace(env.episodes.task, **{name: TINY})
         assert not is_success(costs, periods, strict, ended=False), name
@@ -64,7 +64,7 @@ def test_costs_of_the_hand_by_hand():
     env = ArmEnv(task, coupling="none")
     env.reset(seed=3)
     arm, dt = env.episodes.simulation.arm_of(0), env.control_dt
-    watched, wanted = memory(env).watched[0], memory(env).angle[0]
+    watched, wanted = env.get_state()["watched"][0], state(env).angle[0]
     angle = [env.episodes.info(0)["angle"]]
     for _ in range(60):
         angle.append(env.step(np.zeros(0))[-1]["angle"])
