@@ -1,19 +1,21 @@
 """The decorator of kernels that only other kernels call."""
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 from numba import njit
 
-F = TypeVar("F", bound=Callable[..., Any])
 
+def inner(function: Any = None, **options: Any) -> Any:
+    """Compiles a function that only kernels call, without a way into it from Python.
 
-def inner(function: F) -> F:
-    """Compiles a function that only kernels call: into its callers, and not for Python.
+    This way takes as long to compile as a small kernel, and longer for structs of many arrays.
 
-    The way from Python into a kernel with many arrays takes as long to compile as the kernel. Give
-    whole numbers to such a function as variables, or as `numpy.int64(0)`: numba compiles it anew
-    for each number that stands in a call.
+    Give whole numbers to such a function as variables, or as `numpy.int64(0)`: numba compiles it
+    anew for each Python number that stands in a call, also for named ones.
+
+    Args:
+        function: The function.
+        **options: Options of `numba.njit`; by default the code is cached.
     """
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    return njit(cache=True, forceinline=True, **options)(function)
+    options = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **options}
+    return njit(**options) if function is None else njit(**options)(function)

@@ -169,7 +169,7 @@ def judge(
             account(row, episode.dt, change, measured, score)
 
 
-@inner
+@inner(forceinline=True)
 def account(row: int, dt: float, change: Array, measured: Array, score: Score) -> None:
     """Adds the last control period of a row to the costs of its episode.
 

@@ -18,7 +18,7 @@ from .structs import Episode, Intention, Motors, Muscles, Physics, Sensors, Wear
 from .wearer import EXTRA, act, feed_forward, learn, most
 
 
-@inner
+@inner(forceinline=True)
 def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) -> None:
     """Sets motor torques from normalized commands, clipped by the thermal limit."""
     ratings = motors.ratings
@@ -32,7 +32,7 @@ def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) 
         )
 
 
-@inner
+@inner(forceinline=True)
 def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
     fatigued = muscles.fatigued
@@ -54,7 +54,7 @@ def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles)
             )
 
 
-@inner
+@inner(forceinline=True)
 def strain(row: int, physics: Physics, at: Addresses, muscles: Muscles, sensors: Sensors) -> None:
     """Measures effort: torque and extra co-contraction over the strength of a still joint."""
     for j in range(4):

@@ -119,7 +119,7 @@ def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, 
     link[INERTIA:STIFFNESS] = inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
-@inner
+@inner(forceinline=True)
 def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None:  # noqa: PLR0915
     """Computes the torque that moves a bare arm at a sample of a motion, in `arm.torque` [N·m].
 

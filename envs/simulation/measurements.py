@@ -101,7 +101,7 @@ def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
     return found
 
 
-@inner
+@inner(forceinline=True)
 def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     """Returns whether motion, suit torque and dissipated energy of a row are finite."""
     total = 0.0
@@ -113,7 +113,7 @@ def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     return math.isfinite(total)
 
 
-@inner
+@inner(forceinline=True)
 def measure(
     row: int,
     moved: bool,
@@ -151,7 +151,7 @@ def measure(
             measured[row, column] = target[row, later, at.assisted[j]]
 
 
-@inner
+@inner(forceinline=True)
 def work(
     row: int,
     moved: bool,
@@ -183,7 +183,7 @@ def work(
     measured[row, DISSIPATED] = done - sensors.dissipated_at_reset[row]
 
 
-@inner
+@inner(forceinline=True)
 def encode(
     row: int, moved: bool, dt: float, physics: Physics, at: Addresses, sensors: Sensors
 ) -> None:

@@ -90,7 +90,7 @@ def smoothing(cutoff: float | Array, dt: float) -> Any:
     return 1 - np.exp(-math.tau * cutoff * dt)
 
 
-@inner
+@inner(forceinline=True)
 def touch(
     row: int,
     moved: bool,
@@ -125,7 +125,7 @@ def touch(
         measured[row, INTERACTION + j] = felt[row, (place + 1) % count, j]
 
 
-@inner
+@inner(forceinline=True)
 def listen(
     row: int,
     moved: bool,

@@ -98,7 +98,7 @@ def correct(
     return unbalanced
 
 
-@inner
+@inner(forceinline=True)
 def _improve(
     k: int, row: int, torque: AnyArray, inverse: AnyArray, dofs: AnyArray, moves: AnyArray
 ) -> None:

@@ -22,7 +22,7 @@ FEATURES = 10  # number of features of the motion that predict the net load
 STILL = 0.05  # [rad/s], least rate of a motion with a direction
 
 
-@inner
+@inner(forceinline=True)
 def vary(row: int, step: int, noise: MuscleNoise) -> None:
     """Advances the noise of muscles: first-order autoregression and a driven, damped rotation."""
     varied, draws, by = noise.muscle_noise, noise.muscle_draws, noise.recursion
@@ -36,7 +36,7 @@ def vary(row: int, step: int, noise: MuscleNoise) -> None:
         varied[row, 2, j] = turned + by[RING_DRIVE] * draws[row, place, 2, j]
 
 
-@inner
+@inner(forceinline=True)
 def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> float:
     """Returns the greatest torque of a muscle group with some isometric strength [N·m]."""
     return group_torque(
@@ -52,7 +52,7 @@ def most(isometric: float, way: int, joint: int, angle: float, speed: float) -> 
     )
 
 
-@inner
+@inner(forceinline=True)
 def describe(row: int, sample: Index, intention: Intention, wearer: Wearer) -> None:
     """Computes features of the intended motion at a sample, which the net load depends on.
 
@@ -76,7 +76,7 @@ def describe(row: int, sample: Index, intention: Intention, wearer: Wearer) -> N
         features[row, j, 9] = motion.acceleration[row, sample, 2] / 5.0
 
 
-@inner
+@inner(forceinline=True)
 def predicted(row: int, joint: int, gains: Array, features: Array) -> float:
     """Returns the learned torque, which is the net load that gains and features predict [N·m]."""
     torque = 0.0
@@ -85,7 +85,7 @@ def predicted(row: int, joint: int, gains: Array, features: Array) -> float:
     return torque
 
 
-@inner
+@inner(forceinline=True)
 def feed_forward(row: int, sample: Index, intention: Intention, wearer: Wearer) -> None:
     """Computes the wearer's feed-forward torque in `wearer.arm.torque`: bare arm plus learned."""
     torque, learning, learned = wearer.arm.torque, wearer.learning, intention.learned_torque
@@ -99,7 +99,7 @@ def feed_forward(row: int, sample: Index, intention: Intention, wearer: Wearer) 
             torque[row, j] += predicted(row, j, learning.gains, learning.features)
 
 
-@inner
+@inner(forceinline=True)
 def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
     """Updates the learned gains by the torque that was needed now, at the features of `sample`.
 
@@ -123,7 +123,7 @@ def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
             next_gains[row, j, k] += step * features[row, j, k]
 
 
-@inner
+@inner(forceinline=True)
 def act(
     row: int,
     physics: Physics,

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
+from ...kernels import inner
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..around.backlash_kernels import value_of
@@ -88,7 +89,7 @@ A_NUMBER, A_LIST, A_WORD, OPTIONAL = 0, 1, 2, 3
 SECOND_COMMON_KEY = COMMON_KEYS[1].encode()
 
 
-@njit(cache=True)
+@inner
 def is_hysteretic(m, instance, at):
     """Returns whether an instance has a hysteresis plugin: the config keys of all begin alike."""
     if not starts_with(plugin_name(m, instance, at), b"activesuit."):
@@ -98,7 +99,7 @@ def is_hysteretic(m, instance, at):
     )
 
 
-@njit(cache=True)
+@inner
 def sensor_kind(name):
     """Returns what a sensor measures, by the end of its name; -1 for another ending."""
     if ends_with(name, b"torque"):
@@ -108,19 +109,19 @@ def sensor_kind(name):
     return ENERGY_SENSOR if ends_with(name, b"energy") else -1
 
 
-@njit(cache=True)
+@inner
 def polynomial_size(m, instance, at):
     """Returns how many coefficients an instance's elastic polynomial has."""
     return min(count_words(config(m, instance, POLYNOMIAL, at)), POLYNOMIAL_LIMIT)
 
 
-@njit(cache=True)
+@inner
 def is_given(m, instance, key, at):
     """Returns 1 if an instance gives a value of a key, else 0."""
     return 1 if count_words(config(m, instance, key, at)) > 0 else 0
 
 
-@njit(cache=True)
+@inner
 def connect(m, instance, at):
     """Returns (fault, packed ids of the joint and of this instance's sensors)."""
     if max(pointer_at(m + at.m_njnt), pointer_at(m + at.m_nsensor)) >= LARGEST:
@@ -151,7 +152,7 @@ def connect(m, instance, at):
     return (FINE, JOINT), ids
 
 
-@njit(cache=True)
+@inner
 def count_values(m, instance, kinds, counts, at):
     """Fills `counts` with how many values each of the model's own keys has."""
     for i in range(len(kinds)):
@@ -170,7 +171,7 @@ def required_size(kernels, kinds, m, instance, at):
     return MEMORY + kernels.size(counts) + more + rate + play
 
 
-@njit(cache=True)
+@inner
 def read_values(m, instance, kinds, words, counts, values, at):
     """Fills `values` with the values of all keys, one key after the other; returns a fault."""
     start = 0
@@ -190,7 +191,7 @@ def read_values(m, instance, kinds, words, counts, values, at):
     return FINE, JOINT
 
 
-@njit(cache=True)
+@inner
 def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     """Fills the state from the config; returns a fault.
 
@@ -224,7 +225,7 @@ def configure(kernels, kinds, words, m, instance, ids, address, size, at):
     return fault
 
 
-@njit(cache=True)
+@inner
 def read_polynomial(m, instance, polynomial, at):
     """Reads the coefficients of the elastic polynomial, if there are any; returns a fault."""
     count = parse_numbers(config(m, instance, POLYNOMIAL, at), polynomial)
@@ -233,7 +234,7 @@ def read_polynomial(m, instance, polynomial, at):
     return FINE if count <= POLYNOMIAL_LIMIT else TOO_MANY, POLYNOMIAL
 
 
-@njit(cache=True)
+@inner
 def read_range(m, instance, limits, at):
     """Reads the range outside which the torque is constant, if there is one; returns a fault."""
     if limits.size == 0:
@@ -242,7 +243,7 @@ def read_range(m, instance, limits, at):
     return FINE if count == 2 and limits[0] < limits[1] else RANGE, ANGLE_RANGE
 
 
-@njit(cache=True)
+@inner
 def read_viscoelastic(m, instance, rate, at):
     """Reads the numbers of the viscoelastic part, if there is one; returns a fault."""
     if rate.size == 0:
@@ -254,7 +255,7 @@ def read_viscoelastic(m, instance, rate, at):
     return FINE if sound else THREE, VISCOELASTIC
 
 
-@njit(cache=True)
+@inner
 def read_gap(m, instance, play, at):
     """Reads the gap of the play, if there is one; returns a fault."""
     if play.size == 0:
@@ -264,7 +265,7 @@ def read_gap(m, instance, play, at):
     return FINE if count == 1 and backlash.is_sound(play) else ABOVE_0, GAP
 
 
-@njit(cache=True)
+@inner
 def read_start(m, instance, joint, at):
     """Reads the start; returns (fault, angle, torque), by default qpos0 of the joint and 0."""
     qpos = int32_at(pointer_at(m + at.m_jnt_qposadr), joint)
@@ -277,7 +278,7 @@ def read_start(m, instance, joint, at):
     return (FINE, JOINT), found[0], found[1]
 
 
-@njit(cache=True)
+@inner
 def flag_of(m, instance, key, at):
     """Reads a key that may be true or false: 1, 0, or -1 for another word."""
     text = config(m, instance, key, at)
@@ -326,7 +327,7 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
     return FINE, JOINT
 
 
-@njit
+@inner(cache=False)
 def slope_of(polynomial, angle):
     """Returns the derivative of the polynomial with respect to the angle."""
     slope = 0.0

@@ -6,8 +6,9 @@ whole. Reasons from `MODEL` on are the model's own complaints (`COMPLAINTS` of i
 
 # pyright: reportGeneralTypeIssues=false
 
-from numba import njit
+import numpy as np
 
+from ...kernels import inner
 from .native import add, add_choices, begin_complaint, issue
 
 # Config keys of every model; the model's own follow.
@@ -35,7 +36,7 @@ COMMON_KEYS = (
     ALLOW,
     TAKEN_OFF,
     FIRST_KEY,
-) = range(11)
+) = np.arange(11)  # no Python numbers, for which numba compiles functions anew
 
 (
     FINE,
@@ -58,7 +59,7 @@ COMMON_KEYS = (
     SENSOR_TWICE,
     TOO_LARGE,
     POLE,
-) = range(20)
+) = np.arange(20)
 SENTENCES = (  # order of the names above
     b"",
     b"the model has no such joint; name a hinge or a slide, and attach hysteresis "
@@ -89,7 +90,7 @@ SENTENCES = (  # order of the names above
 MODEL = len(SENTENCES)
 
 
-@njit
+@inner(cache=False)
 def complain_of(kernels, words, m, instance, fault, at):
     """Issues the sentence of a fault as a MuJoCo warning."""
     reason, key = fault

@@ -10,6 +10,7 @@ sizes, which come from mjModel.
 
 from numba import njit
 
+from ...kernels import inner
 from ..around.backlash_kernels import SIZE as PLAY_SIZE
 from ..around.viscoelastic_kernels import SIZE
 from .native import doubles
@@ -50,19 +51,19 @@ def parts(kernels, ids, address, size):
     )
 
 
-@njit
+@inner(cache=False)
 def joint_of(ids):
     """Returns the id of the joint."""
     return ids & LARGEST
 
 
-@njit
+@inner(cache=False)
 def has_sensors(ids):
     """Returns whether there is any sensor."""
     return (ids >> BITS) & (2 ** (3 * BITS) - 1) != 0
 
 
-@njit
+@inner(cache=False)
 def sensor_of(ids, kind):
     """Returns the id of the sensor of a kind, or -1."""
     return ((ids >> (BITS * kind)) & LARGEST) - 1

@@ -173,7 +173,7 @@ def advance_short(
     return in_series & in_limit & landed, moved
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, forceinline=True, error_model="numpy")
 def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance):
     """Moves the model monotonically from the angle H0 to H1.
 
@@ -227,7 +227,7 @@ def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_
     return land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, forceinline=True, error_model="numpy")
 def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
     """Ends a motion at H1 by Newton's method on the length dx of the last step; see `advance`."""
     # H rises with dx up to the pole, so signs of the residual bracket the end. Newton alone can

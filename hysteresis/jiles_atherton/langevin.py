@@ -54,7 +54,7 @@ def langevin_series(x: float) -> tuple[float, float, float]:
     return x * value, slope, x * curvature
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, forceinline=True, error_model="numpy")
 def langevin(x: float) -> tuple[float, float, float]:
     """Returns L(x), L'(x) and L''(x) for any finite x.
 

@@ -12,12 +12,13 @@ would be unreadable without the module of one of them. They are compiled into th
 import numpy as np
 from numba import njit
 
+from ....kernels import inner
 from ._layout import ATTRIBUTES
 from ._memory import character_at, doubles, int32_at, plugin_at, pointer_at, store_pointer
 from ._text import SENTENCE_LIMIT, add, add_text, issue
 
 
-@njit
+@inner(cache=False)
 def config(m, instance, key, at):
     """Returns the address of the value of config key number `key`, a C string ("" if not given).
 
@@ -33,13 +34,13 @@ def config(m, instance, key, at):
     return text
 
 
-@njit
+@inner(cache=False)
 def plugin_name(m, instance, at):
     """Returns the address of the name of an instance's plugin; it reads m_plugin."""
     return pointer_at(plugin_at(int32_at(pointer_at(m + at.m_plugin), instance)))
 
 
-@njit
+@inner(cache=False)
 def key_name(m, instance, key, at):
     """Returns the address of the name of a config key; it reads m_plugin."""
     plugin = plugin_at(int32_at(pointer_at(m + at.m_plugin), instance))
@@ -62,19 +63,19 @@ def state_size(m, instance, at):
     return int32_at(pointer_at(m + at.m_plugin_statenum), instance)
 
 
-@njit
+@inner(cache=False)
 def word_of(d, instance, at):
     """Returns the integer that an instance keeps in `plugin_data`; it reads d_plugin_data."""
     return pointer_at(pointer_at(d + at.d_plugin_data) + 8 * instance)
 
 
-@njit
+@inner(cache=False)
 def set_word(d, instance, word, at):
     """Stores the integer of `word_of`, which no reset and no saved state changes."""
     store_pointer(pointer_at(d + at.d_plugin_data) + 8 * instance, word)
 
 
-@njit
+@inner(cache=False)
 def is_sensor_of(m, sensor, instance, at):
     """Returns whether a sensor belongs to an instance.
 
@@ -84,7 +85,7 @@ def is_sensor_of(m, sensor, instance, at):
     return ours and int32_at(pointer_at(m + at.m_sensor_type), sensor) == at.mjSENS_PLUGIN
 
 
-@njit
+@inner(cache=False)
 def sensor_name(m, sensor, at):
     """Returns the address of a sensor's name; it reads m_names and m_name_sensoradr."""
     return pointer_at(m + at.m_names) + int32_at(pointer_at(m + at.m_name_sensoradr), sensor)
@@ -97,7 +98,7 @@ def sensor_values(m, d, sensor, count, at):
     return doubles(pointer_at(d + at.d_sensordata) + 8 * address, count)
 
 
-@njit
+@inner(cache=False)
 def begin_complaint(m, instance, noun, subject, key, at):
     """Begins a sentence about a config: "PLUGIN of NOUN 'SUBJECT': KEY is 'VALUE': ".
 
@@ -128,7 +129,7 @@ def begin_complaint(m, instance, noun, subject, key, at):
     return sentence, n
 
 
-@njit
+@inner(cache=False)
 def complain(m, instance, noun, subject, key, reason, at):
     """Issues a MuJoCo warning: a sentence about a config that ends with `reason`."""
     sentence, n = begin_complaint(m, instance, noun, subject, key, at)

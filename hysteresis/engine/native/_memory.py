@@ -18,6 +18,8 @@ from numba import carray, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from ....kernels import inner
+
 LIBRARY_NAMES = {"win32": "mujoco.dll", "darwin": "libmujoco*.dylib"}
 
 
@@ -71,25 +73,25 @@ def doubles(address, count):
     return carray(_pointer(address), (count,), dtype=np.float64)
 
 
-@njit
+@inner(cache=False)
 def int32_at(address, index):
     """Returns element `index` of the int array at `address`."""
     return carray(_pointer(address), (index + 1,), dtype=np.int32)[index]
 
 
-@njit
+@inner(cache=False)
 def pointer_at(address):
     """Returns the pointer (or 64-bit count) stored at `address`."""
     return carray(_pointer(address), (1,), dtype=np.intp)[0]
 
 
-@njit
+@inner(cache=False)
 def character_at(address):
     """Returns the byte at `address`."""
     return carray(_pointer(address), (1,), dtype=np.uint8)[0]
 
 
-@njit
+@inner(cache=False)
 def store_pointer(address, value):
     """Stores a pointer-sized integer at `address`."""
     carray(_pointer(address), (1,), dtype=np.intp)[0] = value

@@ -5,15 +5,15 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from ....kernels import inner
 from ._memory import character_at, localeconv, pointer_at, strtod, warn
 
 BLANKS = (ord(" "), ord("\t"), ord("\n"), ord("\r"))
 SENTENCE_LIMIT = 600
 
 
-@njit(cache=True)
+@inner
 def length(text):
     """Returns the length of the C string at `text`."""
     count = 0
@@ -22,7 +22,7 @@ def length(text):
     return count
 
 
-@njit(cache=True)
+@inner
 def ends_with(text, ending):
     """Returns whether the C string at `text` ends with the bytes `ending`."""
     start = length(text) - len(ending)
@@ -34,7 +34,7 @@ def ends_with(text, ending):
     return True
 
 
-@njit(cache=True)
+@inner
 def starts_with(text, beginning):
     """Returns whether the C string at `text` starts with the bytes `beginning`."""
     for i in range(len(beginning)):
@@ -43,13 +43,13 @@ def starts_with(text, beginning):
     return True
 
 
-@njit(cache=True)
+@inner
 def equals(text, word):
     """Returns whether the C string at `text` is the bytes `word`."""
     return length(text) == len(word) and ends_with(text, word)
 
 
-@njit(cache=True)
+@inner
 def behind_blanks(text):
     """Returns the address of the first character at or after `text` that is not a blank."""
     while character_at(text) in BLANKS:
@@ -57,7 +57,7 @@ def behind_blanks(text):
     return text
 
 
-@njit(cache=True)
+@inner
 def behind_digits(text):
     """Returns the address of the first character at or after `text` that is not a digit."""
     while ord("0") <= character_at(text) <= ord("9"):
@@ -65,7 +65,7 @@ def behind_digits(text):
     return text
 
 
-@njit(cache=True)
+@inner
 def behind_number(text):
     """Returns the address behind the decimal number at `text`; `text` itself if there is none."""
     start = text + (character_at(text) in (ord("-"), ord("+")))
@@ -84,7 +84,7 @@ def behind_number(text):
     return end
 
 
-@njit(cache=True)
+@inner
 def to_number(text, end):
     """Returns the decimal number between two addresses, rounded as Python rounds it.
 
@@ -105,7 +105,7 @@ def to_number(text, end):
     return value if copy[n] == 0 else math.nan  # reading the copy last keeps it alive till then
 
 
-@njit(cache=True)
+@inner
 def parse_numbers(text, values):
     """Fills `values` with the blank-separated numbers of the C string at `text`.
 
@@ -127,7 +127,7 @@ def parse_numbers(text, values):
     return count
 
 
-@njit(cache=True)
+@inner
 def count_words(text):
     """Returns how many blank-separated words the C string at `text` has."""
     count = 0
@@ -140,7 +140,7 @@ def count_words(text):
     return count
 
 
-@njit(cache=True)
+@inner
 def add_text(sentence, n, text):
     """Appends the C string at `text` to a sentence of n characters; returns the new n."""
     i = 0
@@ -150,7 +150,7 @@ def add_text(sentence, n, text):
     return n
 
 
-@njit(cache=True)
+@inner
 def add(sentence, n, words):
     """Appends the bytes `words` to a sentence of n characters; returns the new n."""
     for i in range(len(words)):
@@ -160,14 +160,14 @@ def add(sentence, n, words):
     return n
 
 
-@njit(cache=True)
+@inner
 def issue(sentence):
     """Issues a sentence as a MuJoCo warning."""
     warn(sentence.ctypes.data)
     return sentence[0]  # the reference keeps it alive till here
 
 
-@njit(cache=True)
+@inner
 def choice_of(text, words):
     """Returns the number, from 0, of the word that the C string at `text` is; -1 for none.
 
@@ -184,7 +184,7 @@ def choice_of(text, words):
     return -1
 
 
-@njit(cache=True)
+@inner
 def is_word(text, words, start, end):
     """Returns whether the C string at `text` is the bytes from `start` to `end`."""
     for i in range(start, end):
@@ -193,7 +193,7 @@ def is_word(text, words, start, end):
     return character_at(text + end - start) == 0
 
 
-@njit(cache=True)
+@inner
 def add_choices(sentence, n, words):
     """Appends words, which blanks separate in `words`, as "a, b or c"; returns the new n."""
     last = len(words) - 1
