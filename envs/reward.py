@@ -16,7 +16,6 @@ from numba import njit
 
 from ..arrays import Array
 from ..assets import JOINTS, SuitJoint
-from ..kernels import inner
 from .model.cuffs import FORCE_LIMITS
 from .person import strength_limits
 from .simulation.bound import Frozen, thawed
@@ -169,7 +168,7 @@ def judge(
             account(row, episode.dt, change, measured, score)
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def account(row: int, dt: float, change: Array, measured: Array, score: Score) -> None:
     """Adds the last control period of a row to the costs of its episode.
 

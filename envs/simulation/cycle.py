@@ -6,7 +6,6 @@ The structs are those of `structs`.
 from numba import njit
 
 from ...arrays import Array
-from ...kernels import inner
 from ..model.motor_kernels import clipped as within_heat
 from ..model.motor_kernels import heated
 from ..person.fatigue import RATES
@@ -18,7 +17,7 @@ from .structs import Episode, Intention, Motors, Muscles, Physics, Sensors, Wear
 from .wearer import EXTRA, act, feed_forward, learn, most
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) -> None:
     """Sets motor torques from normalized commands, clipped by the thermal limit."""
     ratings = motors.ratings
@@ -32,7 +31,7 @@ def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) 
         )
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
     fatigued = muscles.fatigued
@@ -54,7 +53,7 @@ def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles)
             )
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def strain(row: int, physics: Physics, at: Addresses, muscles: Muscles, sensors: Sensors) -> None:
     """Measures effort: torque and extra co-contraction over the strength of a still joint."""
     for j in range(4):

@@ -4,9 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
+from numba import njit
 
 from ...arrays import AnyArray
-from ...kernels import inner
 from .addresses import Addresses
 from .structs import Episode, Intention, Motors, Muscles, Physics, Sensors
 
@@ -101,7 +101,7 @@ def snapshot(measured: AnyArray, columns: dict[str, slice]) -> dict[str, Any]:
     return found
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     """Returns whether motion, suit torque and dissipated energy of a row are finite."""
     total = 0.0
@@ -113,7 +113,7 @@ def is_finite(row: int, physics: Physics, at: Addresses) -> bool:
     return math.isfinite(total)
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def measure(
     row: int,
     moved: bool,
@@ -151,7 +151,7 @@ def measure(
             measured[row, column] = target[row, later, at.assisted[j]]
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def work(
     row: int,
     moved: bool,
@@ -183,7 +183,7 @@ def work(
     measured[row, DISSIPATED] = done - sensors.dissipated_at_reset[row]
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def encode(
     row: int, moved: bool, dt: float, physics: Physics, at: Addresses, sensors: Sensors
 ) -> None:

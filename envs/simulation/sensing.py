@@ -9,7 +9,6 @@ from numba import njit
 
 from ...arrays import Array
 from ...checks import within
-from ...kernels import inner
 from ..provenance import Quantity
 from .addresses import Addresses
 from .bound import Frozen, thawed
@@ -90,7 +89,7 @@ def smoothing(cutoff: float | Array, dt: float) -> Any:
     return 1 - np.exp(-math.tau * cutoff * dt)
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def touch(
     row: int,
     moved: bool,
@@ -125,7 +124,7 @@ def touch(
         measured[row, INTERACTION + j] = felt[row, (place + 1) % count, j]
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def listen(
     row: int,
     moved: bool,

@@ -5,6 +5,8 @@ The structs are those of `structs`.
 
 import math
 
+from numba import njit
+
 from ...arrays import Array
 from ...kernels import inner
 from ..person.control import NOISE_SIZE
@@ -22,7 +24,7 @@ FEATURES = 10  # number of features of the motion that predict the net load
 STILL = 0.05  # [rad/s], least rate of a motion with a direction
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def vary(row: int, step: int, noise: MuscleNoise) -> None:
     """Advances the noise of muscles: first-order autoregression and a driven, damped rotation."""
     varied, draws, by = noise.muscle_noise, noise.muscle_draws, noise.recursion
@@ -123,7 +125,7 @@ def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
             next_gains[row, j, k] += step * features[row, j, k]
 
 
-@inner(forceinline=True)
+@njit(inline="always")
 def act(
     row: int,
     physics: Physics,
