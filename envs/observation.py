@@ -91,6 +91,7 @@ SUITES: dict[str, tuple[Part, ...]] = {
 }
 
 
+BELIEF = slice(WIDTH, WIDTH + len(JOINTS))  # its place is behind the measurements
 NOISY = ("cuffs", "interaction", "emg")  # suites whose sensors have random noise
 
 
@@ -125,7 +126,7 @@ class Observer:
                 "the suite out"
             )
         self.sensors, self.normalized = tuple(sensors), normalize
-        columns = {**columns, "belief": slice(WIDTH, WIDTH + len(JOINTS))}
+        columns = {**columns, "belief": BELIEF}
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []
         for part in (part for name in sensors for part in SUITES[name]):

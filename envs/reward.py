@@ -99,7 +99,7 @@ class Score(NamedTuple):
     """Rewards and costs of the episodes, and the constants of which they are made."""
 
     sums: Annotated[Array, SAVED]  # reward terms and costs of the episode so far, (n, SUMS)
-    reward: Array  # of the last control period, (n,)
+    reward: Array  # reward of the last control period, (n,)
     terminated: Bools
     truncated: Bools
     ranges: Array  # ranges of the joints [rad], (4, 2)

@@ -1,4 +1,4 @@
-"""A message to the user when a first use has to compile kernels for more than a moment.
+"""A message to the user while a first use compiles kernels for more than a moment.
 
 Numba compiles a kernel when it is first called and caches the machine code on disk. On a new
 machine that takes up to a minute, and nothing else would show that the program is running.
@@ -11,22 +11,29 @@ from typing import Any
 from numba.core import event
 
 PATIENCE = 2.0  # [s], compile time before the message
+EVERY = 5.0  # [s], compile time between two reports of progress
 MESSAGE = (
     "activesuit: compiling kernels for their first use, up to a minute; they are cached on disk "
     "(NUMBA_CACHE_DIR chooses where)"
 )
+WHOLE, BESIDE = 162, 127
+"""Kernels that a first environment compiles, alone and beside a second process.
+
+`activesuit bench first-use` counts them.
+"""
 
 
 class FirstUse(event.Listener):
-    """Adds up the compile time of our kernels, and reports once when it becomes long.
+    """Adds up the compile time of our kernels, and reports when it becomes long.
 
     Attributes:
-        silent: Whether no (further) message is printed.
+        expected: Number of kernels that this process will probably compile.
     """
 
     def __init__(self) -> None:
-        self.silent = False
+        self.expected = WHOLE
         self._depth, self._begun, self._before = 0, 0.0, 0.0
+        self._done, self._next = 0, PATIENCE
 
     def on_start(self, event: Any) -> None:
         """Notes that a function begins to compile; a function compiles what it calls inside."""
@@ -37,15 +44,22 @@ class FirstUse(event.Listener):
 
     def on_end(self, event: Any) -> None:
         """Notes that a function is compiled."""
+        self._done += 1
         self._speak()
         self._depth = max(self._depth - 1, 0)
         if not self._depth:
             self._before += time.monotonic() - self._begun
 
     def _speak(self) -> None:
-        if not self.silent and self._before + time.monotonic() - self._begun > PATIENCE:
-            self.silent = True
+        spent = self._before + time.monotonic() - self._begun
+        if spent <= self._next:
+            return
+        first, self._next = self._next == PATIENCE, spent + EVERY
+        if first:
             print(MESSAGE, file=sys.stderr, flush=True)
+        elif self._done < self.expected:  # another use may need more
+            progress = f"activesuit: {self._done} of about {self.expected} kernels are compiled"
+            print(progress, file=sys.stderr, flush=True)
 
 
 listener = FirstUse()

@@ -24,7 +24,16 @@ ALLOWED = {
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
 }
-ROOT_MODULES = {"arrays", "checks", "errors", "files", "json_files", "published", "__init__"}
+ROOT_MODULES = {
+    "arrays",
+    "checks",
+    "errors",
+    "files",
+    "json_files",
+    "kernels",
+    "published",
+    "__init__",
+}
 
 Name = tuple[str, ...]  # a module below `activesuit`: ("hysteresis", "registry")
 

@@ -41,17 +41,17 @@ def stiffness(axis):
 
 def push():
     """Returns stiffness' torque, reflex and correction of an elbow that is kept 0.1 rad off."""
-    habits, error = CONTROL.habits(DT), 0.1
+    constants, error = CONTROL.feedback(DT), 0.1
     base, growth = CONTROL.impedance(PERSON)[:2, ELBOW]
     elastic, found, reflex, correction = [], [], 0.0, 0.0
     for i in range(50):
         elastic.append((base + growth * abs(reflex + correction)) * error)
         found.append((elastic[i], reflex, correction))
         known, seen = i - CONTROL.periods(DT), i - sight_periods(DT)
-        reflex += habits["lag"] * (
-            habits["reflex"] * (elastic[known] if known >= 0 else 0) - reflex
+        reflex += constants["lag"] * (
+            constants["reflex_gain"] * (elastic[known] if known >= 0 else 0) - reflex
         )
-        correction += habits["correction"] * (elastic[seen] if seen >= 0 else 0)
+        correction += constants["correction_gain"] * (elastic[seen] if seen >= 0 else 0)
     return np.array(found).T
 
 

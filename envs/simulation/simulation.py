@@ -18,7 +18,7 @@ from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, sta
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
-from . import settling
+from . import compiling, settling
 from .addresses import Addresses
 from .bound import bound
 from .cycle import after, before
@@ -144,6 +144,7 @@ class Simulation:
         learned: bool,
         threads: int,
     ) -> None:
+        compiling.begin(before)
         self.config, self.control, self.fatigue = config, control, fatigue
         self.sensing, self._noisy = sensing, noisy
         self._differing, self._variety = Differing(config, variety, edits), variety
@@ -195,8 +196,8 @@ class Simulation:
             start_of: Function that returns the start of the episode of a row.
 
         Raises:
-            InputError: A load is too heavy, or a suit cannot be worn; the rows then need another
-                reset.
+            InputError: A load is too heavy, or a suit does not fit the model; the rows then
+                need another reset.
         """
         learning = self.state.wearer.learning
         for values in self._cleared:
@@ -311,6 +312,7 @@ class Simulation:
         return {name: part for name, part in COLUMNS.items() if name not in absent}
 
     def _begin_physics(self, threads: int) -> None:
+        compiling.wait()
         # An MjData takes 165 KB whatever the model, so that rows share those of the threads.
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()

@@ -97,14 +97,14 @@ class Muscles(NamedTuple):
 
     fatigued: Annotated[Array, SAVED]  # fatigued part of each group, (n, 2, 4)
     strength: Array  # isometric strength [N·m], (n, 2, 4)
-    impedance: Array  # see `VoluntaryControl.impedance`, (n, 5, 4)
+    impedance: Array  # that of `VoluntaryControl.impedance`, (n, 5, 4)
     tires: bool  # whether effort tires the wearers
 
 
 class Learning(NamedTuple):
     """The torque that wearers learn from episode to episode."""
 
-    gains: Annotated[Array, SAVED]  # from features to torque, (n, 4, FEATURES); none: no learning
+    gains: Annotated[Array, SAVED]  # features to torque, (n, 4, FEATURES); none: no learning
     next_gains: Annotated[Array, SAVED]  # gains as learned so far, used from the next episode on
     features: Array  # features of the intended motion, (n, 4, FEATURES)
     rate: float  # share of the missing torque that one control period adds
@@ -123,7 +123,7 @@ class Feedback(NamedTuple):
     reflex_gain: float
     lead: float  # s
     lag: float  # share of a change that the muscle follows in one control period
-    correction_gain: float  # for one control period
+    correction_gain: float  # gain in one control period
 
 
 class MuscleNoise(NamedTuple):
@@ -150,7 +150,7 @@ class Motors(NamedTuple):
 
     command: Annotated[Array, SAVED]  # last action, (n, motors)
     change: Annotated[Array, SAVED]  # its change since the action before, (n, motors)
-    mean_square: Annotated[Array, SAVED]  # of the torques [N²·m²], (n, motors)
+    mean_square: Annotated[Array, SAVED]  # mean square of the torques [N²·m²], (n, motors)
     ratings: Array  # peak and continuous torque [N·m], time constant of heat [s], (3, motors)
 
 

@@ -27,6 +27,7 @@ Topic = Literal[
     "exactness",
     "sensitivity",
     "honesty",
+    "first-use",
 ]
 PAIRS = 9
 FEW, MANY = 25, 200  # cases of honesty, with --quick and without
@@ -48,7 +49,8 @@ def bench(
         topic: Part whose speed is measured, or all of them; or exactness, which compares the
             kernels with their readable references, with SciPy and with the engine; or sensitivity,
             which halves and doubles assumed numbers (about ten minutes); or honesty, which counts
-            how often intervals, verdicts and searches of identify are right on random truths.
+            how often intervals, verdicts and searches of identify are right on random truths; or
+            first-use, which compiles everything that a first environment needs.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
             each cell, 200 by default; of bands, which take long, a third of it.
         quick: Take 25 cases of each cell, of bands 8 (honesty).
@@ -91,6 +93,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         engine,
         env,
         exactness,
+        first_use,
         hysteresis,
         identify,
         model,
@@ -101,6 +104,14 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     if topic == "exactness":
         exactness.report(json)
+        return
+    if topic == "first-use":
+        uses = first_use.first_uses()
+        if json:
+            print(to_json({"uses": [use.to_dict() for use in uses]}))
+        else:
+            for title, (header, rows) in first_use.tables(uses).items():
+                table(title, header, rows, left=1)
         return
     if topic == "sensitivity":
         cases = sensitivity.sensitivity()

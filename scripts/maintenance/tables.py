@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ...assets import JOINTS
 from ...envs.levels import LEVELS
-from ...envs.observation import SUITES
+from ...envs.observation import BELIEF, SUITES
 from ...envs.person import control
 from ...envs.provenance import Quantity
 from ...envs.simulation.measurements import COLUMNS
@@ -50,7 +50,7 @@ def sensor_suites() -> str:
     rows = []
     for suite, parts in SUITES.items():
         for i, part in enumerate(parts):
-            columns = COLUMNS[part.measurement]
+            columns = COLUMNS.get(part.measurement, BELIEF)
             name = "" if i else f"`{suite}`"
             size, limit, scale = columns.stop - columns.start, _number(part.limit), part.scale
             cells = [name, f"`{part.name}`", part.shows, str(size), limit, part.unit]

@@ -12,7 +12,7 @@ def clock(monkeypatch):
     return now
 
 
-def test_long_compiling_is_announced_once(capsys, clock):
+def test_long_compiling_is_announced_once_and_progress_later(capsys, clock):
     listener = first_use.FirstUse()
     for seconds in (0.5, 1.0):
         listener.on_start(None)
@@ -27,6 +27,13 @@ def test_long_compiling_is_announced_once(capsys, clock):
     listener.on_end(None)
     listener.on_end(None)
     clock[0] += 100
+    listener.on_start(None)
+    assert capsys.readouterr().err == ""
+    clock[0] += 6
+    listener.on_end(None)
+    progress = f"activesuit: 5 of about {first_use.WHOLE} kernels are compiled\n"
+    assert capsys.readouterr().err == progress
+    listener.expected = 5  # a use that needs more kernels than a first environment
     listener.on_start(None)
     clock[0] += 100
     listener.on_end(None)
