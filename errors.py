@@ -1,7 +1,7 @@
 """The exception that a user's mistake raises, and the sentences it is made of."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 LONGEST = 300  # characters of a message
@@ -61,3 +61,18 @@ def one_line(text: str) -> str:
     if line.isprintable():
         return line
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
+
+
+def refuse_old_names(given: Iterable[str], renamed: Mapping[str, str]) -> None:
+    """Refuses names of version 0.2.
+
+    Args:
+        given: Names of options, or of keys of a file.
+        renamed: The new name of each old one.
+
+    Raises:
+        InputError: An old name is among them; the message has the new one.
+    """
+    for name in given:
+        if name in renamed:
+            raise InputError(f"{name!r} was a name of version 0.2: write {renamed[name]!r} instead")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from copy import deepcopy
 from importlib import import_module
 from typing import Any
 
@@ -33,6 +34,17 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
         InputError: The id is unknown, its module cannot be imported, or what it makes is no
             `ArmEnv`.
     """
+    name = _imported(env_id)
+    with nullcontext() if name.startswith(OURS) else _own_code(env_id):
+        env = gymnasium.make(name, **options)
+    if not isinstance(env.unwrapped, ArmEnv):
+        env.close()
+        raise _no_arm(env_id)
+    return env, env.unwrapped
+
+
+def _imported(env_id: str) -> str:
+    """Returns the name of a registered environment, whose module is imported first."""
     if not isinstance(env_id, str):
         raise InputError(f"env_id is {shown(env_id)}: give the id of an environment")
     module, _, name = env_id.rpartition(":")
@@ -45,19 +57,19 @@ def make_env(env_id: str, **options: Any) -> tuple[gymnasium.Env, ArmEnv]:
         raise unknown_name("environment", env_id, ours)
     if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
         raise _no_arm(env_id)
-    with nullcontext() if name.startswith(OURS) else _own_code(env_id):
-        env = gymnasium.make(name, **options)
-    if not isinstance(env.unwrapped, ArmEnv):
-        env.close()
-        raise _no_arm(env_id)
-    return env, env.unwrapped
+    return name
 
 
-def _overridden(kind: type[ArmEnv]) -> list[str]:
-    """Returns the attributes of `ArmEnv` that a class or its parents override, but the metadata."""
+def _refuse_overridden(env_id: str, kind: type[ArmEnv]) -> None:
+    """Refuses a class that overrides more of `ArmEnv` than the metadata."""
     parents = kind.__mro__[: kind.__mro__.index(ArmEnv)]
     own = {name for one in parents for name in vars(one) if not name.startswith("_")}
-    return sorted(own & {*dir(ArmEnv)} - {"metadata"})
+    overridden = sorted(own & {*dir(ArmEnv)} - {"metadata"})
+    if overridden:
+        raise InputError(
+            f"{env_id!r} overrides {', '.join(overridden)} of ArmEnv, which the vector environment "
+            "would ignore: change its task or options instead"
+        )
 
 
 @contextmanager
@@ -97,6 +109,29 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
     Raises:
         InputError: `make_env` raises it, or the id has wrappers of its own, which rows cannot have.
     """
+    kind, limit, given = _class_of(env_id)
+    if kind is not None:
+        _refuse_overridden(env_id, kind)
+        rows_only = {name: options.pop(name) for name in ROWS_ONLY if name in options}
+        return ArmVectorEnv(rows, **{"max_episode_steps": limit, **given, **options, **rows_only})
+    return _rows_of_made(env_id, rows, options)
+
+
+def _class_of(env_id: str) -> tuple[type[ArmEnv] | None, int | None, dict[str, Any]]:
+    """Returns class, limit and options of an id whose rows can be made without a single arm.
+
+    The class is None where a function, a constructor of its own or a wrapper decides what is made.
+    """
+    name = _imported(env_id)
+    spec, maker = gymnasium.registry[name], _maker(name)
+    plain = isinstance(maker, type) and maker.__init__ is ArmEnv.__init__
+    if not plain or spec.additional_wrappers:
+        return None, None, {}
+    return maker, spec.max_episode_steps, deepcopy(spec.kwargs)
+
+
+def _rows_of_made(env_id: str, rows: int, options: dict[str, Any]) -> ArmVectorEnv:
+    """Makes a single arm, and rows with its task and options."""
     of_rows = {name: options.pop(name) for name in ROWS_ONLY if name in options}
     made, arm = make_env(env_id, **options)
     made.close()
@@ -110,10 +145,5 @@ def make_arms(env_id: str, rows: int, **options: Any) -> ArmVectorEnv:
                 "arms cannot have: register it without, and change the task or the options instead"
             )
         layer = layer.env
-    own = _overridden(type(arm))
-    if own:
-        raise InputError(
-            f"{env_id!r} overrides {', '.join(own)} of ArmEnv, which the vector environment would "
-            "ignore: change its task or options instead"
-        )
+    _refuse_overridden(env_id, type(arm))
     return arm.rows(rows, **{"max_episode_steps": limit, **of_rows})

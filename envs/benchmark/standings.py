@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.compare import LEAST_COST
+from ..evaluation.metrics import relief
 from ..evaluation.statistics import Interval, difference_interval
 from ..evaluation.stratified import paired_improvement, stratified_interval
 from ..levels import LEVELS
@@ -75,9 +75,6 @@ class Standings:
     def relief(self, setting: Setting, policy: str, motions: int | None = None) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
-        It is (E suited - E) over the mean cost of the suit in these motions, so that one in which
-        the suit costs nothing does not decide.
-
         Args:
             setting: Where.
             policy: Name of the policy.
@@ -86,11 +83,8 @@ class Standings:
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
         if any(one is None for one in found):
             return None
-        unsuited, suited, mine = (np.array(one.effort) for one in found if one is not None)
-        cost, run = suited - unsuited, slice(motions or mine.size)
-        if cost.mean() < LEAST_COST:
-            return None
-        return (suited[run] - mine[run]) / cost[run].mean()
+        unsuited, suited, mine = (one.effort for one in found if one is not None)
+        return relief(unsuited, suited, mine[:motions])
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
         """Returns how a policy stands over some settings."""

@@ -8,15 +8,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from ...errors import InputError
-from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES, rollout, score
-from ..evaluation.bounds import clairvoyant
-from ..evaluation.compare import reference_options
-from ..evaluation.settled import Wearers
-from ..policies import NoAssist, make_policy, needed_options
+from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
+from ..evaluation.core import run
 from .results import Result
 from .suite import Suite, Trial
 
-LED = 1  # rollouts from which wearers learn: a second one changes efforts by 0.1 to 0.4 %
 DIGITS = 6  # significant digits of efforts and errors
 SMALLEST = 12  # number of decimals; smaller errors are rounding
 
@@ -61,25 +57,11 @@ class _Found(NamedTuple):
 
 
 def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
-    options, name = trial.setting.options | {"coupling": suite.coupling}, trial.policy.name
+    options = trial.setting.options | {"coupling": suite.coupling, "threads": 1}
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
-    if name in REFERENCES:
-        options = reference_options(name, options)
-    elif name not in BOUNDS:
-        options |= needed_options(trial.policy)
-    wearers = Wearers(env, episodes, **options, threads=1)
-    try:
-        if name in REFERENCES:
-            policy = NoAssist(wearers.arms)
-        elif name in BOUNDS:
-            policy = clairvoyant(wearers, seeds)
-        else:
-            policy = make_policy(trial.policy, wearers.arms)
-        taught = wearers.lesson(policy, seeds, rollouts=LED)
-        traces = rollout(wearers.arms, policy, seeds, taught=taught)
-    finally:
-        wearers.close()
-    found = score(trial.label, traces)
+    name = trial.policy.name
+    given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
+    found = run(trial.label, given, env, seeds, **options).score
     return _Found(_rounded(found.effort), _rounded(found.tracking), found.success)
 
 

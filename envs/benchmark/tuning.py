@@ -3,9 +3,8 @@
 import numpy as np
 
 from ...errors import InputError
-from ..evaluation import rollout, score
-from ..evaluation.settled import Wearers
-from ..policies import PolicySpec, make_policy, needed_options
+from ..evaluation.core import run
+from ..policies import PolicySpec
 from ..policies.build import believes, maker_of
 from .suite import Setting
 
@@ -42,17 +41,11 @@ def tuning_cost(spec: PolicySpec) -> float:
     found = []
     for task in TASKS:
         setting = Setting(task, "randomized", BELIEVED)
-        options = {**setting.options, **needed_options(spec)}
-        wearers = Wearers(f"ActiveSuit/{task}-v0", MOTIONS, **options, threads=1)
         seeds = range(FIRST_SEED, FIRST_SEED + MOTIONS)
-        policy = make_policy(spec, wearers.arms)
+        env, options = f"ActiveSuit/{task}-v0", {**setting.options, "threads": 1}
         try:
-            taught = wearers.lesson(policy, seeds, rollouts=1)
-            traces = rollout(wearers.arms, policy, seeds, taught=taught)
-            lost = any(trace.terminated for trace in traces)
-            found.append(WORST if lost else float(np.mean(score(spec.name, traces).effort)))
+            score = run(spec.name, spec, env, seeds, **options).score
+            found.append(WORST if score.failures else float(np.mean(score.effort)))
         except InputError:  # the arm is lost even where it is guided
             found.append(WORST)
-        finally:
-            wearers.close()
     return float(np.mean(found))

@@ -1,7 +1,8 @@
 """Closed-loop evaluation of policies: motions, adapted wearers, references, bounds and scores."""
 
 from .bounds import BOUNDS
-from .compare import FIRST_SEED, REFERENCES, Evaluation, evaluate
+from .compare import Evaluation, evaluate
+from .core import FIRST_SEED, REFERENCES
 from .rollout import Trace, rollout
 from .scores import Score, score
 from .statistics import Interval

@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ..model import ASSISTED, Motor
 from ..policies.planned import Planned
-from .settled import Wearers, smoothed
+from .wearers import Wearers, smoothed
 
 PASSES = 3
 COOLNESS = 0.999  # share of the heat limit that a plan may use: the protection does not act
@@ -42,7 +42,7 @@ def clairvoyant(
     plan = Planned(np.zeros((len(seeds), samples - 1, len(ASSISTED))))
     untaught = np.zeros((len(seeds), samples, len(JOINTS)))
     for _ in range(passes):
-        traces = wearers.led(plan, seeds, untaught)
+        traces = wearers.guided(plan, seeds, untaught)
         if suit_only:
             wanted = -smoothed([trace.suit_torque for trace in traces], samples)[..., assisted]
         else:

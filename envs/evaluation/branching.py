@@ -20,7 +20,7 @@ from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_option
 from ..simulation.measurements import COLUMNS
 from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
-from .settled import Wearers
+from .wearers import Wearers
 
 BEST = "clairvoyant"
 SERIES = (

@@ -1,39 +1,23 @@
 """Closed-loop evaluation: policies, references and bounds on the same intended motions."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ...checks import at_least, flag
-from ...errors import InputError, shown, unknown_name
+from ...errors import InputError, refuse_old_names, shown, unknown_name
 from ..model.config import NO_SUIT
-from ..policies import (
-    POLICIES,
-    AnyPolicy,
-    Policy,
-    PolicySpec,
-    make_policy,
-    needed_options,
-    policy_spec,
-)
-from ..policies.outside import own_policy
-from ..randomization import Randomization
-from ..vector_env import ArmVectorEnv
-from .bounds import BOUNDS, clairvoyant
+from ..policies import POLICIES, AnyPolicy, PolicySpec, policy_spec
+from .bounds import BOUNDS
+from .core import FIRST_SEED, REFERENCES, Make, Runnable, run
+from .metrics import relief_interval, suit_cost
 from .rollout import Trace
-from .scores import Score, score
-from .settled import Wearers
-from .statistics import Interval, mean_interval, ratio_interval
+from .scores import Score
+from .statistics import Interval, ratio_interval
 
-Make = Callable[[ArmVectorEnv], Policy]
 Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
-FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
-REFERENCES = ("unsuited", "suited")
-LEAST_COST = 0.01  # share of strength that a suit must cost for relief to have a meaning
-_EXO = ("exo", "misalignment", "belief", "sensors", "sensing")
-_SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,26 +26,26 @@ class Evaluation:
 
     Attributes:
         scores: Score of each policy, reference and bound, by name, in the order of evaluation.
-        settled: Whether the scores are of wearers who have learned the motions.
+        adapted: Whether the scores are of wearers who have learned the motions.
+        traces: The motions of each of them.
     """
 
     scores: Mapping[str, Score]
-    settled: bool
+    adapted: bool
+    traces: Mapping[str, list[Trace]] = field(default_factory=dict, repr=False)
 
     @property
     def suit_cost(self) -> Interval | None:
         """Effort that the suit costs: suited less unsuited; None without references."""
         if any(name not in self.scores for name in REFERENCES):
             return None
-        unsuited, suited = (np.array(self.scores[name].effort) for name in REFERENCES)
-        return mean_interval(suited - unsuited)
+        return suit_cost(*(self.scores[name].effort for name in REFERENCES))
 
     def relief(self, policy: str) -> Interval | None:
         """Returns the share of the suit's cost that a policy gives back.
 
-        That is (E suited - E) / (E suited - E unsuited) with the mean efforts E: 0 is no better
-        than leaving the exoskeleton at home, 1 moves as without a suit, more carries the person,
-        and less than 0 is worse than no exoskeleton.
+        See `metrics.relief`: 0 is no better than leaving the exoskeleton at home, 1 moves as
+        without a suit.
 
         Args:
             policy: Name of a policy, reference or bound.
@@ -71,11 +55,10 @@ class Evaluation:
             than 1 % of strength.
         """
         self._check(policy)
-        cost = self.suit_cost
-        if cost is None or cost.value < LEAST_COST:
+        if any(name not in self.scores for name in REFERENCES):
             return None
-        unsuited, suited = (np.array(self.scores[name].effort) for name in REFERENCES)
-        return ratio_interval(suited - np.array(self.scores[policy].effort), suited - unsuited)
+        names = (*REFERENCES, policy)
+        return relief_interval(*(self.scores[name].effort for name in names))
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the relief of a policy less that of another, motion by motion; None likewise."""
@@ -112,7 +95,7 @@ class Evaluation:
                 "share_of_bound": share and share.to_dict(),
             }
         cost = self.suit_cost
-        return {"settled": self.settled, "suit_cost": cost and cost.to_dict(), "scores": found}
+        return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
 
 
 def evaluate(
@@ -122,7 +105,7 @@ def evaluate(
     episodes: int = 20,
     seed: int = FIRST_SEED,
     references: bool = True,
-    settled: bool = True,
+    adapted: bool = True,
     on_policy: Callable[[str, list[Trace]], None] | None = None,
     **env_options: Any,
 ) -> Evaluation:
@@ -141,7 +124,7 @@ def evaluate(
         seed: Seed of the first motion.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
             "suited", without exoskeleton.
-        settled: Whether wearers have learned the motions; those who have not are scored beside.
+        adapted: Whether wearers have learned the motions; those who have not are scored beside.
             Otherwise only those are.
         on_policy: Function that is called after each of them with its name and its motions.
         **env_options: Options of the environment (`suit`, `gravity`, ...).
@@ -155,9 +138,10 @@ def evaluate(
     at_least("episodes", episodes, 1)
     at_least("seed", seed, 0)
     flag("references", references)
-    flag("settled", settled)
+    flag("adapted", adapted)
     if on_policy is not None and not callable(on_policy):
         raise InputError(f"on_policy is {shown(on_policy)}: give a function of name and motions")
+    refuse_old_names(env_options, {"settled": "adapted"})
     for name in ("taught", "effort_scale"):
         if name in env_options:
             raise InputError(f"{name} is what evaluate sets itself: leave it out")
@@ -173,49 +157,38 @@ def evaluate(
             "references are asked for, and suit is 'none': there is no suit whose cost could be "
             "given back, so name a suit or use references=False"
         )
-    seeds, scores = range(seed, seed + episodes), {}
+    seeds, found = range(seed, seed + episodes), {}
     scale = None
-    for name in reversed(REFERENCES) if references else ():
-        options = reference_options(name, env_options)
-        wearers = Wearers(env_id, episodes, **options, effort_scale=scale)
-        scale = wearers.arms.episodes.effort_scale  # the suited arm's, for all
-        scores[name] = _score(
-            name, make_policy("none", wearers.arms), wearers, seeds, settled, on_policy
+
+    def add(name: str, given: Runnable) -> float:
+        one = run(
+            name,
+            given,
+            env_id,
+            seeds,
+            adapted=adapted,
+            naive=True,
+            **env_options,
+            effort_scale=scale,
         )
-        wearers.close()
-    scores = {name: scores[name] for name in REFERENCES if name in scores}
+        found[name] = one
+        if on_policy is not None:
+            on_policy(name, one.traces)
+        return one.effort_scale
+
+    for name in reversed(REFERENCES) if references else ():
+        scale = add(name, name)  # the suited arm's, for all
     for name, given in named.items():
-        needed = needed_options(given) if isinstance(given, PolicySpec) else {}
-        kept = {k: v for k, v in env_options.items() if not (needed and k == "belief")}
-        options = {**kept, **needed, "effort_scale": scale}
-        wearers = Wearers(env_id, episodes, **options)
-        policy = _made(name, given, wearers, seeds)
-        scores[name] = _score(name, policy, wearers, seeds, settled, on_policy)
-        wearers.close()
-    return Evaluation(scores, settled)
+        add(name, given)
+    order = [name for name in (*REFERENCES, *named) if name in found]
+    return Evaluation(
+        scores={name: found[name].score for name in order},
+        adapted=adapted,
+        traces={name: found[name].traces for name in order},
+    )
 
 
-def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the options of an environment of the same wearers without an exoskeleton.
-
-    Args:
-        reference: "unsuited" or "suited".
-        options: Options of the environment with an exoskeleton.
-    """
-    kept = {name: value for name, value in options.items() if name not in _EXO}
-    given = kept.get("randomize") or {}
-    terms = asdict(given) if isinstance(given, Randomization) else dict(given)
-    dropped = {"misalignment", "sensor_noise", "encoder_offset"}
-    if reference == "unsuited":
-        kept = {name: value for name, value in kept.items() if name not in _SUIT}
-        dropped |= {"suit", "suits", "pressure"}
-        kept["suit"] = NO_SUIT
-    if terms:
-        kept["randomize"] = {name: term for name, term in terms.items() if name not in dropped}
-    return {**kept, "coupling": "none"}
-
-
-def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
+def named_policies(policies: Policies) -> dict[str, Runnable]:
     """Returns what to evaluate, by name: a policy as data, the name of a bound, or a function.
 
     Raises:
@@ -225,7 +198,7 @@ def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     if not isinstance(policies, Mapping | Sequence):
         raise InputError(f"policies is {shown(policies)}: give a list of names, such as ['none']")
-    named: dict[str, PolicySpec | str | Make] = {}
+    named: dict[str, Runnable] = {}
     if isinstance(policies, Mapping):
         named |= {name: _checked(name, given) for name, given in policies.items()}
     else:
@@ -255,7 +228,7 @@ def named_policies(policies: Policies) -> dict[str, PolicySpec | str | Make]:
     return named
 
 
-def _checked(name: str | None, given: AnyPolicy | Make) -> PolicySpec | str | Make:
+def _checked(name: str | None, given: AnyPolicy | Make) -> Runnable:
     if isinstance(given, str) and (given in BOUNDS or given in REFERENCES):
         return given
     if isinstance(given, str | Mapping | PolicySpec):
@@ -267,30 +240,3 @@ def _checked(name: str | None, given: AnyPolicy | Make) -> PolicySpec | str | Ma
             "policy, such as the policy's class or lambda env: policy"
         )
     return given
-
-
-def _made(
-    name: str, given: PolicySpec | str | Make, wearers: Wearers, seeds: Sequence[int]
-) -> Policy:
-    if isinstance(given, str):
-        if not wearers.arms.episodes.motors:
-            raise unknown_name("policy without motors", given, ("none",))
-        return clairvoyant(wearers, seeds, suit_only=given != "clairvoyant")
-    if isinstance(given, PolicySpec):
-        return make_policy(given, wearers.arms)
-    return own_policy(name, given, wearers.arms.episodes.motors, wearers.arms)
-
-
-def _score(
-    name: str,
-    policy: Policy,
-    wearers: Wearers,
-    seeds: Sequence[int],
-    settled: bool,
-    on_policy: Callable[[str, list[Trace]], None] | None,
-) -> Score:
-    naive = wearers.naive(policy, seeds)
-    traces = wearers.settled(policy, seeds) if settled else naive
-    if on_policy is not None:
-        on_policy(name, traces)
-    return score(name, traces, naive)

@@ -1,18 +1,21 @@
 """What knowledge of the suit buys: beliefs of rising knowledge in one and the same controller."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
+from ...assets import JOINTS
+from ...errors import InputError
 from ..belief import BelievedSuit, JointBelief, count_of
 from ..model import ASSISTED
 from ..policies.belief import BelievedArm
 from ..policies.model_based import SHARE, ModelBased
 from ..vector_env import ArmVectorEnv
 from .compare import evaluate
+from .metrics import LEAST_COST, relief, root_mean_squares
 from .rollout import Trace
 from .statistics import Interval, difference_interval, mean_interval
 
@@ -60,10 +63,8 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
         **options: Options of the environment.
 
     Raises:
-        InputError: See `evaluate`.
+        InputError: The suit costs so little that relief has no meaning, or `evaluate` raises it.
     """
-    errors: dict[str, Array] = {}
-    peaks: list[float] = []
 
     def made(arms: ArmVectorEnv, joints: Mapping[str, JointBelief] | None) -> ModelBased:
         arm = BelievedArm(arms)
@@ -71,42 +72,47 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
         suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits), arms.control_dt)
         return ModelBased(arms, weight=arm.whole_weight(), suit=suit, friction=SHARE)
 
-    def compare(name: str, traces: list[Trace]) -> None:
-        if name in beliefs:
-            errors[name] = np.array([torque_error(beliefs[name], one) for one in traces])
-        peaks.extend(float(np.abs(one.suit_torque).max()) for one in traces)
-
     policies = {
         **{name: (lambda arms, of=joints: made(arms, of)) for name, joints in beliefs.items()},
         TRUE: lambda arms: made(arms, None),
     }
-    found = evaluate(env_id, policies, episodes=episodes, on_policy=compare, **options)
-    unsuited, suited = (np.array(found.scores[name].effort) for name in ("unsuited", "suited"))
-    cost = float(np.mean(suited - unsuited))
-    relief = {
-        name: (suited - np.array(score.effort)) / cost
-        for name, score in found.scores.items()
-        if name in policies
-    }
+    found = evaluate(env_id, policies, episodes=episodes, **options)
+    efforts = {name: score.effort for name, score in found.scores.items()}
+    reliefs = {}
+    for name in policies:
+        gained = relief(efforts["unsuited"], efforts["suited"], efforts[name])
+        if gained is None:
+            raise InputError(
+                f"the suit costs less than {LEAST_COST:.0%} of strength in {env_id}, so that "
+                "relief has no meaning: choose another suit or task"
+            )
+        reliefs[name] = gained
+    errors = {name: torque_error(one, found.traces[name]) for name, one in beliefs.items()}
     errors[TRUE] = np.zeros(episodes)
-    return Knowledge(relief, errors, max(peaks))
+    traces = [trace for each in found.traces.values() for trace in each]
+    peak = max(float(np.abs(trace.suit_torque).max()) for trace in traces)
+    return Knowledge(reliefs, errors, peak)
 
 
-def torque_error(joints: Mapping[str, JointBelief], trace: Trace) -> float:
-    """Returns the root mean square of believed less true resistance along a motion [N·m].
+def torque_error(joints: Mapping[str, JointBelief], traces: Sequence[Trace]) -> Array:
+    """Returns the root mean square of believed less true resistance of each motion [N·m].
 
     Args:
         joints: What is believed of each assisted joint; nothing of one that is missing.
-        trace: The motion.
+        traces: The motions.
     """
-    columns = {name: i for i, name in enumerate(ASSISTED, start=1)}
-    wrong = []
-    for name, column in columns.items():
-        true, angle = -trace.suit_torque[:, column], trace.angle[:, column]
-        believed = np.zeros_like(true)
+    columns = [JOINTS.index(name) for name in ASSISTED]
+    true = [-one.suit_torque[:, columns] for one in traces]
+    believed = [_believed(joints, one.angle[:, columns]) for one in traces]
+    return root_mean_squares(believed, true)
+
+
+def _believed(joints: Mapping[str, JointBelief], angle: Array) -> Array:
+    """Returns the believed resistance along a motion of the assisted joints [N·m]."""
+    torque = np.zeros_like(angle)
+    for column, name in enumerate(ASSISTED):
         if name in joints:
             memory = joints[name].begin()[None].copy()
-            for i, here in enumerate(angle):
-                believed[i] = joints[name].advance(memory, here[None], here[None])[0]
-        wrong.append(believed - true)
-    return float(np.sqrt(np.mean(np.square(wrong))))
+            for i, here in enumerate(angle[:, column]):
+                torque[i, column] = joints[name].advance(memory, here[None], here[None])[0]
+    return torque

@@ -151,17 +151,26 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
     return interval_of(np.divide, over, under, **options)
 
 
+def interquartile_mean(scores: ArrayLike) -> Array:
+    """Returns the mean of the middle half of scores, over their last axis.
+
+    As in Agarwal et al. (2021), "Deep RL at the edge of the statistical precipice".
+    """
+    ordered = np.sort(np.asarray(scores, np.float64), axis=-1)
+    cut = ordered.shape[-1] // 4
+    return ordered[..., cut : ordered.shape[-1] - cut].mean(axis=-1)
+
+
 def interquartile_mean_interval(
     scores: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 0
 ) -> Interval:
     """Returns the interval of the interquartile mean of all scores over other trainings.
 
-    The interquartile mean is that of Agarwal et al. (2021), "Deep RL at the edge of the statistical
-    precipice". They resample runs task by task, as their runs of two tasks are two trainings. Here
-    all episodes of a run share one training, so that whole runs are resampled: with 10 runs that
-    differ twice as much as their episodes the interval then contained the truth in 95 % of repeats,
-    while resampling episode by episode, or episodes within each run, had it in 42 to 43 %. The
-    standard error is that of a trimmed mean (Tukey & McLaughlin 1963), by runs.
+    Agarwal et al. (2021) resample runs task by task, as their runs of two tasks are two trainings.
+    Here all episodes of a run share one training, so that whole runs are resampled: with 10 runs
+    that differ twice as much as their episodes the interval then contained the truth in 95 % of
+    repeats, while resampling episode by episode, or episodes within each run, had it in 42 to 43 %.
+    The standard error is that of a trimmed mean (Tukey & McLaughlin 1963), by runs.
 
     Args:
         scores: Scores of shape (runs, episodes); an episode has the same motion in all runs.
@@ -285,7 +294,7 @@ def _interquartile(scores: Array) -> tuple[Array, Array]:
     ordered = np.sort(scores.reshape(scores.shape[0], -1), axis=-1)
     size = ordered.shape[1]
     cut = size // 4
-    values = ordered[:, cut : size - cut].mean(axis=-1)
+    values = interquartile_mean(ordered)
     lowest, highest = ordered[:, cut, None, None], ordered[:, size - cut - 1, None, None]
     winsorized = np.clip(scores, lowest, highest).mean(axis=-1)
     spread = winsorized.std(axis=-1, ddof=1)

@@ -10,20 +10,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Array
 from ...checks import at_least, within
 from ...errors import InputError
-from .statistics import FEWEST_RESAMPLES, LEVELS, Interval
-
-
-def interquartile_mean(scores: ArrayLike) -> Array:
-    """Returns the mean of the middle half of scores, over their last axis.
-
-    As in Agarwal et al. (2021), "Deep RL at the edge of the statistical precipice".
-    """
-    ordered = np.sort(np.asarray(scores, np.float64), axis=-1)
-    cut = ordered.shape[-1] // 4
-    return ordered[..., cut : ordered.shape[-1] - cut].mean(axis=-1)
+from .statistics import FEWEST_RESAMPLES, LEVELS, Interval, interquartile_mean
 
 
 def stratified_interval(

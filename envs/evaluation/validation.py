@@ -18,7 +18,8 @@ from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
 from ..policies import make_policy
 from ..policies.belief import Belief
-from .compare import FIRST_SEED, Evaluation, evaluate
+from .compare import Evaluation, evaluate
+from .core import FIRST_SEED
 from .rollout import Trace
 from .statistics import FEWEST_MOTIONS, Interval, interval_of, mean_interval
 
@@ -174,18 +175,13 @@ def validate(
     """
     at_least("episodes", episodes, FEWEST_MOTIONS)
     joints = believed_joints(env_id, believed, policy, **env_options)
-    traces: dict[str, list[Trace]] = {}
-
-    def keep(name: str, found: list[Trace]) -> None:
-        traces[name] = found
-        on_policy(name, found)
-
     policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
     policies |= {_named(name): {"name": policy, "suit": suit} for name, suit in believed.items()}
-    found = evaluate(env_id, policies, episodes=episodes, seed=seed, on_policy=keep, **env_options)
+    options = {"episodes": episodes, "seed": seed, "on_policy": on_policy, **env_options}
+    found = evaluate(env_id, policies, **options)
     return found, {
         name: Validation(
-            torque=torque_errors(joints[name], traces[one]),
+            torque=torque_errors(joints[name], found.traces[one]),
             relief=found.relief(one),
             difference=found.relief_difference(one, TRUE),
             share_of_true=found.share_of_bound(one, TRUE),

@@ -97,7 +97,7 @@ class Muscles(NamedTuple):
 
     fatigued: Annotated[Array, SAVED]  # fatigued part of each group, (n, 2, 4)
     strength: Array  # isometric strength [N·m], (n, 2, 4)
-    impedance: Array  # that of `VoluntaryControl.impedance`, (n, 5, 4)
+    impedance: Array  # result of `VoluntaryControl.impedance`, (n, 5, 4)
     tires: bool  # whether effort tires the wearers
 
 

@@ -147,7 +147,7 @@ def run(
             episodes=episodes,
             seed=seed,
             references=references,
-            settled=not naive,
+            adapted=not naive,
             on_policy=report,
             threads=0,
             **options,

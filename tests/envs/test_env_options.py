@@ -138,7 +138,7 @@ def test_without_an_exoskeleton_there_is_nothing_to_act_with():
 
 def test_equipment_costs_effort():
     equipment = [{"coupling": "none", "suit": "none"}, {"coupling": "none"}, {}]
-    fixed = {"episodes": 1, "references": False, "settled": False}
+    fixed = {"episodes": 1, "references": False, "adapted": False}
     rms = [evaluate(ENV, ["none"], **fixed, **one).scores["none"].human_rms for one in equipment]
     for joint in ASSISTED:
         assert rms[0][joint] < 0.8 * rms[1][joint] < 0.8 * rms[2][joint]

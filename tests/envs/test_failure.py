@@ -145,7 +145,7 @@ def test_a_diverged_episode_is_scored_as_failed():
                 self.velocity[:] = np.nan
             return np.zeros((*observation.shape[:-1], 2))
 
-    fixed = {"episodes": 2, "references": False, "settled": False}
+    fixed = {"episodes": 2, "references": False, "adapted": False}
     policies = {"saboteur": Saboteur, "none": "none"}
     found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **fixed).scores
     result = found["saboteur"]

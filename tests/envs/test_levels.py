@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.evaluation.compare import reference_options
+from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.levels import LEVELS, with_level
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
@@ -137,7 +137,7 @@ def test_an_evaluation_at_a_level_is_of_that_level():
             "ActiveSuit/ElbowFlexion-v0",
             ["none"],
             episodes=1,
-            settled=False,
+            adapted=False,
             max_episode_steps=20,
             level=level,
             on_policy=lambda name, reported, traces=traces: traces.update({name: reported[0]}),

@@ -15,7 +15,7 @@ from activesuit.errors import InputError
 from helpers import shorten_tasks
 
 ELBOW = "ActiveSuit/ElbowFlexion-v0"
-NAIVE = {"references": False, "settled": False}
+NAIVE = {"references": False, "adapted": False}
 
 
 @pytest.fixture

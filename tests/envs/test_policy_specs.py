@@ -175,7 +175,7 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
         {"mine": "outside:Mine:gain=0.05", "more": {"name": "outside:Mine", "gain": 0.2}},
         episodes=1,
         references=False,
-        settled=False,
+        adapted=False,
     ).scores
     assert scores["mine"].assist_energy != scores["more"].assist_energy
 
@@ -236,5 +236,5 @@ def test_what_it_returns_is_checked(outside, bad, message):
             [f"outside:Mine:bad={bad}"],
             episodes=1,
             references=False,
-            settled=False,
+            adapted=False,
         )

@@ -161,7 +161,7 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
 def test_evaluate_wearers_who_have_learned_nothing(capsys):
     out = run(capsys, "evaluate", "--policies", "none", "--naive", *FEW)
     result = json.loads(out)
-    assert result["settled"] is False
+    assert result["adapted"] is False
     score = result["scores"]["none"]
     assert score["effort"] == score["naive_effort"]
 

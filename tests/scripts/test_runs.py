@@ -181,7 +181,7 @@ def test_options_that_no_training_has(tmp_path):
         scene(ArmOptions(), policies=(run,))
 
 
-NAIVE = {"references": False, "settled": False}
+NAIVE = {"references": False, "adapted": False}
 
 
 @pytest.mark.parametrize("name", ["Quick", "Lazy", "Made", "Task", "Limited"])

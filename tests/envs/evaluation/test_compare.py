@@ -9,7 +9,7 @@ from activesuit.assets import CURVES, Suit, curves_path
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.bounds import inverted, rationed
-from activesuit.envs.evaluation.compare import reference_options
+from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.model import ASSISTED, Exo
 from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
@@ -148,7 +148,7 @@ def test_scores_keep_one_value_per_motion(weightless):
 
 def test_an_evaluation_becomes_json(weightless):
     found = json.loads(json.dumps(weightless.to_dict()))
-    assert found["settled"] is True
+    assert found["adapted"] is True
     assert found["suit_cost"]["value"] == weightless.suit_cost.value
     assert list(found["scores"]) == list(weightless.scores)
     assert found["scores"]["none"]["relief"] == weightless.relief("none").to_dict()
@@ -166,7 +166,7 @@ def test_what_rewards_say_agrees_with_relief(weightless):
 @pytest.fixture(scope="module")
 def naive(short):
     """Two motions of wearers who have learned nothing, under a name and a class."""
-    return evaluate(ENV, ["none", Push], episodes=2, settled=False, threads=1)
+    return evaluate(ENV, ["none", Push], episodes=2, adapted=False, threads=1)
 
 
 def test_wearers_who_have_learned_nothing(naive):
@@ -174,7 +174,7 @@ def test_wearers_who_have_learned_nothing(naive):
     for score in naive.scores.values():
         assert score.effort == score.naive_effort
         assert score.tracking == score.naive_tracking
-    assert not naive.settled
+    assert not naive.adapted
 
 
 def test_two_motions_have_no_interval(naive):
@@ -184,7 +184,7 @@ def test_two_motions_have_no_interval(naive):
 
 
 def test_without_references_there_is_no_relief(short):
-    found = evaluate(ENV, ["none"], episodes=1, suit="none", references=False, settled=False)
+    found = evaluate(ENV, ["none"], episodes=1, suit="none", references=False, adapted=False)
     assert found.suit_cost is None
     assert found.relief("none") is None
     assert found.share_of_bound("none") is None
@@ -194,7 +194,7 @@ def test_without_references_there_is_no_relief(short):
 def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
     found = evaluate(
         ENV, ["none"], episodes=MOTIONS, suit="emu-like", pressure=0.0, gravity="microgravity",
-        settled=False, threads=1,
+        adapted=False, threads=1,
     )  # fmt: skip
     assert found.suit_cost.value < 0.01
     assert found.relief("none") is None
@@ -203,9 +203,9 @@ def test_a_suit_without_pressure_costs_too_little_for_a_relief(short):
 def test_no_wearer_adapts_to_a_policy_that_loses_the_arm(short):
     weak = {"sex": "female", "stature": 1.5, "mass": 50.0, "strength": 5.0}
     options = {"wearer": weak, "payload": {"mass": 5.0}, "references": False, "episodes": 1}
-    found = evaluate(ENV, {"lose": Lose}, settled=False, **options)
+    found = evaluate(ENV, {"lose": Lose}, adapted=False, **options)
     assert found.scores["lose"].failures == 1
-    with pytest.raises(InputError, match=r"loses the arm after .* s \(seed 10000\).*settled=False"):
+    with pytest.raises(InputError, match=r"loses the arm after .* s \(seed 10000\).*adapted=False"):
         evaluate(ENV, {"lose": Lose}, **options)
 
 
@@ -277,7 +277,7 @@ def test_a_plan_inverts_the_lag_of_motors():
 def test_named_policies_see_units_whatever_others_see(short):
     reported = [
         evaluate(
-            ENV, ["compensation", Push], episodes=2, references=False, settled=False, **options
+            ENV, ["compensation", Push], episodes=2, references=False, adapted=False, **options
         )
         for options in ({}, {"normalize": True}, {"belief": {}, "sensors": ["encoders", "belief"]})
     ]
@@ -306,7 +306,7 @@ def test_named_policies_see_units_whatever_others_see(short):
         ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
         (["none"], {"taught": True}, "taught is what evaluate sets itself: leave it out"),
         (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
-        (["none"], {"settled": "no"}, "settled is 'no': use True or False"),
+        (["none"], {"adapted": "no"}, "adapted is 'no': use True or False"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
         (["none"], {"control": 3}, "control is 3: give a dict of its fields"),
         ({"mine": lambda arms: 3}, {}, r"policy 'mine' makes 3, which has no reset\(\)"),
@@ -320,7 +320,7 @@ def test_mistakes(short, policies, options, message):
 
 def test_functions_make_policies_too(short):
     mine = {"off": lambda arms: make_policy("none", arms), "none": "none"}
-    found = evaluate(ENV, mine, episodes=1, references=False, settled=False)
+    found = evaluate(ENV, mine, episodes=1, references=False, adapted=False)
     assert found.scores["off"].torque == found.scores["none"].torque
     for joint in ASSISTED:
         assert found.scores["off"].human_rms[joint] == pytest.approx(

@@ -46,21 +46,23 @@ class Wearers:
         usual = {**(control or {}), "adaptation": 0.0}
         calm = {**usual, "stiff": True, "noise": 0.0, "tremor": 0.0}
         self.arms = make_arms(env_id, rows, **options, control=usual, taught=True)
-        self._led = make_arms(env_id, rows, **options, control=calm, taught=True)
+        self._guided = make_arms(env_id, rows, **options, control=calm, taught=True)
 
     def naive(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
         """Returns the motions of wearers who foresee nothing but their own arm."""
         return rollout(self.arms, policy, seeds)
 
-    def settled(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
+    def adapted(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
         """Returns the motions of wearers who have learned them under the policy.
 
         Raises:
             InputError: The policy ends episodes although the arm is guided.
         """
-        return rollout(self.arms, policy, seeds, taught=self.lesson(policy, seeds))
+        return rollout(self.arms, policy, seeds, taught=self.learned_torque(policy, seeds))
 
-    def lesson(self, policy: Policy, seeds: Sequence[int], *, rollouts: int = ROLLOUTS) -> Array:
+    def learned_torque(
+        self, policy: Policy, seeds: Sequence[int], *, rollouts: int = ROLLOUTS
+    ) -> Array:
         """Returns what wearers learn of the net load under a policy [N·m].
 
         Returns:
@@ -69,37 +71,37 @@ class Wearers:
         Raises:
             InputError: The policy ends episodes although the arm is guided.
         """
-        taught = np.zeros((len(seeds), self._led.episodes.simulation.samples, len(JOINTS)))
+        taught = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
-            taught = self.learned(self.led(policy, seeds, taught))
+            taught = self.learned(self.guided(policy, seeds, taught))
         return taught
 
     def learned(self, traces: Sequence[Trace]) -> Array:
-        """Returns what wearers learn of guided motions, as `lesson` does [N·m]."""
-        own = self._led.episodes.simulation.own_torque(np.arange(len(traces)))
+        """Returns what wearers learn of guided motions, as `learned_torque` does [N·m]."""
+        own = self._guided.episodes.simulation.own_torque(np.arange(len(traces)))
         torque = smoothed([trace.human_torque for trace in traces], own.shape[1])
         return SHARE * (torque - own)
 
-    def led(self, policy: Policy, seeds: Sequence[int], taught: Array) -> list[Trace]:
+    def guided(self, policy: Policy, seeds: Sequence[int], taught: Array) -> list[Trace]:
         """Returns the motions of arms that stiff hands lead along the intention.
 
         Raises:
             InputError: The policy ends episodes although the arm is guided.
         """
-        traces = rollout(self._led, policy, seeds, taught=taught)
+        traces = rollout(self._guided, policy, seeds, taught=taught)
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise InputError(
                     f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
                     "it is guided along the motion, so that no wearer can adapt: use "
-                    "settled=False, or mend the policy"
+                    "adapted=False, or mend the policy"
                 )
         return traces
 
     def close(self) -> None:
         """Frees the arms."""
         self.arms.close()
-        self._led.close()
+        self._guided.close()
 
 
 def smoothed(series: Sequence[Array], samples: int) -> Array:

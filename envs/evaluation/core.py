@@ -1,0 +1,120 @@
+"""One policy on the motions of one setting: its traces and its score.
+
+`evaluate`, the benchmark, tuning, validation and branching all run policies by these functions, so
+that a policy has one score.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple
+
+from ...errors import unknown_name
+from ..model.config import NO_SUIT
+from ..policies import Policy, PolicySpec, make_policy, needed_options
+from ..policies.outside import own_policy
+from ..randomization import Randomization
+from ..vector_env import ArmVectorEnv
+from .bounds import BOUNDS, clairvoyant
+from .rollout import Trace
+from .scores import Score, score
+from .wearers import Wearers
+
+Make = Callable[[ArmVectorEnv], Policy]
+Runnable = PolicySpec | str | Make
+"""A policy as data, the name of a reference or a bound, or a function that makes a policy."""
+
+FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
+REFERENCES = ("unsuited", "suited")
+_EXO = ("exo", "misalignment", "belief", "sensors", "sensing")
+_SUIT = ("pressure", "preconditioned", "allow_uncertified")
+
+
+class Run(NamedTuple):
+    """A policy on some motions.
+
+    Attributes:
+        score: Its score.
+        traces: The motions, in the order of the seeds.
+        effort_scale: Effort of the suited arm, by which rewards are scaled.
+    """
+
+    score: Score
+    traces: list[Trace]
+    effort_scale: float
+
+
+def run(
+    name: str,
+    given: Runnable,
+    env_id: str,
+    seeds: Sequence[int],
+    *,
+    adapted: bool = True,
+    naive: bool = False,
+    **options: Any,
+) -> Run:
+    """Runs a policy on the motions of some seeds.
+
+    Args:
+        name: Name of the policy in its score.
+        given: The policy, reference or bound.
+        env_id: Id of a registered environment.
+        seeds: Seed of each motion.
+        adapted: Whether wearers have learned the motions under the policy.
+        naive: Whether wearers who have not are scored beside.
+        **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
+
+    Raises:
+        InputError: The policy or the environment cannot be made, or the policy ends episodes, so
+            that no wearer can adapt.
+    """
+    wearers = Wearers(env_id, len(seeds), **options_of(given, options))
+    try:
+        policy = _policy(name, given, wearers, seeds)
+        first = wearers.naive(policy, seeds) if naive or not adapted else []
+        traces = wearers.adapted(policy, seeds) if adapted else first
+        return Run(score(name, traces, first), traces, wearers.arms.episodes.effort_scale)
+    finally:
+        wearers.close()
+
+
+def options_of(given: Runnable, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the options of the environment in which a policy, reference or bound acts."""
+    if isinstance(given, str) and given in REFERENCES:
+        return reference_options(given, options)
+    needed = needed_options(given) if isinstance(given, PolicySpec) else {}
+    kept = {name: value for name, value in options.items() if not (needed and name == "belief")}
+    return {**kept, **needed}
+
+
+def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the options of an environment of the same wearers without an exoskeleton.
+
+    Args:
+        reference: "unsuited" or "suited".
+        options: Options of the environment with an exoskeleton.
+    """
+    kept = {name: value for name, value in options.items() if name not in _EXO}
+    given = kept.get("randomize") or {}
+    terms = asdict(given) if isinstance(given, Randomization) else dict(given)
+    dropped = {"misalignment", "sensor_noise", "encoder_offset"}
+    if reference == "unsuited":
+        kept = {name: value for name, value in kept.items() if name not in _SUIT}
+        dropped |= {"suit", "suits", "pressure"}
+        kept["suit"] = NO_SUIT
+    if terms:
+        kept["randomize"] = {name: term for name, term in terms.items() if name not in dropped}
+    return {**kept, "coupling": "none"}
+
+
+def _policy(name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]) -> Policy:
+    arms = wearers.arms
+    if isinstance(given, PolicySpec):
+        return make_policy(given, arms)
+    if callable(given):
+        return own_policy(name, given, arms.episodes.motors, arms)
+    if given in REFERENCES:
+        return make_policy("none", arms)
+    if not arms.episodes.motors:
+        raise unknown_name("policy without motors", given, ("none",))
+    return clairvoyant(wearers, seeds, suit_only=given == BOUNDS[0])

@@ -1,0 +1,61 @@
+"""What scores and traces of policies say beside each other: relief, and errors of belief."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...arrays import Array
+from .statistics import Interval, mean_interval, ratio_interval
+
+LEAST_COST = 0.01  # share of strength that a suit must cost for relief to have a meaning
+
+
+def suit_cost(unsuited: ArrayLike, suited: ArrayLike) -> Interval:
+    """Returns the effort that a suit costs: suited less unsuited, over strength.
+
+    Args:
+        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
+        suited: Effort in the suit without exoskeleton, shape (motions,).
+    """
+    return mean_interval(np.subtract(suited, unsuited))
+
+
+def relief(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Array | None:
+    """Returns the relief of each motion: the share of the suit's cost that a policy gives back.
+
+    It is (E suited - E) over the mean cost of the suit in these motions, so that one in which the
+    suit costs nothing does not decide. 0 is no better than leaving the exoskeleton at home, 1 moves
+    as without a suit, more carries the person, and less than 0 is worse than no exoskeleton.
+
+    Args:
+        unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
+        suited: Effort in the suit without exoskeleton, shape (motions,).
+        effort: Effort under the policy in the first of these motions, shape (n,).
+
+    Returns:
+        The reliefs, shape (n,); None where the suit costs less than 1 % of strength.
+    """
+    unsuited, suited, effort = (np.asarray(one, float) for one in (unsuited, suited, effort))
+    cost = suited - unsuited
+    if cost.mean() < LEAST_COST:
+        return None
+    return (suited[: effort.size] - effort) / cost[: effort.size].mean()
+
+
+def relief_interval(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Interval | None:
+    """Returns the mean of `relief` with its 95 % interval, that of a ratio of means; or None."""
+    if relief(unsuited, suited, effort) is None:
+        return None
+    return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))
+
+
+def root_mean_squares(believed: Sequence[Array], true: Sequence[Array]) -> Array:
+    """Returns the root mean square of believed less true torque of each motion [N·m].
+
+    Args:
+        believed: Believed torque in each motion [N·m], shape (n, joints).
+        true: True torque [N·m], of the same shapes.
+    """
+    pairs = zip(believed, true, strict=True)
+    return np.array([float(np.sqrt(np.mean((one - other) ** 2))) for one, other in pairs])
