@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..csv_rows import LARGEST, angle_in, next_time, number_in, rows_of
 from ..errors import InputError
 from ..files import content_of, write_text
-from .csv_rows import LARGEST, angle_in, next_time, number_in, rows_of
 from .curves import Curve, Curves
 
 

@@ -1,6 +1,5 @@
 """Measured angle-torque curves: one curve with its checks, and the curves of one joint."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -9,10 +8,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import number
+from ..csv_rows import RADIANS_AT_MOST, time_goes_wrong
 from ..errors import InputError
 
 Role = Literal["fit", "predict"]
-RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
 TORQUE_AT_MOST = 1e6  # N·m
 
 
@@ -168,13 +167,6 @@ class Curves(list[Curve]):
     def _with_role(self, role: Role) -> "Curves":
         chosen = (curve for curve in self if curve.role == role)
         return Curves(chosen, source=self.source, sha256=self.sha256)
-
-
-def time_goes_wrong(before: float, after: float) -> str:
-    """Returns a phrase for the wrong step of time between two samples [s]."""
-    if after == before:
-        return f"stands still at {after:.12g} s"
-    return f"runs back from {before:.12g} to {after:.12g} s"
 
 
 def noise_floor(curves: Sequence[Curve]) -> float:

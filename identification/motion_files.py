@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..csv_rows import LARGEST, angle_in, next_time, rows_of
 from ..errors import InputError
 from ..files import content_of, write_text
-from .csv_rows import LARGEST, angle_in, next_time, rows_of
 
 HEADER = "time_s,angle_rad"
 ANGLES = ("angle_rad", "angle_deg")

@@ -833,7 +833,7 @@ def problem(kind: Kind, folder: Path, rng: Rng) -> tuple[list[str], str]:
     if fallen:
         return arguments, fallen.strip().splitlines()[-1] + " (traceback)"
     wanted = {"refused": [2], "harmless": [0], "either": [0, 2]}[kind.outcome]
-    if arguments[0] == "identify" and 0 in wanted:
+    if arguments[:1] == ["identify"] and 0 in wanted:
         wanted = [*wanted, 3]  # the model may not describe the curves
     if code not in wanted:
         return arguments, f"exit code {code}, not {wanted}: {text[-300:]}"

@@ -27,6 +27,7 @@ ALLOWED = {
 ROOT_MODULES = {
     "arrays",
     "checks",
+    "csv_rows",
     "errors",
     "files",
     "json_files",

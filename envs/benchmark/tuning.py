@@ -4,6 +4,7 @@ import numpy as np
 
 from ...errors import InputError
 from ..evaluation.core import run
+from ..evaluation.wearers import ArmLost
 from ..policies import PolicySpec
 from ..policies.build import believes, maker_of
 from .suite import Setting
@@ -46,6 +47,6 @@ def tuning_cost(spec: PolicySpec) -> float:
         try:
             score = run(spec.name, spec, env, seeds, **options).score
             found.append(WORST if score.failures else float(np.mean(score.effort)))
-        except InputError:  # the arm is lost even where it is guided
+        except ArmLost:
             found.append(WORST)
     return float(np.mean(found))

@@ -11,7 +11,7 @@ from ...assets import JOINTS
 from ...errors import InputError
 from ..belief import BelievedSuit, JointBelief, count_of
 from ..model import ASSISTED
-from ..policies.belief import BelievedArm
+from ..policies.base import believed_arm
 from ..policies.model_based import SHARE, ModelBased
 from ..vector_env import ArmVectorEnv
 from .compare import evaluate
@@ -67,7 +67,7 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
     """
 
     def made(arms: ArmVectorEnv, joints: Mapping[str, JointBelief] | None) -> ModelBased:
-        arm = BelievedArm(arms)
+        arm = believed_arm(arms)
         known = arm.joints if joints is None else joints
         suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits), arms.control_dt)
         return ModelBased(arms, weight=arm.whole_weight(), suit=suit, friction=SHARE)

@@ -14,10 +14,10 @@ from ...arrays import Array
 from ...assets import JOINTS, AnySuit, SuitJoint
 from ...checks import at_least
 from ...errors import InputError
+from ..belief import Belief
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
 from ..policies import make_policy
-from ..policies.belief import Belief
 from .compare import Evaluation, evaluate
 from .core import FIRST_SEED
 from .rollout import Trace

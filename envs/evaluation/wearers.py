@@ -25,6 +25,10 @@ SMOOTHING = 2  # control periods, by which torque is smoothed: nobody learns fas
 SHARE = RATE / (RATE + FORGETTING)  # share of a load that is learned in the end
 
 
+class ArmLost(InputError):
+    """A policy ends an episode although the arm is guided, so that no wearer can adapt."""
+
+
 class Wearers:
     """Wearers of one kind of arm in three states: naive, guided by stiff hands, and adapted.
 
@@ -56,7 +60,7 @@ class Wearers:
         """Returns the motions of wearers who have learned them under the policy.
 
         Raises:
-            InputError: The policy ends episodes although the arm is guided.
+            ArmLost: The policy ends episodes although the arm is guided.
         """
         return rollout(self.arms, policy, seeds, taught=self.learned_torque(policy, seeds))
 
@@ -69,7 +73,7 @@ class Wearers:
             The torque beside that of the bare arm, shape (rows, samples, 4).
 
         Raises:
-            InputError: The policy ends episodes although the arm is guided.
+            ArmLost: The policy ends episodes although the arm is guided.
         """
         taught = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
@@ -86,12 +90,12 @@ class Wearers:
         """Returns the motions of arms that stiff hands lead along the intention.
 
         Raises:
-            InputError: The policy ends episodes although the arm is guided.
+            ArmLost: The policy ends episodes although the arm is guided.
         """
         traces = rollout(self._guided, policy, seeds, taught=taught)
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
-                raise InputError(
+                raise ArmLost(
                     f"the policy loses the arm after {trace.time[-1]:g} s (seed {seed}) even where "
                     "it is guided along the motion, so that no wearer can adapt: use "
                     "adapted=False, or mend the policy"

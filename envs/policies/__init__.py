@@ -1,7 +1,7 @@
 """Assist policies: each turns an observation into an action."""
 
+from ..belief import Belief
 from .base import Policy, TorquePolicy
-from .belief import Belief
 from .build import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
 from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward

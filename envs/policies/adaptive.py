@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...checks import within
-from ..belief import LEAD
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from ..belief import LEAD, Belief
+from .base import Arms, Seen, believed_arm
 from .carried import Carried, person
 from .filters import LowPass
 from .model_based import SHARE, ModelBased
@@ -63,7 +62,7 @@ class Adaptive(ModelBased):
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         super().__init__(arms, suit=arm.suit(), lead=lead, friction=friction)
         within("forgetting", forgetting, 1, 1000, " s")
         within("delay", delay, 0, 0.5, " s")

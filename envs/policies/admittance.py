@@ -4,10 +4,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import within
-from ..belief import LEAD
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
-from .levers import CuffLevers
+from ..belief import LEAD, Belief
+from ..belief.cuff_levers import CuffLevers
+from .base import Arms, Seen, believed_arm
 from .model_based import SHARE, ModelBased
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
@@ -51,7 +50,7 @@ class Admittance(ModelBased):
         damping: float = DAMPING,
         lead: float = LEAD,
     ) -> None:
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         super().__init__(arms, weight=arm.exo_weight(), suit=arm.suit(), friction=SHARE, lead=lead)
         within("rho", rho, 0, 1)
         within("mass", mass, 0.5, 5)

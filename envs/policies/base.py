@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...errors import InputError
+from ..belief import Belief, BelievedArm
 from ..episodes import Episodes
 
 Seen = Mapping[str, Array]
@@ -18,6 +19,17 @@ class Arms(Protocol):
     """An environment that policies are made for: `ArmEnv` or `ArmVectorEnv`."""
 
     episodes: Episodes
+
+
+def believed_arm(arms: Arms, belief: Belief | None = None) -> BelievedArm:
+    """Returns the arm that a policy believes in.
+
+    Args:
+        arms: Environment in which the policy acts, whose exoskeleton and tools are known.
+        belief: What differs from the options of the environment.
+    """
+    simulation, edits = arms.episodes.simulation, arms.episodes.task.edits
+    return BelievedArm(simulation.config, edits, simulation.control_dt, belief)
 
 
 class Policy(Protocol):

@@ -13,13 +13,13 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
 from ..arm_env import ArmEnv
+from ..belief import Belief
 from ..model import resisting_joints
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
 from .admittance import Admittance
 from .amplification import ForceAmplification
 from .base import Policy
-from .belief import Belief
 from .compensation import Compensation, Complement
 from .corrected import CorrectedCompensation
 from .disturbance_observer import DisturbanceObserver

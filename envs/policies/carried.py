@@ -3,9 +3,9 @@
 import numpy as np
 
 from ...arrays import Array
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
-from .inertia import ASSISTED_PLACES
+from ..belief import Belief
+from ..belief.inertia import ASSISTED_PLACES
+from .base import Arms, Seen, believed_arm
 from .model_based import friction_of
 
 
@@ -23,7 +23,7 @@ class Carried:
     """
 
     def __init__(self, arms: Arms, belief: Belief | None) -> None:
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         self._inertia, self._weight = arm.carried_inertia(), arm.carried_weight()
         self._friction = friction_of(arm.config.exo, 1.0, viscous=False)
         self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])

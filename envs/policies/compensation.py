@@ -2,9 +2,8 @@
 
 from typing import ClassVar
 
-from ..belief import LEAD, BelievedWeight
-from .base import Arms
-from .belief import Belief, BelievedArm
+from ..belief import LEAD, Belief, BelievedArm, BelievedWeight
+from .base import Arms, believed_arm
 from .model_based import SHARE, ModelBased
 
 
@@ -30,7 +29,7 @@ class Compensation(ModelBased):
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         weight, suit = self.weight_of(arm), arm.suit()
         super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)
 

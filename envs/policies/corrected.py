@@ -6,13 +6,12 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import Array
-from ..belief import LEAD
+from ..belief import LEAD, Belief
+from ..belief.cuff_levers import CuffLevers
 from ..model.cuffs import CUFFS
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from .base import Arms, Seen, believed_arm
 from .compensation import Compensation
 from .filters import LowPass
-from .levers import CuffLevers
 from .model_based import SHARE
 
 NOISE = 1.0  # [N], standard deviation of a component of a cuff's force
@@ -51,7 +50,7 @@ class CorrectedCompensation(Compensation):
         friction: float = SHARE,
     ) -> None:
         super().__init__(arms, belief, lead=lead, friction=friction)
-        self._levers = CuffLevers(BelievedArm(arms, belief).model())
+        self._levers = CuffLevers(believed_arm(arms, belief).model())
         self._stiffness = np.concatenate([cuff.stiffness for cuff in CUFFS.values()])
         damping = np.concatenate([cuff.damping for cuff in CUFFS.values()])
         self._elastic = LowPass(self._stiffness / damping / math.tau, self.dt)

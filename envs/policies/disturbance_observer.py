@@ -4,8 +4,8 @@ from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
+from ..belief import Belief
 from .base import Arms, Seen
-from .belief import Belief
 from .carried import Carried, person
 from .compensation import Compensation
 from .filters import SecondOrderLowPass

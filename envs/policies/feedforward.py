@@ -2,9 +2,8 @@
 
 from typing import ClassVar
 
-from ..belief import LEAD
-from .base import Arms
-from .belief import Belief, BelievedArm
+from ..belief import LEAD, Belief
+from .base import Arms, believed_arm
 from .model_based import ModelBased
 
 
@@ -24,4 +23,4 @@ class HysteresisFeedforward(ModelBased):
     tunable: ClassVar = {"lead": (0.005, 0.06)}
 
     def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
-        super().__init__(arms, suit=BelievedArm(arms, belief).suit(), lead=lead)
+        super().__init__(arms, suit=believed_arm(arms, belief).suit(), lead=lead)

@@ -1,7 +1,7 @@
 """Gravity compensation: the motors carry the weight of arm, suit, exoskeleton and load."""
 
-from .base import Arms
-from .belief import Belief, BelievedArm
+from ..belief import Belief
+from .base import Arms, believed_arm
 from .model_based import ModelBased
 
 
@@ -18,4 +18,4 @@ class GravityCompensation(ModelBased):
     """
 
     def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
-        super().__init__(arms, weight=BelievedArm(arms, belief).whole_weight())
+        super().__init__(arms, weight=believed_arm(arms, belief).whole_weight())

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ..belief import Belief
 from .base import Arms, Policy, Seen, TorquePolicy
-from .belief import Belief
 from .compensation import Compensation
 
 RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load

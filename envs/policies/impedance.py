@@ -5,8 +5,8 @@ from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from ..belief import Belief
+from .base import Arms, Seen, believed_arm
 from .compensation import Compensation
 from .intention import intended
 
@@ -44,7 +44,7 @@ class Impedance(Compensation):
         super().__init__(arms, belief)
         within("bandwidth", bandwidth, 0, 3, " Hz")
         within("damping_ratio", damping_ratio, 0, 3)
-        inertia, pole = BelievedArm(arms, belief).inertia().nominal(), math.tau * bandwidth
+        inertia, pole = believed_arm(arms, belief).inertia().nominal(), math.tau * bandwidth
         self.stiffness, self.damping = inertia * pole**2, 2 * damping_ratio * inertia * pole
 
     def torque(self, seen: Seen) -> Array:

@@ -7,9 +7,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from ...arrays import Array
 from ...checks import within
-from ..belief import LEAD
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from ..belief import LEAD, Belief
+from .base import Arms, Seen, believed_arm
 from .compensation import Compensation
 from .model_based import SHARE
 
@@ -58,7 +57,7 @@ class IterativeLearning(Compensation):
         within("gain", gain, 0, 1)
         within("period", period, 0, LONGEST, " s")
         within("delay", delay, 0, 0.5, " s")
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         self._own = arm.whole_weight() - arm.carried_weight()
         self._gain, self._late = gain, round(delay / self.dt)
         self._cycle = round((period or arms.episodes.task.period or 0.0) / self.dt)

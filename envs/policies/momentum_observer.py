@@ -7,9 +7,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import within
-from ..belief import LEAD
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from ..belief import LEAD, Belief
+from .base import Arms, Seen, believed_arm
 from .carried import Carried, person
 from .model_based import SHARE, ModelBased
 
@@ -77,7 +76,7 @@ class ObserverAssist(ModelBased):
         bandwidth: float = BANDWIDTH,
         lead: float = LEAD,
     ) -> None:
-        weight = BelievedArm(arms, belief).whole_weight()
+        weight = believed_arm(arms, belief).whole_weight()
         super().__init__(arms, weight=weight, friction=SHARE, lead=lead)
         within("bandwidth", bandwidth, 0.1, 20, " rad/s")
         self._carried = Carried(arms, belief)

@@ -7,8 +7,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import within
+from ..belief import Belief
 from .base import Arms, Seen
-from .belief import Belief
 from .compensation import Compensation
 from .transparent import Transparent
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import at_least, within
+from ..belief import Belief
 from ..person import isometric_strength
 from ..person.control import STIFF
 from ..simulation.addresses import Addresses
-from .base import Arms, Seen
-from .belief import Belief, BelievedArm
+from .base import Arms, Seen, believed_arm
 from .compensation import Compensation
 from .filters import LowPass
 
@@ -70,7 +70,7 @@ class PredictiveSampling(Compensation):
         within("horizon", horizon, 0.02, 0.5, " s")
         within("spread", spread, 0, 0.5)
         at_least("seed", seed, 0)
-        arm = BelievedArm(arms, belief)
+        arm = believed_arm(arms, belief)
         self._model, self._samples, self._seed = arm.model(), samples, seed
         self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR  # plans measure nothing
         self._at = Addresses.of(self._model)

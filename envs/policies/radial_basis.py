@@ -7,8 +7,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...checks import within
-from .base import Arms, Seen, TorquePolicy
-from .belief import Belief, BelievedArm
+from ..belief import Belief
+from .base import Arms, Seen, TorquePolicy, believed_arm
 from .impedance import BANDWIDTH
 from .intention import intended
 
@@ -43,7 +43,7 @@ class RadialBasisTracker(TorquePolicy):
     ) -> None:
         super().__init__(arms)
         within("bandwidth", bandwidth, 0.1, 3, " Hz")
-        inertia, pole = BelievedArm(arms, belief).inertia().nominal(), math.tau * bandwidth
+        inertia, pole = believed_arm(arms, belief).inertia().nominal(), math.tau * bandwidth
         self._slope, self._gain = pole / 2, 2 * inertia * pole
         self._learning = self._gain * pole / 2
         grid = np.meshgrid(CENTERS, CENTERS, RATES, RATES)

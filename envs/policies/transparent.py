@@ -1,7 +1,6 @@
 """Transparency: the exoskeleton carries itself and no more."""
 
-from .base import Arms
-from .belief import BelievedArm
+from .base import Arms, believed_arm
 from .model_based import SHARE, ModelBased
 
 
@@ -16,4 +15,4 @@ class Transparent(ModelBased):
     """
 
     def __init__(self, arms: Arms) -> None:
-        super().__init__(arms, weight=BelievedArm(arms).exo_weight(), friction=SHARE)
+        super().__init__(arms, weight=believed_arm(arms).exo_weight(), friction=SHARE)

@@ -1,5 +1,7 @@
 """Motions from a file: joint angles that somebody has recorded."""
 
+import os
+from array import array
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -9,7 +11,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ...csv_rows import LARGEST, angle_in, next_time, rows_of
 from ...errors import InputError, shown
+from ...files import content_of
 from ..simulation.plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
@@ -17,7 +21,6 @@ MOTION = ".csv"  # how the names of files of motions end
 HEADER = ("time", *JOINTS)
 LARGEST_GAP = 3.0  # times the usual time between samples
 LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known
-LIKE_DEGREES = 2 * np.pi  # [rad], least angle that looks like degrees
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,46 +68,37 @@ class RecordedMotion(Task):
         return found[0], found[1] * inside[:, None], found[2] * inside[:, None]
 
 
-def _read(path: str) -> tuple[Array, Array]:
+def _read(given: Any) -> tuple[Array, Array]:
     """Returns time [s] and angles [rad] of a file, shape (samples,) and (samples, 4)."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")  # spreadsheets write such a mark
-    except (OSError, TypeError, ValueError) as error:
-        raise InputError(
-            f"cannot read the motion {shown(path)} ({error}): give a CSV file"
-        ) from error
-    lines = [line.split(",") for line in text.splitlines() if line.strip()]
-    names = [name.strip() for name in lines[0]] if lines else []
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"cannot read the motion {shown(given)}: give the path of a CSV file")
+    path, time, angles = Path(given), array("d"), array("d")
+    content = content_of(path, "motion", LARGEST, "thin it")
+    rows = rows_of(path, content, "motion", ",".join(HEADER))
+    names = [name.strip() for name in next(rows)[1]]
     if sorted(names) != sorted(HEADER):
-        raise InputError(
-            f"{path} has the columns {', '.join(names) or 'of nothing'}: use {', '.join(HEADER)}"
-        )
-    for number, line in enumerate(lines):
-        if len(line) != len(HEADER):
+        raise InputError(f"{path} has the columns {', '.join(names)}: use {', '.join(HEADER)}")
+    for line, row in rows:
+        if len(row) != len(HEADER):
             raise InputError(
-                f"{path} has {len(line)} cells in its row {number + 1}: give {len(HEADER)}"
+                f"{path}, line {line}: {len(row)} cells where the header has {len(HEADER)}"
             )
-    try:
-        values = np.array([[float(cell) for cell in line] for line in lines[1:]])
-    except ValueError as error:
-        raise InputError(f"{path} has a cell that is no number ({error}): repair it") from error
-    if values.ndim != 2 or len(values) < 3 or not np.isfinite(values).all():
-        raise InputError(f"{path} has {len(lines) - 1} samples: give at least 3 of finite numbers")
-    values = values[:, [names.index(name) for name in HEADER]]
-    time, angle = values[:, 0], values[:, 1:]
+        cells = dict(zip(names, (cell.strip() for cell in row), strict=True))
+        time.append(next_time(cells, HEADER[0], time, path, line))
+        angles.extend(angle_in(cells, joint, path, line) for joint in JOINTS)
+    if len(time) < 3:
+        raise InputError(f"{path} has {len(time)} samples: a motion needs at least 3")
+    return _checked(path, np.array(time), np.array(angles).reshape(-1, len(JOINTS)))
+
+
+def _checked(path: Path, time: Array, angle: Array) -> tuple[Array, Array]:
     steps = np.diff(time)
-    if not (steps > 0).all():
-        raise InputError(f"{path} has times that do not rise after {time[steps.argmin()]:g} s")
     usual = float(np.median(steps))
     if steps.max() > min(LARGEST_GAP * usual, LARGEST_STEP):
         at = int(steps.argmax())
         raise InputError(
             f"{path} has a gap from {time[at]:g} to {time[at + 1]:g} s, where samples are usually "
             f"{usual:g} s apart: fill it; samples may be {LARGEST_STEP:g} s apart at most"
-        )
-    if np.abs(angle).max() > LIKE_DEGREES:
-        raise InputError(
-            f"{path} has angles up to {np.abs(angle).max():g}, like degrees: give radians"
         )
     if not SHORTEST <= time[-1] - time[0] <= LONGEST:
         raise InputError(

@@ -14,7 +14,7 @@ from ..output import markdown_table
 from ..reports.parameters import parameter_table
 
 PAGE = Path(__file__).parent.parent.parent / "docs" / "provenance.md"
-PACKAGES = (person, model, rig, simulation, policies, envelope)
+PACKAGES = (belief, person, model, rig, simulation, policies, envelope)
 HEADER = ["quantity", "value", "unit", "source", "grade"]
 
 BEGINNING = """\
@@ -39,7 +39,7 @@ unit, source and grade. [The model](model.md) and the module say what the number
 
 def quantities() -> dict[str, tuple[Quantity, ...]]:
     """Returns the quantities by the name of the module, or of arm.xml, that holds them."""
-    found = {belief.__name__: belief.PROVENANCE}
+    found: dict[str, tuple[Quantity, ...]] = {}
     for package in PACKAGES:
         for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
             numbers = getattr(import_module(module.name), "PROVENANCE", ())

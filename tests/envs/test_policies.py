@@ -6,11 +6,11 @@ import pytest
 from activesuit.assets import JOINTS, Suit, load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.belief import BelievedWeight
+from activesuit.envs.belief.arm import without_exo
 from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED, bare_arm, compose
 from activesuit.envs.policies import POLICIES, make_policy, needed_options
-from activesuit.envs.policies.belief import without_exo
 from activesuit.errors import InputError
 from helpers import shorten_tasks
 

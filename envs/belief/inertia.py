@@ -7,9 +7,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ..belief import chains
 from ..model import ASSISTED
-from ..trigonometric import Trigonometric
+from .torque import chains
+from .trigonometric import Trigonometric
 
 ASSISTED_PLACES = [JOINTS.index(joint) for joint in ASSISTED]
 BENT = (0.0, 0.0, np.pi / 2, 0.0)  # rad, hanging upper arm and level forearm

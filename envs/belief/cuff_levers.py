@@ -6,7 +6,7 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS
 from ..model.cuffs import CUFF_SITES
-from ..trigonometric import Trigonometric
+from .trigonometric import Trigonometric
 
 
 class CuffLevers:

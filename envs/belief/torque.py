@@ -8,11 +8,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..assets import JOINTS, SuitJoint
-from ..hysteresis import Viscoelastic
-from .model import ASSISTED
-from .provenance import Quantity
+from ...arrays import Array
+from ...assets import JOINTS, SuitJoint
+from ...hysteresis import Viscoelastic
+from ..model import ASSISTED
+from ..provenance import Quantity
 from .trigonometric import Trigonometric
 
 _LEAD = Quantity(

@@ -5,10 +5,10 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ..errors import InputError, shown
-from .curves import RADIANS_AT_MOST, time_goes_wrong
+from .errors import InputError, shown
 
 LARGEST = 256 * 2**20  # bytes; a million samples take 30 million
+RADIANS_AT_MOST = 2 * math.pi  # no joint turns further; a larger "radian" is a degree
 
 
 def rows_of(path: Path, content: bytes, what: str, header: str) -> Iterator[tuple[int, list[str]]]:
@@ -74,9 +74,17 @@ def angle_in(cells: dict[str, str], column: str, path: Path, line: int) -> float
     angle = math.radians(value) if column == "angle_deg" else value
     if abs(angle) > RADIANS_AT_MOST:
         hint = "no joint does that"
-        if column == "angle_rad":
-            hint = "if these are degrees, name the column angle_deg"
+        if column != "angle_deg":
+            in_degrees = "name the column angle_deg" if column == "angle_rad" else "give radians"
+            hint = f"if these are degrees, {in_degrees}"
         raise InputError(
             f"{path}, line {line}: {column} is {value:g}, more than a full turn: {hint}"
         )
     return angle
+
+
+def time_goes_wrong(before: float, after: float) -> str:
+    """Returns a phrase for the wrong step of time between two samples [s]."""
+    if after == before:
+        return f"stands still at {after:.12g} s"
+    return f"runs back from {before:.12g} to {after:.12g} s"

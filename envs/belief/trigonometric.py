@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from ..arrays import Array
+from ...arrays import Array
 
 
 class Trigonometric:

@@ -9,13 +9,12 @@ import mujoco
 from ...assets import AnySuit, SuitJoint
 from ...checks import within
 from ...errors import InputError
-from ..belief import BelievedSuit, BelievedWeight, count_of
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
 from ..model.workplace import Edits
 from ..person import Person
-from .base import Arms
 from .inertia import BelievedInertia
+from .torque import BelievedSuit, BelievedWeight, count_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,19 +69,21 @@ class BelievedArm:
     """Models of a believed arm: the torque of its suit, its weight and its inertia.
 
     Args:
-        arms: Environment in which the policy acts, whose exoskeleton and tools are known.
-        belief: What differs from the options of the environment.
+        config: Configuration of the simulated arm, whose exoskeleton is known.
+        edits: What the task adds to the model.
+        dt: Control period [s].
+        belief: What differs from the configuration.
 
     Attributes:
         config: Configuration of the believed arm.
     """
 
-    def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
-        simulation = arms.episodes.simulation
-        self.config = (belief or Belief()).of(simulation.config)
+    def __init__(
+        self, config: ArmConfig, edits: Edits | None, dt: float, belief: Belief | None = None
+    ) -> None:
+        self.config = (belief or Belief()).of(config)
         self._given = belief is not None and belief.suit not in (None, NO_SUIT)
-        self._edits: Edits | None = arms.episodes.task.edits
-        self._dt = simulation.control_dt
+        self._edits, self._dt = edits, dt
 
     @property
     def joints(self) -> dict[str, SuitJoint]:

@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.policies.belief import BelievedArm
-from activesuit.envs.trigonometric import Trigonometric
+from activesuit.envs.belief.trigonometric import Trigonometric
+from activesuit.envs.policies.base import believed_arm
 
 POSES = np.random.default_rng(0).uniform(-1, 2, (6, 4))
 RATES = np.random.default_rng(1).normal(size=(6, 4))
@@ -13,7 +13,7 @@ RATES = np.random.default_rng(1).normal(size=(6, 4))
 
 @pytest.fixture(scope="module")
 def arm():
-    return BelievedArm(ArmEnv())
+    return believed_arm(ArmEnv())
 
 
 def test_it_is_the_mass_matrix_of_the_model(arm):
@@ -46,7 +46,7 @@ def test_what_is_carried_and_cuffs(arm):
     assert (0 < exo.nominal()).all()
     assert (exo.nominal() < carried.nominal()).all()
     assert (carried.nominal() < whole.nominal()).all()
-    cuffs = BelievedArm(ArmEnv(coupling="cuffs"))
+    cuffs = believed_arm(ArmEnv(coupling="cuffs"))
     np.testing.assert_allclose(cuffs.inertia()(POSES), whole(POSES), atol=1e-9)
 
 

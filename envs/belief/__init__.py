@@ -1,0 +1,15 @@
+"""What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
+
+from .arm import Belief, BelievedArm
+from .torque import LEAD, BelievedSuit, BelievedWeight, JointBelief, belief_of, count_of
+
+__all__ = [
+    "LEAD",
+    "Belief",
+    "BelievedArm",
+    "BelievedSuit",
+    "BelievedWeight",
+    "JointBelief",
+    "belief_of",
+    "count_of",
+]
