@@ -16,7 +16,6 @@ from ..checks import number
 from ..errors import InputError
 from .certificate import ALL_ANGLES, Certificate, PoleError
 from .config import ConfigKey
-from .reference import Example, Reference
 
 Numbers = Sequence[float] | Array
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
@@ -136,23 +135,6 @@ class HysteresisModel(ABC):
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them: a number, a text or a list for each key."""
         return {key.name: getattr(self, key.name) for key in self.config_keys}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns a slow, readable model, written from the equations and not from the kernels.
-
-        Args:
-            angles: Angles of the whole motion that it will follow [rad], shape (n,).
-            torque: Resistance at the first of them [N·m].
-
-        Raises:
-            NotImplementedError: The model has no reference.
-        """
-        raise NotImplementedError(f"model {self.name!r} has no reference model")
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        return ()
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from ...checks import number, numbers, scales
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
-from ..reference import Example, Reference
 from .held import Held
 from .wrapper import Wrapper
 
@@ -141,19 +140,6 @@ class Asymmetric(Wrapper):
     def units(self) -> dict[str, str]:
         """Units of the parameters, by name; a pure number has no entry."""
         return {"polynomial": "N·m/rad^i"}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import AsymmetricReference
-
-        return AsymmetricReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import ASYMMETRIC_EXAMPLES
-
-        return ASYMMETRIC_EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

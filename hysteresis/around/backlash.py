@@ -14,7 +14,6 @@ from ...checks import number, scales
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series, read_only
-from ..reference import Example, Reference
 from . import backlash_kernels as kernels
 from .asymmetric import Asymmetric
 from .held import Held
@@ -190,19 +189,6 @@ class Backlash(Wrapper):
     def units(self) -> dict[str, str]:
         """Units of the parameters, by name; a pure number has no entry."""
         return {"gap": "rad"}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import BacklashReference
-
-        return BacklashReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import BACKLASH_EXAMPLES
-
-        return BACKLASH_EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

@@ -12,7 +12,6 @@ from ...checks import number
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series
-from ..reference import Example, Reference
 from .wrapper import Wrapper
 
 
@@ -114,19 +113,6 @@ class Held(Wrapper):
     def units(self) -> dict[str, str]:
         """Units of the parameters, by name; a pure number has no entry."""
         return {"angle_range": "rad"}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import HeldReference
-
-        return HeldReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import HELD_EXAMPLES
-
-        return HELD_EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

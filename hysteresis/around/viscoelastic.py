@@ -13,7 +13,6 @@ from ...checks import number, scales
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series
-from ..reference import Example, Reference
 from . import viscoelastic_kernels as kernels
 from .wrapper import Wrapper
 
@@ -188,17 +187,6 @@ class Viscoelastic(Wrapper):
             "relaxation_stiffness": "N·m/rad",
             "relaxation_time": "s",
         }
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model of slow motions; see `HysteresisModel.reference`."""
-        return self.model.reference(angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and slow motions with which tests and benchmarks examine this class."""
-        from .reference import VISCOELASTIC_EXAMPLES
-
-        return VISCOELASTIC_EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

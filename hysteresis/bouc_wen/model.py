@@ -15,7 +15,6 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, read_only
-from ..reference import Example, Reference
 from . import kernels
 
 SHARPEST = kernels.LARGEST_POWER
@@ -265,19 +264,6 @@ class BoucWen(HysteresisModel):
             "gamma": shape,
             "rest_angle": "rad",
         }
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import BoucWenReference
-
-        return BoucWenReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import EXAMPLES
-
-        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the model's name and the constructor's arguments, ready for JSON."""

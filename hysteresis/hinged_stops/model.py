@@ -17,7 +17,6 @@ from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..prandtl_ishlinskii.model import PrandtlIshlinskii
 from ..protocol import HysteresisModel, Numbers, State, read_only
-from ..reference import Example, Reference
 from . import kernels
 
 
@@ -222,19 +221,6 @@ class HingedStops(HysteresisModel):
             "offset": "N·m",
             "rest_angle": "rad",
         }
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import HingedStopsReference
-
-        return HingedStopsReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import EXAMPLES
-
-        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

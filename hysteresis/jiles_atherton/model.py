@@ -14,7 +14,6 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, ROUNDING, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, State, read_only
-from ..reference import Example, Reference
 from . import kernels
 from ._forms import CLAMPS, FORMS
 from .margins import margin_everywhere, margin_in_range
@@ -196,19 +195,6 @@ class JilesAtherton(HysteresisModel):
         """Units of the parameters, by name; a pure number has no entry."""
         unit = self.angle_unit
         return {"Ms": "N·m", "a": unit, "alpha": f"{unit}/N·m", "k": unit}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import JilesAthertonReference
-
-        return JilesAthertonReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import EXAMPLES
-
-        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; most defaults are left out."""

@@ -17,7 +17,6 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, State, finite_series, read_only
-from ..reference import Example, Reference
 from . import kernels
 
 Operator = Literal["stop", "play"]
@@ -235,19 +234,6 @@ class PrandtlIshlinskii(HysteresisModel):
             "weights": stiffness,
             "rest_angle": "rad",
         }
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import PrandtlIshlinskiiReference
-
-        return PrandtlIshlinskiiReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import EXAMPLES
-
-        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

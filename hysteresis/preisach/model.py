@@ -15,7 +15,6 @@ from ...errors import InputError
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, read_only
-from ..reference import Example, Reference
 from . import kernels
 from ._tables import parameter_size, set_parameters
 
@@ -190,19 +189,6 @@ class Preisach(HysteresisModel):
     def units(self) -> dict[str, str]:
         """Units of the parameters, by name; a pure number has no entry."""
         return {"levels": "rad", "density": "N·m", "elastic": "N·m/rad"}
-
-    def reference(self, angles: Array, torque: float) -> Reference:
-        """Returns the readable model at angles[0] [rad]; see `HysteresisModel.reference`."""
-        from .reference import PreisachReference
-
-        return PreisachReference(self, angles, torque)
-
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        """Returns models and motions with which tests and benchmarks examine this class."""
-        from .reference import EXAMPLES
-
-        return EXAMPLES
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

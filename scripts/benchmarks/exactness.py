@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Array
 from ...hysteresis import MODELS, Asymmetric, Backlash, Viscoelastic
 from ...hysteresis.engine import attach
-from ...hysteresis.reference import Example, integrate, turn_indices
+from ...hysteresis.references import EXAMPLES, Example, integrate, reference_of, turn_indices
 from ..output import table, to_json
 
 TOLERANCE = 1e-6  # [N·m], kernel against reference and against SciPy
@@ -33,8 +33,8 @@ def examples() -> list[Example]:
 
     The engine knows the time and `response` without times does not, so their torques differ.
     """
-    slow = [model for model in MODELS.values() if model is not Viscoelastic]
-    return [example for model in slow for example in model.examples()]
+    slow = [name for name in MODELS if name != Viscoelastic.name]
+    return [example for name in slow for example in EXAMPLES[name]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +86,9 @@ def examine(case: Example) -> Comparison:
     """Runs one model in the engine and computes the same motion in the three other ways."""
     angle, engine = recorded(case)
     kernel = case.model.response(angle, case.start_torque)
-    reference = case.model.reference(angle, case.start_torque)
+    reference = reference_of(case.model, angle, case.start_torque)
     stepped = np.array([reference.move(a) for a in angle])
-    solved = integrate(case.model.reference(angle, case.start_torque), angle)
+    solved = integrate(reference_of(case.model, angle, case.start_torque), angle)
     return Comparison(
         name=case.name,
         low=float(angle.min()),

@@ -10,7 +10,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import HingedStops, PrandtlIshlinskii
 from activesuit.hysteresis.hinged_stops import kernels
-from activesuit.hysteresis.hinged_stops.reference import HingedStopsReference
+from activesuit.hysteresis.references.hinged_stops import HingedStopsReference
 from helpers import sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -10,7 +10,7 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis.prandtl_ishlinskii import kernels
 from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
-from activesuit.hysteresis.prandtl_ishlinskii.reference import PrandtlIshlinskiiReference
+from activesuit.hysteresis.references.prandtl_ishlinskii import PrandtlIshlinskiiReference
 from helpers import sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st

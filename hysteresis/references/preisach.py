@@ -6,12 +6,13 @@ from itertools import pairwise
 import numpy as np
 
 from ...arrays import Array
-from ..reference import Example, Reference, turn_indices
-from .model import Preisach
+from ..preisach.model import Preisach
+from .reference import Example, Reference, refers_to, turn_indices
 
 SEED = 1
 
 
+@refers_to(Preisach)
 class PreisachReference(Reference):
     """The half plane of relays cut into patches, and the share of each patch that is up.
 

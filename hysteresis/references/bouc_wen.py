@@ -3,12 +3,13 @@
 import math
 
 from ...arrays import Array
-from ..reference import Example, Reference, runge_kutta
-from .model import BoucWen
+from ..bouc_wen.model import BoucWen
+from .reference import Example, Reference, refers_to, runge_kutta
 
 ANGLE_STEP = 1e-3  # rad, longest Runge-Kutta step
 
 
+@refers_to(BoucWen)
 class BoucWenReference(Reference):
     """The differential equation of z as printed in `BoucWen`, by classical Runge-Kutta steps."""
 

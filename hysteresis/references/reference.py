@@ -10,15 +10,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-
-if TYPE_CHECKING:
-    from .protocol import HysteresisModel
+from ...arrays import Array
+from ..protocol import HysteresisModel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +32,7 @@ class Example:
     """
 
     name: str
-    model: "HysteresisModel"
+    model: HysteresisModel
     low: float
     high: float
     start_torque: float = 0.0
@@ -93,6 +91,42 @@ def turn_indices(angles: Array) -> NDArray[np.intp]:
     moved = np.flatnonzero(np.diff(angles, prepend=math.inf))
     turned = np.diff(np.sign(np.diff(angles[moved])))
     return np.append(moved[1:-1][turned != 0], angles.size - 1)
+
+
+Make = Callable[[Any, Array, float], Reference]
+M = TypeVar("M", bound=Make)
+
+_MAKERS: dict[type[HysteresisModel], Make] = {}
+
+
+def refers_to(kind: type[HysteresisModel]) -> Callable[[M], M]:
+    """Registers a reference, which is made from a model, all angles and the first torque.
+
+    Args:
+        kind: Class of the models.
+    """
+
+    def register(make: M) -> M:
+        _MAKERS[kind] = make
+        return make
+
+    return register
+
+
+def reference_of(model: HysteresisModel, angles: Array, torque: float) -> Reference:
+    """Returns a slow, readable model, written from the equations and not from the kernels.
+
+    Args:
+        model: The model.
+        angles: Angles of the whole motion that it will follow [rad], shape (n,).
+        torque: Resistance at the first of them [N·m].
+
+    Raises:
+        NotImplementedError: The model has no reference.
+    """
+    if type(model) not in _MAKERS:
+        raise NotImplementedError(f"model {model.name!r} has no reference model")
+    return _MAKERS[type(model)](model, angles, torque)
 
 
 def integrate(reference: Reference, angle: Array, tolerance: float = 1e-10) -> Array:

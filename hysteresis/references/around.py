@@ -6,21 +6,22 @@ import math
 import numpy as np
 
 from ...arrays import Array
+from ..around.asymmetric import Asymmetric
+from ..around.backlash import Backlash
+from ..around.held import Held
+from ..around.viscoelastic import Viscoelastic
 from ..jiles_atherton import TABLE_2
-from ..reference import Example, Reference
-from .asymmetric import Asymmetric
-from .backlash import Backlash
-from .held import Held
-from .viscoelastic import Viscoelastic
+from .reference import Example, Reference, reference_of, refers_to
 
 
+@refers_to(Asymmetric)
 class AsymmetricReference(Reference):
     """The reference of the inner model, plus the polynomial."""
 
     def __init__(self, model: Asymmetric, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
         self.coefficients = [float(p) for p in model.polynomial]
-        self.inner = model.model.reference(angles, torque - self.polynomial(self.angle))
+        self.inner = reference_of(model.model, angles, torque - self.polynomial(self.angle))
 
     def polynomial(self, angle: float) -> float:
         """Returns the elastic torque [N·m]."""
@@ -39,13 +40,14 @@ class AsymmetricReference(Reference):
         return self.inner.knots(end)
 
 
+@refers_to(Held)
 class HeldReference(Reference):
     """The reference of the inner model, moved to angles inside the range only."""
 
     def __init__(self, model: Held, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
         self.range = model.angle_range
-        self.inner = model.model.reference(np.clip(angles, *self.range), torque)
+        self.inner = reference_of(model.model, np.clip(angles, *self.range), torque)
 
     def _torque_after(self, angle: float) -> float:
         return self.inner.move(float(np.clip(angle, *self.range)))
@@ -60,6 +62,7 @@ class HeldReference(Reference):
         return [*self.range, *self.inner.knots(end)]
 
 
+@refers_to(Backlash)
 class BacklashReference(Reference):
     """The reference of the inner model at the angle of the suit's side, by the law of contact."""
 
@@ -71,7 +74,7 @@ class BacklashReference(Reference):
         reached = np.concatenate([[self.end], angles - self.half, angles + self.half])
         self.range = float(reached.min()), float(reached.max())
         self.ways: dict[float, tuple[float, float]] = {}  # the present branch's ends by direction
-        self.inner = model.model.reference(reached, torque)
+        self.inner = reference_of(model.model, reached, torque)
 
     def _ahead(self, end: float) -> float:
         return copy.deepcopy(self.inner).move(end)
@@ -125,6 +128,12 @@ class BacklashReference(Reference):
         rest = self._rest(self.range[int(delta > 0)]) if loaded else self.end
         opens = delta * rest - self.half if loaded else -math.inf
         return opens, delta * rest + self.half
+
+
+@refers_to(Viscoelastic)
+def slow(model: Viscoelastic, angles: Array, torque: float) -> Reference:
+    """Returns the reference of the inner model, which is that of slow motions."""
+    return reference_of(model.model, angles, torque)
 
 
 _ELBOW = TABLE_2["elbow-sa-pso"]

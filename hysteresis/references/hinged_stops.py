@@ -5,11 +5,12 @@ import copy
 import numpy as np
 
 from ...arrays import Array
-from ..prandtl_ishlinskii.reference import PrandtlIshlinskiiReference
-from ..reference import Example, Reference
-from .model import HingedStops
+from ..hinged_stops.model import HingedStops
+from .prandtl_ishlinskii import PrandtlIshlinskiiReference
+from .reference import Example, Reference, refers_to
 
 
+@refers_to(HingedStops)
 class HingedStopsReference(Reference):
     """The readable Prandtl-Ishlinskii model, and a sum of hinges over its torque P."""
 

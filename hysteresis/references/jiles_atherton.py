@@ -4,13 +4,14 @@ import math
 
 from ...arrays import Array
 from ...published import LI_RANGES
-from ..reference import Example, Reference, runge_kutta
-from .model import JilesAtherton
-from .table_2 import TABLE_2
+from ..jiles_atherton.model import JilesAtherton
+from ..jiles_atherton.table_2 import TABLE_2
+from .reference import Example, Reference, refers_to, runge_kutta
 
 FIELD_STEP = 0.05  # degrees, longest Runge-Kutta step
 
 
+@refers_to(JilesAtherton)
 class JilesAthertonReference(Reference):
     """Eq. (4) of Li et al. 2022 as printed, by classical Runge-Kutta steps in H."""
 

@@ -3,10 +3,11 @@
 import math
 
 from ...arrays import Array
-from ..reference import Example, Reference
-from .model import PrandtlIshlinskii
+from ..prandtl_ishlinskii.model import PrandtlIshlinskii
+from .reference import Example, Reference, refers_to
 
 
+@refers_to(PrandtlIshlinskii)
 class PrandtlIshlinskiiReference(Reference):
     """A list of stops, all zero at the start; a play is u = angle - rest_angle less its stop."""
 
