@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import Array
 from ..assets import JOINTS
 from ..checks import flag, within
-from ..errors import InputError, shown
+from ..errors import InputError, refuse_old_names, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
 from .info import Info
 from .levels import with_level
@@ -80,7 +80,7 @@ class Episodes:
             default.
         belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
             that of the configuration, such as {"suit": "elbow.json"}.
-        taught: Whether `reset` takes torques that wearers have learned.
+        learned_torque: Whether `reset` takes torques that wearers have learned.
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **arm: Fields of `ArmConfig`.
 
@@ -114,12 +114,15 @@ class Episodes:
         randomize: Randomization | Mapping[str, Any] | None = None,
         sensing: Sensing | Mapping[str, Any] | None = None,
         belief: Mapping[str, Any] | None = None,
-        taught: bool = False,
+        learned_torque: bool = False,
         effort_scale: float | None = None,
         **arm: Any,
     ) -> None:
-        self._of_rows = {"threads": threads, "max_periods": max_periods, "taught": taught}
-        self._of_rows["effort_scale"] = effort_scale
+        refuse_old_names(arm, {"taught": "learned_torque"})
+        self._of_rows = {
+            **{"threads": threads, "max_periods": max_periods, "effort_scale": effort_scale},
+            "learned_torque": learned_torque,
+        }
         self.options = {
             **{"sensors": sensors, "normalize": normalize, "history": history},
             **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
@@ -133,7 +136,7 @@ class Episodes:
         _check_period(control_dt, config.timestep)
         flag("fatigue", fatigue)
         flag("normalize", normalize)
-        flag("taught", taught)
+        flag("learned_torque", learned_torque)
         if effort_scale is not None:
             within("effort_scale", effort_scale, TINIEST, 1 / TINIEST, " of strength")
         usual = VoluntaryControl()
@@ -144,7 +147,7 @@ class Episodes:
             "randomize", {} if randomize is None else randomize, Randomization()
         )
         self._believed: dict[str, Any] | None = None
-        self._wardrobe = self.randomization.wardrobe(config)
+        self._suits = self.randomization.suits_for(config)
         self.task, self.n = task, n
         samples = round(task.duration / control_dt) + 1
         self._periods = min(samples - 1, max_periods or samples)
@@ -159,14 +162,14 @@ class Episodes:
             noisy=any(suite in sensors for suite in NOISY),
             variety=Variety(
                 wearers=self.randomization.wearers,
-                suits=self._wardrobe,
+                suits=self._suits,
                 misalignments=self.randomization.misalignment > 0,
                 loads=task.carries or self.randomization.payload is not None,
                 places=bool(self.randomization.gravity),
             ),
             edits=task.edits,
             carries=task.carries,
-            learned=taught,
+            learned=learned_torque,
             threads=threads,
         )
         self.observer = Observer(
@@ -194,7 +197,7 @@ class Episodes:
         seeds: Sequence[int | None] | None = None,
         *,
         stagger: bool = False,
-        taught: Array | None = None,
+        learned_torque: Array | None = None,
     ) -> None:
         """Begins new episodes in some rows.
 
@@ -203,7 +206,7 @@ class Episodes:
             seeds: Seed of each of them; None keeps the seed of the row.
             stagger: Whether the episodes end at random times, so that later ones do not all begin
                 together.
-            taught: Learned torque of the wearers, added to that of their bare arms [N·m], shape
+            learned_torque: Torque of the wearers, added to that of their bare arms [N·m], shape
                 (k, samples, 4).
         """
         episode = self._counters
@@ -221,8 +224,9 @@ class Episodes:
         for values in self._own.values():
             values[rows] = 0
         try:
-            learned = {} if taught is None else dict(zip(rows.tolist(), taught, strict=True))
-            self.simulation.begin(rows, lambda row: self._start(row, learned.get(row)))
+            torque = [None] * len(rows) if learned_torque is None else learned_torque
+            learned = dict(zip(rows.tolist(), torque, strict=True))
+            self.simulation.begin(rows, lambda row: self._start(row, learned[row]))
         except BaseException:
             episode.episode[rows] = -1  # no episode: `step` asks for a reset
             raise
@@ -373,13 +377,13 @@ class Episodes:
             self._watch.hand_places[row] = places
         return Start(
             plan=plan,
-            suit=terms.worn(self._wardrobe, streams),
+            suit=terms.suit_of(self._suits, streams),
             encoder_offset=terms.offsets(streams),
             payload=terms.carried(streams),
             gravity=terms.place(streams),
             wearer=wearer,
             misalignment=terms.shift(streams),
-            noise_scale=terms.loudness(streams),
+            noise_scale=terms.noise_scale(streams),
             learned_torque=learned_torque,
         )
 

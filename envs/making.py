@@ -17,7 +17,7 @@ from .vector_env import ArmVectorEnv
 OURS = "ActiveSuit/"  # prefix of the ids of shipped environments
 ROWS_ONLY = (
     *("threads", "info", "stagger", "autoreset_mode", "max_episode_steps"),
-    *("taught", "effort_scale"),
+    *("learned_torque", "effort_scale"),
     *("render_mode", "camera", "width", "height", "render_quality"),
 )
 

@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..assets import JOINTS, Suit, SuitJoint
 from ..checks import within
 from ..errors import InputError, shown, unknown_name
-from .model import GRAVITY, ArmConfig, Payload, worn_suit
+from .model import GRAVITY, ArmConfig, Payload, suit_of_config
 from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested
 from .person import Person
 from .simulation.plan import Plan
@@ -118,7 +118,7 @@ class Randomization:
         drawn = self.suit != "nominal" or bool(self.suits)
         return drawn or self.pressure > 0 or self.cycles is not None
 
-    def wardrobe(self, config: ArmConfig) -> tuple[Suit, ...]:
+    def suits_for(self, config: ArmConfig) -> tuple[Suit, ...]:
         """Returns the suits of which one is drawn in each episode, at their pressures.
 
         Args:
@@ -140,7 +140,9 @@ class Randomization:
             raise InputError(
                 "randomize has a suit, its pressure or cycles, and suit is 'none': name a suit"
             )
-        found = [worn_suit(replace(config, suit=suit)) for suit in self.suits or (config.suit,)]
+        found = [
+            suit_of_config(replace(config, suit=suit)) for suit in self.suits or (config.suit,)
+        ]
         suits = tuple(suit for suit in found if suit is not None)
         entries = [entry for suit in suits for entry in suit.joints.values()]
         if self.suit == "samples" and not any(entry.samples for entry in entries):
@@ -155,17 +157,17 @@ class Randomization:
             )
         return suits
 
-    def worn(self, wardrobe: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
+    def suit_of(self, suits: Sequence[Suit], streams: Streams) -> dict[str, SuitJoint] | None:
         """Returns the suit of an episode, by joint; None is that of the configuration.
 
         Args:
-            wardrobe: Suits of which one is drawn.
+            suits: Suits of which one is drawn.
             streams: Random generators of the episode.
         """
-        if not wardrobe:
+        if not suits:
             return None
-        number = int(streams("suits").integers(len(wardrobe))) if self.suits else 0
-        found: dict[str, SuitJoint] = dict(wardrobe[number].joints)
+        number = int(streams("suits").integers(len(suits))) if self.suits else 0
+        found: dict[str, SuitJoint] = dict(suits[number].joints)
         if self.suit == "samples":
             rng = streams("suit")
             for joint in JOINTS:  # draws without a choice too, so that joints are independent
@@ -217,7 +219,7 @@ class Randomization:
             return np.zeros(3)
         return self.misalignment * streams("misalignment").uniform(-1, 1, 3)
 
-    def loudness(self, streams: Streams) -> float:
+    def noise_scale(self, streams: Streams) -> float:
         """Returns the factor of the noise of sensors in an episode."""
         if self.sensor_noise is None:
             return 1.0

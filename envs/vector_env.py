@@ -11,7 +11,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ..checks import at_least, flag, within
-from ..errors import InputError, shown, unknown_name
+from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
 from .reward import COSTS, TERMS, cost_terms, is_success
@@ -21,7 +21,7 @@ from .tasks import ARM_TRACKING, Task, task_of
 InfoKind = Literal["none", "metrics", "full"]
 METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
 MOST_THREADS = 1024
-MASK, TAUGHT = "reset_mask", "taught"  # options of a reset
+MASK, LEARNED = "reset_mask", "learned_torque"  # options of a reset
 Bools = NDArray[np.bool_]
 
 
@@ -139,9 +139,9 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         Args:
             seed: Seed of row 0, where row i has seed + i; or one seed for every row.
             options: None, or a dict: "reset_mask", an array of num_envs booleans that is true for
-                the rows to reset; `taught`, learned torques of the wearers, added to those of their
+                the rows to reset; `learned_torque`, torques of the wearers, added to those of their
                 bare arms [N·m], shape (rows to reset, samples, 4), where the environment was made
-                with taught=True.
+                with learned_torque=True.
 
         Raises:
             InputError: The seeds or the mask are of another number of rows, or an option is
@@ -153,7 +153,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             rows,
             None if seeds is None else [seeds[row] for row in rows],
             stagger=self.staggered and rows is self._rows,
-            taught=None if options is None else self._checked_torque(options, len(rows)),
+            learned_torque=None if options is None else self._checked_torque(options, len(rows)),
         )
         self._over[rows] = False
         if rows is self._rows:
@@ -283,10 +283,10 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             raise InputError(
                 f"reset got the options {shown(options)}: give a dict with {MASK!r}, or None"
             )
-        unknown = [name for name in options if name not in (MASK, TAUGHT)]
+        unknown = [name for name in options if name not in (MASK, LEARNED)]
         if unknown:
             raise InputError(
-                f"reset got the options {shown(unknown)}: it knows {MASK!r} and {TAUGHT!r} only; "
+                f"reset got the options {shown(unknown)}: it knows {MASK!r} and {LEARNED!r} only; "
                 "leave them out"
             )
         mask = options.get(MASK)
@@ -303,19 +303,20 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         return self._rows[mask]
 
     def _checked_torque(self, options: dict[str, Any], rows: int) -> NDArray[np.float64] | None:
-        taught = options.get(TAUGHT)
-        if taught is None:
+        refuse_old_names(options, {"taught": LEARNED})
+        given = options.get(LEARNED)
+        if given is None:
             return None
         shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
         if not shape[1]:
-            raise InputError(f"{TAUGHT} is given: make the environment with taught=True")
+            raise InputError(f"{LEARNED} is given: make the environment with learned_torque=True")
         try:
-            array = np.asarray(taught, dtype=float)
+            array = np.asarray(given, dtype=float)
         except (TypeError, ValueError):
             array = np.empty(0)
         if array.shape != shape or not np.isfinite(array).all():
             raise InputError(
-                f"{TAUGHT} has shape {array.shape}: give finite numbers of shape {shape}"
+                f"{LEARNED} has shape {array.shape}: give finite numbers of shape {shape}"
             )
         return array
 

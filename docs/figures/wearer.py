@@ -75,7 +75,12 @@ def learning(axis):
     arms = {
         suit: ArmVectorEnv(
             *(MOTIONS, SWING),
-            **{"suit": suit, "coupling": "none", "control": {"adaptation": 0}, "taught": True},
+            **{
+                "suit": suit,
+                "coupling": "none",
+                "control": {"adaptation": 0},
+                "learned_torque": True,
+            },
         )
         for suit in ("mock-suit", "none")
     }
@@ -83,7 +88,7 @@ def learning(axis):
     learned, errors = np.zeros((MOTIONS, samples, len(JOINTS))), []
     for suit in ["mock-suit"] * REPEATS + ["none"] * REPEATS:
         traces = rollout(
-            arms[suit], make_policy("none", arms[suit]), range(MOTIONS), taught=learned
+            arms[suit], make_policy("none", arms[suit]), range(MOTIONS), learned_torque=learned
         )
         error = [trace.angle - trace.target_angle for trace in traces]
         errors.append(np.sqrt(np.mean(np.square(error)[..., ELBOW])))

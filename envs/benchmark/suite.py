@@ -26,7 +26,7 @@ from ..policies.build import believes, is_saved
 from ..simulation.sensing import Sensing
 from ..tasks import TASKS, Task
 
-VERSION = 1
+VERSION = 2  # 1 had wearers who adapted in one guided rollout
 BELIEVED = ("mock-suit", "emu-like")
 LONGEST = {"OverheadHold": 30.0}  # s; the whole task takes 120 s, a third of the suite
 BASELINE = "compensation"
@@ -53,7 +53,7 @@ class Setting(NamedTuple):
         return {**changes, "level": self.level, "task": task_of_suite(self.task)}
 
     @property
-    def worn(self) -> str:
+    def true_suit(self) -> str:
         """Name of the wearer's suit; at "shift" it is that of the level."""
         return str(LEVELS[self.level].get("suit", self.believed))
 
@@ -193,7 +193,7 @@ class Suite:
 
 def where(setting: Setting) -> Setting:
     """Returns the setting under which results are kept that do not depend on a belief."""
-    return setting._replace(believed=setting.worn) if setting.level == "shift" else setting
+    return setting._replace(believed=setting.true_suit) if setting.level == "shift" else setting
 
 
 def task_of_suite(name: str) -> Task:

@@ -40,9 +40,9 @@ def clairvoyant(
     dt, samples = simulation.control_dt, simulation.samples
     gain = 1 - np.exp(-math.tau * np.array([motor.bandwidth for motor in motors]) * dt)
     plan = Planned(np.zeros((len(seeds), samples - 1, len(ASSISTED))))
-    untaught = np.zeros((len(seeds), samples, len(JOINTS)))
+    no_torque = np.zeros((len(seeds), samples, len(JOINTS)))
     for _ in range(passes):
-        traces = wearers.guided(plan, seeds, untaught)
+        traces = wearers.guided(plan, seeds, no_torque)
         if suit_only:
             wanted = -smoothed([trace.suit_torque for trace in traces], samples)[..., assisted]
         else:

@@ -142,7 +142,7 @@ def evaluate(
     if on_policy is not None and not callable(on_policy):
         raise InputError(f"on_policy is {shown(on_policy)}: give a function of name and motions")
     refuse_old_names(env_options, {"settled": "adapted"})
-    for name in ("taught", "effort_scale"):
+    for name in ("learned_torque", "effort_scale"):
         if name in env_options:
             raise InputError(f"{name} is what evaluate sets itself: leave it out")
     if env_options.get("coupling") == "none":

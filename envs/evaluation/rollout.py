@@ -72,7 +72,7 @@ def rollout(
     policy: Policy,
     seeds: Sequence[int],
     *,
-    taught: Array | None = None,
+    learned_torque: Array | None = None,
     on_step: Callable[[int], None] = lambda _: None,
 ) -> list[Trace]:
     """Runs one whole episode in every row, all under one policy.
@@ -81,8 +81,8 @@ def rollout(
         arms: Vector environment with as many rows as seeds.
         policy: Policy that acts on the observations of all rows.
         seeds: Seed of each row; the row's episode is the first of that seed.
-        taught: Learned torque of the wearers beside that of their bare arms [N·m], shape (rows,
-            samples, 4), for arms that were made with taught=True.
+        learned_torque: Torque of the wearers beside that of their bare arms [N·m], shape (rows,
+            samples, 4), for arms that were made with learned_torque=True.
         on_step: Function that is called before every control period with its number, from 0.
 
     Returns:
@@ -96,7 +96,7 @@ def rollout(
             f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
             "whole episodes need 'NextStep' without stagger, so leave both out"
         )
-    options = None if taught is None else {"taught": taught}
+    options = None if learned_torque is None else {"learned_torque": learned_torque}
     observation, _ = arms.reset(seed=list(seeds), options=options)
     policy.reset()
     measured, rewards = [], []

@@ -49,8 +49,8 @@ class Wearers:
             raise InputError(f"control is {control!r}: give a dict of its fields")
         usual = {**(control or {}), "adaptation": 0.0}
         calm = {**usual, "stiff": True, "noise": 0.0, "tremor": 0.0}
-        self.arms = make_arms(env_id, rows, **options, control=usual, taught=True)
-        self._guided = make_arms(env_id, rows, **options, control=calm, taught=True)
+        self.arms = make_arms(env_id, rows, **options, control=usual, learned_torque=True)
+        self._guided = make_arms(env_id, rows, **options, control=calm, learned_torque=True)
 
     def naive(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
         """Returns the motions of wearers who foresee nothing but their own arm."""
@@ -62,7 +62,8 @@ class Wearers:
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
-        return rollout(self.arms, policy, seeds, taught=self.learned_torque(policy, seeds))
+        torque = self.learned_torque(policy, seeds)
+        return rollout(self.arms, policy, seeds, learned_torque=torque)
 
     def learned_torque(
         self, policy: Policy, seeds: Sequence[int], *, rollouts: int = ROLLOUTS
@@ -75,10 +76,10 @@ class Wearers:
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
-        taught = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
+        torque = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
-            taught = self.learned(self.guided(policy, seeds, taught))
-        return taught
+            torque = self.learned(self.guided(policy, seeds, torque))
+        return torque
 
     def learned(self, traces: Sequence[Trace]) -> Array:
         """Returns what wearers learn of guided motions, as `learned_torque` does [N·m]."""
@@ -86,13 +87,13 @@ class Wearers:
         torque = smoothed([trace.human_torque for trace in traces], own.shape[1])
         return SHARE * (torque - own)
 
-    def guided(self, policy: Policy, seeds: Sequence[int], taught: Array) -> list[Trace]:
+    def guided(self, policy: Policy, seeds: Sequence[int], torque: Array) -> list[Trace]:
         """Returns the motions of arms that stiff hands lead along the intention.
 
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
-        traces = rollout(self._guided, policy, seeds, taught=taught)
+        traces = rollout(self._guided, policy, seeds, learned_torque=torque)
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise ArmLost(

@@ -1,6 +1,6 @@
 """The simulated arm as a MuJoCo model: a person, a suit, and an exoskeleton that fits both."""
 
-from .compose import arm_spec, bare_arm, compose, resisting_joints, worn_suit
+from .compose import arm_spec, bare_arm, compose, resisting_joints, suit_of_config
 from .config import GRAVITY, ArmConfig, Payload
 from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_clip, thermal_step
 from .mirroring import mirror
@@ -19,7 +19,7 @@ __all__ = [
     "quantize",
     "resisting_joints",
     "start_encoders",
+    "suit_of_config",
     "thermal_clip",
     "thermal_step",
-    "worn_suit",
 ]

@@ -25,7 +25,7 @@ def compose(
     config: ArmConfig,
     *,
     drawn: bool = True,
-    also_worn: Sequence[Suit] = (),
+    other_suits: Sequence[Suit] = (),
     edits: Edits | None = None,
 ) -> mujoco.MjModel:
     """Builds the arm, suit and exoskeleton of `config`; every call returns a new model.
@@ -34,7 +34,7 @@ def compose(
         config: Configuration of the model.
         drawn: Whether the model has what is only drawn: 244 of its 255 geoms, lights and cameras.
             Without them the motion is the same to the last digit and takes a third less time.
-        also_worn: Suits that `replace_model` can activate instead, also with models of another
+        other_suits: Suits that `replace_model` can activate instead, also with models of another
             kind or size.
         edits: Additions of a task to the model.
 
@@ -43,8 +43,8 @@ def compose(
             joint has no steady cycle to begin with.
         UncertifiedModelError: The suit is not certified and `allow_uncertified` is not set.
     """
-    suit = worn_suit(config)
-    others = tuple(other.model_dump_json() for other in also_worn)
+    suit = suit_of_config(config)
+    others = tuple(other.model_dump_json() for other in other_suits)
     own = None if suit is None else suit.model_dump_json()
     model = copy.copy(_compiled(config, own, drawn, others, edits))
     give_back_after(model)
@@ -57,7 +57,7 @@ def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
     Raises:
         InputError, UncertifiedModelError: See `compose`.
     """
-    return _built(config, worn_suit(config))
+    return _built(config, suit_of_config(config))
 
 
 def bare_arm(config: ArmConfig) -> mujoco.MjModel:
@@ -73,7 +73,7 @@ def bare_arm(config: ArmConfig) -> mujoco.MjModel:
     return copy.copy(_bare(alone))
 
 
-def worn_suit(config: ArmConfig) -> Suit | None:
+def suit_of_config(config: ArmConfig) -> Suit | None:
     """Returns the suit at its operating pressure, with its initial memory; None without a suit.
 
     A suit whose torque changes over its cycles is in the first of them, or after many if it is
@@ -103,7 +103,7 @@ def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
     Raises:
         InputError: See `compose`.
     """
-    suit = worn_suit(config)
+    suit = suit_of_config(config)
     return {} if suit is None else dict(suit.joints)
 
 
@@ -136,8 +136,8 @@ def _compiled(
     # The key has the content of the suit file, since the file at a path may change.
     parsed = None if suit is None else Suit.model_validate_json(suit)
     spec = _built(config, parsed, edits, drawn=drawn)
-    also_worn = [Suit.model_validate_json(other) for other in others]
-    attach_others(spec, parsed, also_worn, allow_uncertified=config.allow_uncertified)
+    other_suits = [Suit.model_validate_json(other) for other in others]
+    attach_others(spec, parsed, other_suits, allow_uncertified=config.allow_uncertified)
     if not drawn:
         make_lean(spec)
     return spec.compile()

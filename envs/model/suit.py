@@ -30,7 +30,7 @@ def attach_suit(spec: mujoco.MjSpec, suit: Suit, *, allow_uncertified: bool = Fa
 
 def attach_others(
     spec: mujoco.MjSpec,
-    worn: Suit | None,
+    suit: Suit | None,
     others: Sequence[Suit],
     *,
     allow_uncertified: bool = False,
@@ -41,7 +41,7 @@ def attach_others(
         UncertifiedModelError: A suit is not certified and `allow_uncertified` is not set.
     """
     for joint in JOINTS:
-        there = [worn.joints[joint].model] if worn is not None and joint in worn.joints else []
+        there = [suit.joints[joint].model] if suit is not None and joint in suit.joints else []
         for entry in (suit.joints[joint] for suit in others if joint in suit.joints):
             for model in (entry.model, *entry.samples):
                 if not any(same_layout(model, known) for known in there):

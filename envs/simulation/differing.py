@@ -64,7 +64,7 @@ class Differing:
         self.persons = variety.wearers or (config.wearer,)
         arms = [replace(composed, wearer=person) for person in self.persons]
         self._models = [
-            compose(arm, drawn=False, also_worn=variety.suits, edits=edits) for arm in arms
+            compose(arm, drawn=False, other_suits=variety.suits, edits=edits) for arm in arms
         ]
         self.model = self._models[0]
         bare = [bare_arm(arm) for arm in arms]

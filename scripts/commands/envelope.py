@@ -8,7 +8,7 @@ from ...assets import JOINTS
 from ...envs.envelope import BRANCHES, CONDITIONS, HELD, Envelope, work_envelope
 from ...envs.envelope.envelope import SPACING
 from ...envs.envelope.holding import Branch, Condition
-from ...envs.model import ArmConfig, worn_suit
+from ...envs.model import ArmConfig, suit_of_config
 from ...envs.rendering import RenderingUnavailableError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, Json, Suit
@@ -42,7 +42,7 @@ def envelope(
     """
     options = arm.config(suit, gravity)
     config = ArmConfig.from_dict(options)
-    worn_suit(config)  # its mistakes are reported before anything is computed
+    suit_of_config(config)  # its mistakes are reported before anything is computed
     cases: list[tuple[Condition, Branch]] = [
         (condition, branch)
         for condition in CONDITIONS

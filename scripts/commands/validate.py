@@ -165,7 +165,7 @@ def _conclude(
     result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
     del result["suit"]
     result["cells"] = [
-        {"believed": suit, "worn": true, **one.to_dict()} for (suit, true), one in cells.items()
+        {"believed": suit, "plant": true, **one.to_dict()} for (suit, true), one in cells.items()
     ]
     result["evaluations"] = {true: found.to_dict() for true, found in evaluations.items()}
     place = f"{chosen.env}, {chosen.options['gravity']}, {policy}"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS, Softening, Suit, SuitJoint, load_suit
 from activesuit.envs import ArmEnv
-from activesuit.envs.model import ArmConfig, worn_suit
+from activesuit.envs.model import ArmConfig, suit_of_config
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Held, JilesAtherton, PrandtlIshlinskii
@@ -388,7 +388,7 @@ def test_a_suit_begins_with_its_first_cycle_or_after_many():
     )
     suit = Suit(name="s", description="of a test", joints={"elbow_flexion": wearing_in})
     fresh, many = (
-        worn_suit(ArmConfig(suit=suit, preconditioned=moved)).joints["elbow_flexion"]
+        suit_of_config(ArmConfig(suit=suit, preconditioned=moved)).joints["elbow_flexion"]
         for moved in (False, True)
     )
     torque = ENTRY.model.certificate().torque_bound

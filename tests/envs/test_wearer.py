@@ -142,7 +142,7 @@ def learned():
         answer = smoothed([trace.human_torque], own.shape[1]) - own - learned_torque
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
         learned_torque = (1 - FORGETTING) * learned_torque + RATE * late
-        traces = rollout(wearers.arms, policy, [0], taught=learned_torque)
+        traces = rollout(wearers.arms, policy, [0], learned_torque=learned_torque)
     lesson = wearers.learned_torque(policy, [0])
     wearers.close()
     return SimpleNamespace(errors=errors, torque=learned_torque, lesson=lesson)
@@ -167,7 +167,9 @@ def adapted():
         policy = make_policy(name, wearers.arms)
         for rollouts in (2, 3):
             learned_torque = wearers.learned_torque(policy, [0], rollouts=rollouts)
-            (found[name, rollouts],) = rollout(wearers.arms, policy, [0], taught=learned_torque)
+            (found[name, rollouts],) = rollout(
+                wearers.arms, policy, [0], learned_torque=learned_torque
+            )
         wearers.close()
     return found
 
@@ -218,17 +220,30 @@ def test_the_first_half_second_decides_no_score():
 @pytest.mark.parametrize(
     ("made", "learned_torque", "message"),
     [
-        (False, np.zeros((2, 401, 4)), "taught is given: make the environment with taught=True"),
-        (True, np.zeros((2, 400, 4)), r"taught has shape \(2, 400, 4\): .* \(2, 401, 4\)"),
-        (True, np.full((2, 401, 4), np.nan), "taught has shape .*: give finite numbers of shape"),
+        (
+            False,
+            np.zeros((2, 401, 4)),
+            "learned_torque is given: make the environment with learned_torque=True",
+        ),
+        (True, np.zeros((2, 400, 4)), r"learned_torque has shape \(2, 400, 4\): .* \(2, 401, 4\)"),
+        (
+            True,
+            np.full((2, 401, 4), np.nan),
+            "learned_torque has shape .*: give finite numbers of shape",
+        ),
     ],
 )
 def test_learned_torques_are_checked(made, learned_torque, message):
-    arms = ArmVectorEnv(2, AGAIN, threads=1, taught=made)
+    arms = ArmVectorEnv(2, AGAIN, threads=1, learned_torque=made)
     with pytest.raises(InputError, match=message):
-        arms.reset(seed=0, options={"taught": learned_torque})
+        arms.reset(seed=0, options={"learned_torque": learned_torque})
 
 
 def test_single_arms_take_no_learned_torque():
     with pytest.raises(InputError, match=r"reset got the options .*: it knows none"):
-        ArmEnv(AGAIN).reset(seed=0, options={"taught": np.zeros((1, 401, 4))})
+        ArmEnv(AGAIN).reset(seed=0, options={"learned_torque": np.zeros((1, 401, 4))})
+
+
+def test_the_old_name_of_the_learned_torque_is_answered():
+    with pytest.raises(InputError, match=r"'taught' was a name of version 0\.2: write 'learned_torq"):
+        ArmVectorEnv(1, taught=True)

@@ -195,7 +195,7 @@ def test_validate_scores_one_suit_on_another(capsys, tmp_path):
     arguments = ["validate", "published-2022", "--plant", "mock-suit", "--out", tmp_path]
     result = json.loads(run(capsys, *arguments, *FEW))
     (cell,) = result["cells"]
-    assert (cell["believed"], cell["worn"]) == ("published-2022", "mock-suit")
+    assert (cell["believed"], cell["plant"]) == ("published-2022", "mock-suit")
     assert cell["torque"]["joints"]["elbow_flexion"]["nrmse"]["high"] < 0.05
     assert json.loads((tmp_path / "result.json").read_text()) == result
     out = run(capsys, *arguments, "--episodes", "8")
@@ -211,7 +211,7 @@ def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
     assert "wears" in out
     assert "The motions covered shoulder_flexion" in out
     cells = json.loads((tmp_path / "result.json").read_text())["cells"]
-    verdicts = {(cell["believed"], cell["worn"]): cell["verdict"] for cell in cells}
+    verdicts = {(cell["believed"], cell["plant"]): cell["verdict"] for cell in cells}
     assert len(verdicts) == 4
     assert all((verdicts[one, two] == "valid") == (one == two) for one, two in verdicts)
     assert (tmp_path / "matrix.png").stat().st_size > 10_000

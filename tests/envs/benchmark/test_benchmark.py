@@ -68,8 +68,8 @@ def test_results_on_cuffs_are_not_merged_with_others():
 def test_beliefs_at_shift_are_of_another_suit():
     options = Setting("Ratchet", "shift", "mock-suit").options
     assert "suit" not in options  # the level says which one is worn
-    assert Setting("Ratchet", "shift", "mock-suit").worn == "emu-like"
-    assert Setting("Ratchet", "nominal", "mock-suit").worn == "mock-suit"
+    assert Setting("Ratchet", "shift", "mock-suit").true_suit == "emu-like"
+    assert Setting("Ratchet", "nominal", "mock-suit").true_suit == "mock-suit"
 
 
 def test_a_trial_is_what_evaluate_says(small, results):

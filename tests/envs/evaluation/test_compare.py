@@ -304,7 +304,12 @@ def test_named_policies_see_units_whatever_others_see(short):
             "policy 'clairvoyant' needs motors, and coupling is 'none'",
         ),
         ([NoAssist, NoAssist], {}, "two policies are named 'NoAssist': name each one once"),
-        (["none"], {"taught": True}, "taught is what evaluate sets itself: leave it out"),
+        (
+            ["none"],
+            {"learned_torque": True},
+            "learned_torque is what evaluate sets itself: leave it out",
+        ),
+        (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
         (["none"], {"adapted": "no"}, "adapted is 'no': use True or False"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
