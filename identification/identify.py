@@ -240,24 +240,17 @@ def identify(
     measured = thinned(_measured(family))
     refuse_driven(measured)
     name = model or DEFAULT_MODEL
-    start: dict[str, Any] = {}
     if method == "auto" and len(measured) == 1:
         initial_torque = "identified"  # a record may begin anywhere, unlike first-order curves
-    if initial_torque is not None and name == DEFAULT_MODEL:
-        start["initial_torque"] = initial_torque
+    starts = initial_torque is not None and name == DEFAULT_MODEL
+    start = {"initial_torque": initial_torque} if starts else {}
     beside: dict[str, Any] = {} if rate == "none" else {"rate": rate}
     beside |= {} if play == "none" else {"play": play}
 
     def fitted(curves: Curves) -> Fitted:
         return fit_model(name, curves, np.random.default_rng(seed), **start, **beside)
 
-    offset = found_tare(measured, tare, lambda curves: fitted(curves).loss)
-    family, measured = tared(family, offset), tared(measured, offset)
-    change, count = None, Count(family)
-    if softening == "fitted":
-        change = found_softening(measured, count, fitted)
-    if change is not None:
-        family, measured = settled(family, change, count), settled(measured, change, count)
+    family, measured, offset, change = _corrected(family, measured, tare, softening, fitted)
     if method == "auto" or name != DEFAULT_MODEL or beside:
         _refuse_weights(measured)
 
@@ -288,6 +281,23 @@ def identify(
         searched=method in OPTIMIZERS and objective != "robust" and normalize != "curve",
     )
     return _completed(found, offset, change, rate, play, softening)
+
+
+def _corrected(
+    family: Curves,
+    measured: Curves,
+    tare: Tare,
+    softening: Softens,
+    fitted: Callable[[Curves], Fitted],
+) -> tuple[Curves, Curves, float, Softening | None]:
+    """Returns all curves and those to fit without tare and softening, and both corrections."""
+    offset = found_tare(measured, tare, lambda curves: fitted(curves).loss)
+    family, measured = tared(family, offset), tared(measured, offset)
+    count = Count(family)
+    change = found_softening(measured, count, fitted) if softening == "fitted" else None
+    if change is not None:
+        family, measured = settled(family, change, count), settled(measured, change, count)
+    return family, measured, offset, change
 
 
 def _completed(

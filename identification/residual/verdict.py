@@ -1,7 +1,8 @@
 """Verdict on whether a fitted model describes the curves, derived from printed numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -117,57 +118,123 @@ def judge(
     known, smooth = repeated_noise(family), smooth_columns(family)
     misfit = explained(residual, slopes, smooth, sizes, known)
     own = nrmse(residual, family)
-    surely = misfit.probability < UNLIKELY and own > MATTERS
-    found = causes(model, initial_torque, family, residual, slopes, known) if own > MATTERS else []
-    times = misfit.times_noise
-    unfinished = _unfinished(residual, slopes) if searched else 1.0
-    matters = own > MATTERS and times >= TIMES_NOISE and (surely or unfinished >= UNFINISHED)
+    matters = own > MATTERS
     torque = np.concatenate([curve.torque for curve in family])
-    constant = float(np.std(torque)) / family.peak
-    nothing = own >= HARDLY_BETTER * constant
-    explains = max((_saved(residual, slopes, one.column) for one in found), default=1.0)
-    wrong = matters or nothing or explains >= TIMES_NOISE
-    verdict = NOT if wrong else NOT_BEYOND if beyond else DESCRIBES
-    baselines = baseline_errors(family)
-    remarks = list(_misfit_remarks(misfit, known, family) if surely else ())
-    if nothing:
-        remarks.append(
+    found = _Findings(
+        family=family,
+        residual=residual,
+        slopes=slopes,
+        smooth=smooth,
+        sizes=sizes,
+        known=known,
+        misfit=misfit,
+        own=own,
+        constant=float(np.std(torque)) / family.peak,
+        surely=misfit.probability < UNLIKELY and matters,
+        unfinished=_unfinished(residual, slopes) if searched else 1.0,
+        causes=causes(model, initial_torque, family, residual, slopes, known) if matters else [],
+        baselines=baseline_errors(family),
+    )
+    verdict = NOT if found.wrong else NOT_BEYOND if beyond else DESCRIBES
+    return Judgement(
+        verdict=verdict,
+        times_noise=misfit.times_noise,
+        misfit=misfit,
+        noise=misfit.noise,
+        causes=tuple(found.causes),
+        baselines=found.baselines,
+        remarks=tuple(_remarks(found)),
+    )
+
+
+class _Findings(NamedTuple):
+    """What a residual says, from which verdict and remarks follow.
+
+    Attributes:
+        family: The curves that are judged.
+        residual: Measured less fitted torque [N·m].
+        slopes: Directions in which the parameters change the torque.
+        smooth: Smooth functions that a misfit may have.
+        sizes: Number of samples of each curve.
+        known: Noise from repeated measurements; None without any.
+        misfit: The part of the residual that is not noise.
+        own: NRMSE of the fit.
+        constant: NRMSE of a constant torque.
+        surely: Whether the misfit is hardly due to chance, and large enough to matter.
+        unfinished: Error over the least one nearby.
+        causes: Named faults that would explain the residual, the best first.
+        baselines: NRMSE of models without memory, by name.
+    """
+
+    family: Curves
+    residual: Array
+    slopes: Array
+    smooth: Array
+    sizes: list[int]
+    known: Noise | None
+    misfit: Explained
+    own: float
+    constant: float
+    surely: bool
+    unfinished: float
+    causes: list[Cause]
+    baselines: dict[str, float]
+
+    @property
+    def nothing(self) -> bool:
+        """Whether the model explains next to nothing."""
+        return self.own >= HARDLY_BETTER * self.constant
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the model does not describe the curves."""
+        sure = self.surely or self.unfinished >= UNFINISHED
+        matters = self.own > MATTERS and self.misfit.times_noise >= TIMES_NOISE and sure
+        saved = (_saved(self.residual, self.slopes, one.column) for one in self.causes)
+        return matters or self.nothing or max(saved, default=1.0) >= TIMES_NOISE
+
+
+def _remarks(found: _Findings) -> Iterator[str]:
+    """Yields the remarks on a fit, the most important first."""
+    own, baselines = found.own, found.baselines
+    if found.surely:
+        yield from _misfit_remarks(found.misfit, found.known, found.family)
+    if found.nothing:
+        yield (
             f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
-            f"{constant:.2%}): check the columns, or measure larger motions"
+            f"{found.constant:.2%}): check the columns, or measure larger motions"
         )
-    remarks += _outlier_remarks(residual, sizes)
-    for i, cause in enumerate(found):
-        both = np.column_stack([slopes, cause.column])
-        rest = explained(residual, both, smooth, sizes, known).probability
-        if not surely or rest >= UNLIKELY or i == 0:
-            remarks.append(cause.sentence if rest >= UNLIKELY else f"perhaps {cause.sentence}")
-            if rest >= UNLIKELY:
-                break
-    if unfinished >= UNFINISHED and own > MATTERS:
-        remarks.append(
-            f"the search ended before the least error, which is about {1 - 1 / unfinished:.0%} "
-            "less: give it more trials or a larger budget, or use the method 'certified'"
+    yield from _outlier_remarks(found.residual, found.sizes)
+    yield from _cause_remarks(found)
+    if found.unfinished >= UNFINISHED and own > MATTERS:
+        less = 1 - 1 / found.unfinished
+        yield (
+            f"the search ended before the least error, which is about {less:.0%} less: give it "
+            "more trials or a larger budget, or use the method 'certified'"
         )
-    if not surely and known is None and misfit.noise.memory > WANDERS:
-        remarks.append(
-            f"the residual wanders (correlation {misfit.noise.memory:.2f} from sample to sample), "
+    memory = found.misfit.noise.memory
+    if not found.surely and found.known is None and memory > WANDERS:
+        yield (
+            f"the residual wanders (correlation {memory:.2f} from sample to sample), "
             "which may be noise or misfit: measure every curve twice to tell which"
         )
     best = min(baselines, key=lambda name: baselines[name])
     if baselines[best] <= own:
-        remarks.append(
+        yield (
             f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
             f"{own:.2%}): they show no memory that needs this model"
         )
-    return Judgement(
-        verdict=verdict,
-        times_noise=times,
-        misfit=misfit,
-        noise=misfit.noise,
-        causes=tuple(found),
-        baselines=baselines,
-        remarks=tuple(remarks),
-    )
+
+
+def _cause_remarks(found: _Findings) -> Iterator[str]:
+    """Yields the first cause, and others until one explains the rest of the residual."""
+    for i, cause in enumerate(found.causes):
+        both = np.column_stack([found.slopes, cause.column])
+        rest = explained(found.residual, both, found.smooth, found.sizes, found.known).probability
+        if not found.surely or rest >= UNLIKELY or i == 0:
+            yield cause.sentence if rest >= UNLIKELY else f"perhaps {cause.sentence}"
+            if rest >= UNLIKELY:
+                return
 
 
 def _reached(slopes: Array) -> Array:

@@ -93,32 +93,16 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         engine,
         env,
         exactness,
-        first_use,
         hysteresis,
         identify,
         model,
-        sensitivity,
         starts,
     )
     from .study import study
 
-    if topic == "exactness":
-        exactness.report(json)
-        return
-    if topic == "first-use":
-        uses = first_use.first_uses()
-        if json:
-            print(to_json({"uses": [use.to_dict() for use in uses]}))
-        else:
-            for title, (header, rows) in first_use.tables(uses).items():
-                table(title, header, rows, left=1)
-        return
-    if topic == "sensitivity":
-        cases = sensitivity.sensitivity()
-        if json:
-            print(to_json({"cases": [case.to_dict() for case in cases]}))
-        else:
-            table("assumed numbers halved and doubled", *sensitivity.sensitivity_table(cases))
+    alone = {"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use}
+    if topic in alone:
+        alone[topic](json)
         return
     topics: dict[str, Callable[[int], list[Row]]] = {
         "hysteresis": hysteresis.rows,
@@ -150,6 +134,27 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         print(effort.SIMULATED)
     if found:
         table("fits from random starts", *starts.starts_table(found))
+
+
+def _sensitivity(json: bool) -> None:
+    from ..benchmarks import sensitivity
+
+    cases = sensitivity.sensitivity()
+    if json:
+        print(to_json({"cases": [case.to_dict() for case in cases]}))
+    else:
+        table("assumed numbers halved and doubled", *sensitivity.sensitivity_table(cases))
+
+
+def _first_use(json: bool) -> None:
+    from ..benchmarks import first_use
+
+    uses = first_use.first_uses()
+    if json:
+        print(to_json({"uses": [use.to_dict() for use in uses]}))
+        return
+    for title, (header, rows) in first_use.tables(uses).items():
+        table(title, header, rows, left=1)
 
 
 def _cells(row: "Row") -> Sequence[str]:
