@@ -266,7 +266,7 @@ def identify(
     else:
         goal = {"loss": objective or "nrmse", "normalize": normalize or "family", **start}
         run = partial(optimizer_trial, measured, method, goal, options)
-    trials = trials or (1 if method == "certified" else TRIALS)
+    trials = trials or {"certified": 1}.get(method, TRIALS)
     seeds = np.random.SeedSequence(seed).spawn(trials)
     calls = [partial(run, index, child) for index, child in enumerate(seeds)]
     finished, interrupted = run_threads(calls, workers, on_trial)
