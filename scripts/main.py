@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 
 from .. import __version__
-from ..errors import InputError, unknown_name
+from ..errors import InputError, refuse_old_names, unknown_name
 from .engine_log import engine_warnings
 from .folders import close_folders
 from .text import visible
@@ -47,11 +47,15 @@ GROUPS = {
     "Experiments and papers": {
         "knowledge": "Measure how much a hysteresis model improves assistance.",
         "branch": "Show what the next second of a motion would be under each of some policies.",
-        "study": "Compare identification methods by many trials, and judge the paper's claims.",
-        "kao-fung": "Repeat Kao and Fung (2009).",
+        "reproduce": "Repeat a paper: li-2022 or kao-fung-2009.",
         "bench": "Measure speed, each row against something else in turn in this very run.",
     },
 }
+PAPERS = {  # module of `commands`, and what it does
+    "li-2022": ("study", "Compare identification methods by many trials, and judge the claims."),
+    "kao-fung-2009": ("kao_fung", "Repeat the cost benchmark and the piezo mechanism."),
+}
+RENAMED = {"study": "reproduce li-2022", "kao-fung": "reproduce kao-fung-2009"}
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
 
 
@@ -112,9 +116,12 @@ def _run(arguments: Sequence[str]) -> None:
         print(f"activesuit {__version__}")
     elif name in ("-h", "--help", "help"):
         print(_help())
+    elif name == "reproduce":
+        _reproduce(rest)
     elif name in COMMANDS:
-        _run_command(name, rest)
+        _run_command(name.replace("-", "_"), name, rest)
     else:
+        refuse_old_names([name], RENAMED)
         raise unknown_name("command", name, COMMANDS)
 
 
@@ -140,7 +147,19 @@ def _help() -> str:
     )
 
 
-def _run_command(name: str, arguments: Sequence[str]) -> None:
+def _reproduce(arguments: Sequence[str]) -> None:
+    paper, *rest = arguments or ["--help"]
+    if paper in ("-h", "--help"):
+        lines = [f"  {name:15}{sentence}" for name, (_, sentence) in PAPERS.items()]
+        usage = "usage: activesuit reproduce [-h] PAPER [arguments]\n\n"
+        print(f"{usage}{COMMANDS['reproduce']}\n\npapers:\n" + "\n".join(lines))
+        raise SystemExit(0)
+    if paper not in PAPERS:
+        raise unknown_name("paper", paper, PAPERS)
+    _run_command(PAPERS[paper][0], f"reproduce {paper}", rest)
+
+
+def _run_command(function: str, name: str, arguments: Sequence[str]) -> None:
     from .extensions import load_extensions
     from .parsing import parsed
 
@@ -148,7 +167,6 @@ def _run_command(name: str, arguments: Sequence[str]) -> None:
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):
         _import_from_here()
-    function = name.replace("-", "_")
     command = getattr(import_module(f".commands.{function}", __package__), function)
     call = parsed(command, name, arguments)
     with engine_warnings():

@@ -81,7 +81,7 @@ def make_inputs(folder: Path, *, trained: bool) -> None:
     shutil.copy(folder / "suit.json", folder / "whole.json")
     shutil.copy(folder / "elbow.csv", folder / "whole.csv")
     with inside(folder), mock.patch("matplotlib.figure.Figure.savefig"):  # drawing takes long
-        code, text, _ = call(["study", *STUDY])
+        code, text, _ = call(["reproduce", "li-2022", *STUDY])
         assert code == 0, text
     if trained:
         from trained_runs import make_run
@@ -106,7 +106,7 @@ def curves(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
         content = change(path.read_text().splitlines(), rng)
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
         if rng.random() < 0.2:
-            return ["study", "--joints", "elbow.csv", *STUDY[4:], "--out", "out"]
+            return ["reproduce", "li-2022", "--joints", "elbow.csv", *STUDY[4:], "--out", "out"]
         return ["identify", "elbow.csv", "--out", "out", *_some(rng, ["--model", "preisach"])]
 
     return damage
@@ -583,7 +583,7 @@ def study_file(name: str, change: Callable[[str, Rng], str | bytes]) -> Damage:
         trial = next((folder / "study" / "trials").glob("*.json"))
         path = trial if name == "trial" else folder / "study" / "config.json"
         write(path, change(path.read_text(), rng))
-        return ["study", *STUDY]
+        return ["reproduce", "li-2022", *STUDY]
 
     return damage
 
@@ -670,7 +670,7 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
         {"--env": "name", "--algo": "name", "--steps": "int", "--seed": "int", "--suit": "name"},
     ),
     "study": (
-        ("study", "--out", "out"),
+        ("reproduce", "li-2022", "--out", "out"),
         {
             "--methods": "name", "--joints": "name", "--trials": "int", "--seed": "int",
             "--swarm-size": "int", "--iterations": "int", "--workers": "int", "--backend": "name",

@@ -13,6 +13,7 @@ from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the t
 from activesuit.scripts.output import RunFolder
 
 NUMBERS = count()
+PATIENCE = 600  # [s], longest wait for another process or a server, far more than any takes
 
 
 def sweep(*turns: float, samples: int = 200) -> np.ndarray:

@@ -23,13 +23,13 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from activesuit.assets import curves_path
+from helpers import PATIENCE
 
 PROGRAM = (sys.executable, "-m", "activesuit.scripts.main")
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
 SMALL = ["--trials", "3", "--swarm-size", "10", "--iterations", "8", "--workers", "1"]
 TRAIN = ["train", "--algo", "ppo"]
-PATIENCE = 600  # [s], longest wait for a command
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def same(*arguments: str) -> Command:
 
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
-    "study": same("study", *SMALL),
+    "study": same("reproduce", "li-2022", *SMALL),
     "demo": same("demo", "--trials", "2", "--episodes", "8"),
     "train": Command([*TRAIN, "--steps", "2048"], [*TRAIN, "--steps", "4096", "--resume"]),
     "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),

@@ -1,4 +1,4 @@
-"""`activesuit kao-fung`: repeats the second paper, Kao and Fung (2009), on regenerated data."""
+"""`activesuit reproduce kao-fung-2009`: repeats the second paper on regenerated data."""
 
 import time
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""`activesuit study`: compares methods by many trials, and judges the paper's claims."""
+"""`activesuit reproduce li-2022`: compares methods by many trials, and judges the claims."""
 
 from collections.abc import Sequence
 from json import loads

@@ -28,7 +28,7 @@ ELSEWHERE = {  # how examples begin that are not run here, and why
 }
 SMALL = (  # words of an example, and the options that it gets beside its own or instead of them
     (["identify", "auto"], ["--samples", "2"]),
-    (["study"], ["--trials", "2"]),
+    (["reproduce", "li-2022"], ["--trials", "2"]),
     (["evaluate"], ["--episodes", "8"]),
     (["evaluate", "--table"], ["--policies", "none", "--naive"]),
     (["tasks", "--table"], ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
@@ -40,7 +40,7 @@ SMALL = (  # words of an example, and the options that it gets beside its own or
     (["train"], ["--steps", "2048"]),
     (["train", "--resume"], ["--steps", "4096"]),
     (["animate", "--quality"], ["--fps", "5", "--width", "320", "--height", "240"]),
-    (["kao-fung"], ["--trials", "1", "--iterations", "20"]),
+    (["reproduce", "kao-fung-2009"], ["--trials", "1", "--iterations", "20"]),
     (["bench"], ["--repeats", "1"]),
 )
 SECONDS = 300  # longest time of an example

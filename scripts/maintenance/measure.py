@@ -59,8 +59,8 @@ EXPERIMENTS = {
         "branch --suit emu-like --gravity microgravity --policies none transparent feedforward "
         "compensation"
     ),
-    "study": "study",
-    "kao-fung": "kao-fung",
+    "study": "reproduce li-2022",
+    "kao-fung": "reproduce kao-fung-2009",
     "bench-hysteresis": "bench hysteresis",
     "bench-engine": "bench engine",
     "bench-model": "bench model",

@@ -1,4 +1,4 @@
-"""The report of `activesuit study`, as text and as plain values for JSON."""
+"""The report of `activesuit reproduce li-2022`, as text and as plain values for JSON."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict

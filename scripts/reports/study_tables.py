@@ -1,4 +1,4 @@
-"""The tables of `activesuit study`, as rows for CSV files and as rows of text."""
+"""The tables of `activesuit reproduce li-2022`, as rows for CSV files and as rows of text."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any

@@ -339,6 +339,11 @@ def test_unknown_and_missing_command(capsys):
     unknown = fails(capsys, "--fly", "suits")
     assert "unknown command '--fly': use one of animate, bench, benchmark" in unknown
     assert "give a command: demo, identify" in fails(capsys)
+    assert "unknown paper 'li': use one of kao-fung-2009, li-2022" in fails(
+        capsys, "reproduce", "li"
+    )
+    old = "'study' was a name of version 0.2: write 'reproduce li-2022' instead"
+    assert old in fails(capsys, "study", "--trials", 3)
 
 
 def test_help_lists_every_command_as_its_own_help_begins(capsys):

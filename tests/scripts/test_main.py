@@ -14,6 +14,7 @@ from activesuit.scripts.engine_log import engine_warnings
 from activesuit.scripts.main import main
 from activesuit.scripts.output import markdown_table, progress, table
 from activesuit.scripts.text import visible
+from helpers import PATIENCE
 
 SLOW = (
     "import sys, time\n"
@@ -30,7 +31,16 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     # A program in the background ignores Ctrl-C, and passes that on.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, "study", "--out", str(tmp_path / "out"), *STUDY],
+        [
+            sys.executable,
+            "-c",
+            SLOW,
+            "reproduce",
+            "li-2022",
+            "--out",
+            str(tmp_path / "out"),
+            *STUDY,
+        ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -38,7 +48,7 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     assert process.stdout is not None
     assert process.stdout.readline() == "step\n"
     process.send_signal(sign)
-    _, message = process.communicate(timeout=300)
+    _, message = process.communicate(timeout=PATIENCE)
     assert process.returncode == 2
     assert "Traceback" not in message
     assert "interrupted: the finished trials (" in message.splitlines()[-1]
@@ -148,13 +158,13 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("workers", ["-7", "0"])
-@pytest.mark.parametrize("command", ["study", "identify"])
+@pytest.mark.parametrize("command", ["reproduce li-2022", "identify"])
 def test_workers(capsys, tmp_path, command, workers):
     from activesuit.assets import curves_path
 
     more = [str(curves_path("elbow"))] if command == "identify" else []
     with pytest.raises(SystemExit):
-        main([command, *more, "--workers", workers, "--out", str(tmp_path / "out")])
+        main([*command.split(), *more, "--workers", workers, "--out", str(tmp_path / "out")])
     message = capsys.readouterr().err
     assert f"workers is {workers}: use 1 or more, or -1 for all cores" in message
     assert not list(tmp_path.iterdir())

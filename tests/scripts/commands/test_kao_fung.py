@@ -1,4 +1,4 @@
-"""`activesuit kao-fung`: the second paper's tables, files and figures."""
+"""`activesuit reproduce kao-fung-2009`: the second paper's tables, files and figures."""
 
 import csv
 import json
@@ -8,7 +8,7 @@ from activesuit.identification.benchmarks.dispatch import OPTIMUM
 from activesuit.identification.benchmarks.scott_russell_fit import FIRST_SAMPLE
 from activesuit.scripts.main import main
 
-SMALL = ["kao-fung", "--population", "60", "--iterations", "4", "--trials", "3"]
+SMALL = ["reproduce", "kao-fung-2009", "--population", "60", "--iterations", "4", "--trials", "3"]
 
 
 def test_writes_tables_and_figures(capsys, tmp_path):
@@ -50,6 +50,6 @@ def test_json_is_seeded(capsys):
 )
 def test_bad_numbers(capsys, option, value, message):
     with pytest.raises(SystemExit) as stop:
-        main(["kao-fung", option, value])
+        main(["reproduce", "kao-fung-2009", option, value])
     assert stop.value.code == 2
     assert message in capsys.readouterr().err

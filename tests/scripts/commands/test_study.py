@@ -1,4 +1,4 @@
-"""`activesuit study`: the same tables however it was run, and nothing lost when it was killed."""
+"""`activesuit reproduce li-2022`: the same tables however it was run, and nothing lost."""
 
 import csv
 import json
@@ -24,7 +24,7 @@ def study(out, *arguments) -> None:
 
 
 def drawn_study(out, *arguments) -> None:
-    main(["study", "--out", str(out), *SMALL, *map(str, arguments)])
+    main(["reproduce", "li-2022", "--out", str(out), *SMALL, *map(str, arguments)])
 
 
 def tables(out) -> dict[str, bytes]:
@@ -120,7 +120,7 @@ def test_resumes_where_it_stopped(copied, whole):
 
 
 def test_killed_and_run_again(tmp_path, whole):
-    arguments = ["study", "--out", str(tmp_path / "out"), *SMALL, "--workers", "1"]
+    arguments = ["reproduce", "li-2022", "--out", str(tmp_path / "out"), *SMALL, "--workers", "1"]
     # Each bar step waits, so that the kill falls among the trials on any machine.
     code = (
         "import sys, time\n"
@@ -152,7 +152,7 @@ def test_ctrl_c_says_what_is_kept(capsys, tmp_path, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Bar, "advance", interrupt)
-    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--workers", 1)
+    message = fails(capsys, "reproduce", "li-2022", "--out", tmp_path, *SMALL, "--workers", 1)
     assert "interrupted: the finished trials (1 of 12) are kept in" in message
 
 
@@ -179,9 +179,9 @@ def test_a_csv_file_with_a_motion_that_turns_more_than_once(capsys, tmp_path):
 
 
 def test_another_study_in_the_folder(capsys, copied):
-    message = fails(capsys, "study", "--out", copied, "--trials", 5)
+    message = fails(capsys, "reproduce", "li-2022", "--out", copied, "--trials", 5)
     assert "holds a study whose trials is 3, not 5" in message
-    message = fails(capsys, "study", "--out", copied, *SMALL, "--joints", "elbow")
+    message = fails(capsys, "reproduce", "li-2022", "--out", copied, *SMALL, "--joints", "elbow")
     assert "holds a study whose joints is" in message
     known = (copied / "config.json").read_text()
     for content, message in (
@@ -196,14 +196,14 @@ def test_another_study_in_the_folder(capsys, copied):
         (copied / "config.json").write_bytes(
             content if isinstance(content, bytes) else content.encode()
         )
-        assert message in fails(capsys, "study", "--out", copied, *SMALL)
+        assert message in fails(capsys, "reproduce", "li-2022", "--out", copied, *SMALL)
 
 
 def test_broken_or_misplaced_trials(capsys, copied):
     first, second = sorted((copied / "trials").iterdir())[:2]
     whole = first.read_text()
     first.write_text(whole[:100])
-    message = fails(capsys, "study", "--out", copied, *SMALL)
+    message = fails(capsys, "reproduce", "li-2022", "--out", copied, *SMALL)
     assert first.name in message
     assert "delete it" in message
     for content, message in (
@@ -214,9 +214,11 @@ def test_broken_or_misplaced_trials(capsys, copied):
         (whole.replace('"1.05"', '"1.06"').encode(), "predicts ['1.06', '1.40'"),
     ):
         first.write_bytes(content)
-        assert message in fails(capsys, "study", "--out", copied, *SMALL)
+        assert message in fails(capsys, "reproduce", "li-2022", "--out", copied, *SMALL)
     first.write_text(second.read_text())
-    assert f"is the trial {second.name}" in fails(capsys, "study", "--out", copied, *SMALL)
+    assert f"is the trial {second.name}" in fails(
+        capsys, "reproduce", "li-2022", "--out", copied, *SMALL
+    )
 
 
 @pytest.mark.parametrize(
@@ -231,14 +233,14 @@ def test_broken_or_misplaced_trials(capsys, copied):
     ],
 )
 def test_mistakes(capsys, tmp_path, arguments, message):
-    assert message in fails(capsys, "study", "--out", tmp_path / "out", *arguments)
+    assert message in fails(capsys, "reproduce", "li-2022", "--out", tmp_path / "out", *arguments)
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
 def test_a_missing_cluster_package(capsys, tmp_path, monkeypatch, backend, package):
     monkeypatch.setitem(sys.modules, package, None)
-    message = fails(capsys, "study", "--out", tmp_path, *SMALL, "--backend", backend)
+    message = fails(capsys, "reproduce", "li-2022", "--out", tmp_path, *SMALL, "--backend", backend)
     assert f"--backend {backend} needs packages that are not installed" in message
     assert "activesuit[cluster]" in message
     assert not list(tmp_path.iterdir())
@@ -246,4 +248,6 @@ def test_a_missing_cluster_package(capsys, tmp_path, monkeypatch, backend, packa
 
 def test_an_unwritable_folder(capsys, tmp_path):
     (tmp_path / "file").write_text("")
-    assert "choose another --out" in fails(capsys, "study", "--out", tmp_path / "file", *SMALL)
+    assert "choose another --out" in fails(
+        capsys, "reproduce", "li-2022", "--out", tmp_path / "file", *SMALL
+    )

@@ -23,7 +23,7 @@ from activesuit.scripts import browser, output
 from activesuit.scripts.commands import animate, view
 from activesuit.scripts.film import filmed
 from activesuit.scripts.main import main
-from helpers import shorten_tasks
+from helpers import PATIENCE, shorten_tasks
 from matplotlib.image import imread
 
 
@@ -333,7 +333,7 @@ UPGRADE = {
 
 def asked(port, path, **headers):
     """Status, text and cookie of the answer to a request with exactly these header fields."""
-    connection = HTTPConnection("127.0.0.1", port, timeout=20)
+    connection = HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
     connection.putrequest("GET", path, skip_host=True, skip_accept_encoding=True)
     for name, value in headers.items():
         connection.putheader(name, value)
@@ -376,7 +376,7 @@ def free_port() -> int:
 
 def answers(host: str, port: int) -> bool:
     try:
-        socket.create_connection((host, port), timeout=2).close()
+        socket.create_connection((host, port), timeout=PATIENCE).close()
     except OSError:
         return False
     return True
