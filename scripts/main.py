@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 
@@ -16,17 +16,17 @@ from .text import visible
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
-# Each is a function in a module of `commands` with the same name. Only the module that is asked for
-# is imported, because all of them together take more than a second. The sentence is the beginning
-# of that function's own help.
+# The last word of each is a function in a module of `commands` with the same name. Only the module
+# that is asked for is imported, because all of them together take more than a second. The sentence
+# is the beginning of that function's own help.
 GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
     },
-    "Measure and identify": {
+    "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",
-        "design": "Design the next record to measure: nested reversals at varied speed.",
-        "rig": "Measure first-order curves of a suit joint on a simulated rig.",
+        "measure design": "Design the next record to measure: nested reversals at varied speed.",
+        "measure rig": "Measure first-order curves of a suit joint on a simulated rig.",
         "suits": "List the shipped suits, or show and check one.",
     },
     "Simulate and look": {
@@ -34,29 +34,44 @@ GROUPS = {
         "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
         "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
         "tasks": "List the tasks, or measure how difficult each is.",
-        "envelope": "Measure the work envelope: unsuited, suited and assisted.",
     },
-    "Control": {
-        "policies": "List the policies, with the sensors that they need and their options.",
+    "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
+        "evaluate knowledge": "Measure how much a hysteresis model improves assistance.",
+        "evaluate branch": "Show the next second of a motion under each of some policies.",
+        "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",
+        "policies": "List the policies, with the sensors that they need and their options.",
+    },
+    "Train": {
         "train": "Train an assist policy with Stable-Baselines3.",
-        "tune": "Tune the options of a policy within a budget that is the same for all.",
+    },
+    "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",
+        "benchmark tune": "Tune the options of a policy within a budget, the same for all.",
     },
-    "Experiments and papers": {
-        "knowledge": "Measure how much a hysteresis model improves assistance.",
-        "branch": "Show what the next second of a motion would be under each of some policies.",
-        "reproduce": "Repeat a paper: li-2022 or kao-fung-2009.",
-        "bench": "Measure speed, each row against something else in turn in this very run.",
+    "Reproduce a paper": {
+        "reproduce li-2022": "Compare identification methods by many trials, and judge the claims.",
+        "reproduce kao-fung-2009": "Repeat the cost benchmark and the piezo mechanism, the latter on regenerated data.",
     },
 }
-PAPERS = {  # module of `commands`, and what it does
-    "li-2022": ("study", "Compare identification methods by many trials, and judge the claims."),
-    "kao-fung-2009": ("kao_fung", "Repeat the cost benchmark and the piezo mechanism."),
-}
-RENAMED = {"study": "reproduce li-2022", "kao-fung": "reproduce kao-fung-2009"}
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
+MAIN_COMMANDS = sorted({name.split()[0] for name in COMMANDS})
+PARTS = {  # commands that are nothing without one of these words
+    one: [name.split()[1] for name in COMMANDS if name.startswith(f"{one} ")]
+    for one in MAIN_COMMANDS
+    if one not in COMMANDS
+}
+RENAMED = {
+    "design": "measure design",
+    "rig": "measure rig",
+    "knowledge": "evaluate knowledge",
+    "branch": "evaluate branch",
+    "envelope": "evaluate envelope",
+    "tune": "benchmark tune",
+    "study": "reproduce li-2022",
+    "kao-fung": "reproduce kao-fung-2009",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -110,56 +125,75 @@ def _interruptible() -> Iterator[None]:
 
 def _run(arguments: Sequence[str]) -> None:
     if not arguments:
-        raise InputError(f"give a command: {', '.join(COMMANDS)}; --help says what they do")
+        raise InputError(f"give a command: {', '.join(MAIN_COMMANDS)}; --help says what they do")
     name, *rest = arguments
     if name == "--version":
         print(f"activesuit {__version__}")
     elif name in ("-h", "--help", "help"):
         print(_help())
-    elif name == "reproduce":
-        _reproduce(rest)
-    elif name in COMMANDS:
-        _run_command(name.replace("-", "_"), name, rest)
+    elif name in PARTS and (not rest or rest[0] in ("-h", "--help")):
+        print(_help_of_parts(name))
     else:
-        refuse_old_names([name], RENAMED)
-        raise unknown_name("command", name, COMMANDS)
+        _run_command(*command_of(arguments))
+
+
+def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequence[str]]:
+    """Returns the name of a command, its function, and the arguments behind its name.
+
+    Raises:
+        InputError: There is no such command.
+    """
+    name, *rest = arguments
+    if name == "bench":
+        return name, _bench(), rest
+    if rest and f"{name} {rest[0]}" in COMMANDS:
+        return f"{name} {rest[0]}", _function(rest[0]), rest[1:]
+    if name in COMMANDS:
+        return name, _function(name), rest
+    if name in PARTS:
+        raise unknown_name(f"part of {name}", rest[0], PARTS[name])
+    refuse_old_names([name], RENAMED)
+    raise unknown_name("command", name, MAIN_COMMANDS)
 
 
 def _help() -> str:
     width = max(map(len, COMMANDS))
-    return "\n".join(
-        [
-            "usage: activesuit COMMAND [arguments]",
-            "       activesuit COMMAND --help",
-            "       activesuit --version",
-            "",
-            "Identify, simulate and compensate the hysteretic joints of a spacesuit.",
-        ]
-        + [
-            line
-            for title, commands in GROUPS.items()
-            for line in (
-                "",
-                f"{title}:",
-                *(f"  {name:{width}}  {sentence}" for name, sentence in commands.items()),
-            )
-        ]
-    )
+    lines = [
+        "usage: activesuit COMMAND [arguments]",
+        "       activesuit COMMAND --help",
+        "       activesuit --version",
+        "",
+        "Identify, simulate and compensate the hysteretic joints of a spacesuit.",
+    ]
+    for title, commands in GROUPS.items():
+        lines += ["", f"{title}:"]
+        lines += [f"  {name:{width}}  {sentence}" for name, sentence in commands.items()]
+    return "\n".join(lines)
 
 
-def _reproduce(arguments: Sequence[str]) -> None:
-    paper, *rest = arguments or ["--help"]
-    if paper in ("-h", "--help"):
-        lines = [f"  {name:15}{sentence}" for name, (_, sentence) in PAPERS.items()]
-        usage = "usage: activesuit reproduce [-h] PAPER [arguments]\n\n"
-        print(f"{usage}{COMMANDS['reproduce']}\n\npapers:\n" + "\n".join(lines))
-        raise SystemExit(0)
-    if paper not in PAPERS:
-        raise unknown_name("paper", paper, PAPERS)
-    _run_command(PAPERS[paper][0], f"reproduce {paper}", rest)
+def _help_of_parts(name: str) -> str:
+    lines = (f"  {part:15}{COMMANDS[f'{name} {part}']}" for part in PARTS[name])
+    return "\n".join([f"usage: activesuit {name} PART [arguments]", "", "parts:", *lines])
 
 
-def _run_command(function: str, name: str, arguments: Sequence[str]) -> None:
+def _function(name: str) -> Callable[..., None]:
+    name = name.replace("-", "_")
+    return getattr(import_module(f".commands.{name}", __package__), name)
+
+
+def _bench() -> Callable[..., None]:
+    try:
+        return import_module("..benchmarks.bench", __package__).bench
+    except ModuleNotFoundError as error:
+        if not str(error.name).endswith(".benchmarks"):
+            raise
+        raise InputError(
+            "bench is part of the source repository, not of the installed package: clone it, and "
+            "run make bench"
+        ) from None
+
+
+def _run_command(name: str, command: Callable[..., None], arguments: Sequence[str]) -> None:
     from .extensions import load_extensions
     from .parsing import parsed
 
@@ -167,7 +201,6 @@ def _run_command(function: str, name: str, arguments: Sequence[str]) -> None:
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):
         _import_from_here()
-    command = getattr(import_module(f".commands.{function}", __package__), function)
     call = parsed(command, name, arguments)
     with engine_warnings():
         call()

@@ -261,7 +261,7 @@ def motion(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
         path = folder / "motion.csv"
         write(path, change(path.read_text().splitlines(), rng))
         if rng.random() < 0.5:
-            return ["rig", "--motion", "motion.csv", "--out", "out"]
+            return ["measure", "rig", "--motion", "motion.csv", "--out", "out"]
         return ["identify", "whole.csv", "--for", "motion.csv", "--model", "prandtl-ishlinskii"]
 
     return damage
@@ -336,7 +336,7 @@ def suit_command(rng: Rng) -> list[str]:
     commands = [
         ["suits", "suit.json"],
         ["suits", "suit.json", "--out", "out", "--export", "new.json"],
-        ["rig", "--suit", "suit.json", "--out", "out"],
+        ["measure", "rig", "--suit", "suit.json", "--out", "out"],
         ["simulate", "--suit", "suit.json", "--out", "out"],
         ["evaluate", "--suit", "suit.json", "--policies", "none", "--out", "out"],
         ["validate", "suit.json", "--out", "out"],
@@ -642,7 +642,7 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
         },
     ),
     "design": (
-        ("design", "whole.csv", "--out", "new.csv"),
+        ("measure", "design", "whole.csv", "--out", "new.csv"),
         {"--min-rate": "float", "--max-rate": "float", "--sample-rate": "float"},
     ),
     "simulate": (
@@ -677,7 +677,7 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
         },
     ),
     "rig": (
-        ("rig", "--out", "out"),
+        ("measure", "rig", "--out", "out"),
         {
             "--suit": "name", "--joint": "name", "--turns": "float", "--start-angle": "float",
             "--repeats": "int", "--rate": "float", "--sample-rate": "float", "--noise": "float",

@@ -23,7 +23,12 @@ ALLOWED = {
     "identification": {"hysteresis"},
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
+    "benchmarks": {"assets", "hysteresis", "identification", "envs", "scripts"},
+    "tools": {"assets", "hysteresis", "identification", "envs", "scripts"},
 }
+# Folders of the source repository that are not installed: speed and honesty, programs for
+# developers, and the readable models that kernels are compared with.
+NOT_INSTALLED = {("benchmarks",), ("tools",), ("hysteresis", "references")}
 ROOT_MODULES = {
     "arrays",
     "checks",
@@ -194,7 +199,23 @@ def test_choices_of_the_command_line_come_from_registries():
                 assert not listed & (known - {"none"}), f"{path}:{node.lineno}"
 
 
+def _is_installed(name: Name) -> bool:
+    return not any(name[: len(folder)] == folder for folder in NOT_INSTALLED)
+
+
+def test_installed_modules_need_no_others():
+    needed = [
+        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
+        for name, path in sources().items()
+        if _is_installed(name)
+        for one in imports(path)
+        if not _is_installed(one.target)
+    ]
+    assert not needed
+
+
 def test_every_folder_is_packaged():
-    folders = {".".join(("activesuit", *name[:-1])) for name in sources()}
+    installed = filter(_is_installed, sources())
+    folders = {".".join(("activesuit", *name[:-1])) for name in installed}
     assert sorted(folders) == sorted(PACKAGES)
     assert all(_module(tuple(package.split(".")[1:])) for package in PACKAGES)

@@ -1,7 +1,7 @@
 """Relief by place, in two suits, rigid and on cuffs, from the kept results of the docs."""
 
 import matplotlib.pyplot as plt
-from activesuit.scripts.maintenance.results import PLACES, settings
+from activesuit.tools.results import PLACES, settings
 
 POLICIES = {"none": "0.6", "feedforward": "C1", "compensation": "C0", "clairvoyant": "k"}
 figure, axes = plt.subplots(1, 4, figsize=(11, 3.2), sharey=True, layout="constrained")

@@ -1,4 +1,4 @@
-"""`activesuit branch`: the next second of one motion under each of some policies."""
+"""`activesuit evaluate branch`: the next second of one motion under each of some policies."""
 
 from pathlib import Path
 
@@ -42,7 +42,7 @@ def branch(
     arm: ArmOptions = USUAL,
     json: Json = False,
 ) -> None:
-    """Show what the next second of a motion would be under each of some policies.
+    """Show the next second of a motion under each of some policies.
 
     A base policy moves the arm up to a branch point. From the state there, which all branches share
     to the last bit, the motion goes on under each policy, which has watched what came before, and

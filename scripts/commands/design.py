@@ -1,4 +1,4 @@
-"""`activesuit design`: writes the motion that is worth measuring next."""
+"""`activesuit measure design`: writes the motion that is worth measuring next."""
 
 from pathlib import Path
 from typing import Annotated, Any
@@ -57,7 +57,7 @@ def design(
     )
     conclude(result, {"the next record": (header, rows)}, [remark], folder=None, json=json)
     if not json:
-        say(f"wrote {out}; next: activesuit rig --motion {out}, or your own rig")
+        say(f"wrote {out}; next: activesuit measure rig --motion {out}, or your own rig")
 
 
 def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""`activesuit envelope`: hand positions that a wearer can hold without getting tired."""
+"""`activesuit evaluate envelope`: hand positions that a wearer can hold without getting tired."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

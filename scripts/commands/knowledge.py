@@ -1,4 +1,4 @@
-"""`activesuit knowledge`: what does it buy to know the suit's memory?"""
+"""`activesuit evaluate knowledge`: what does it buy to know the suit's memory?"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

@@ -1,4 +1,4 @@
-"""`activesuit tune`: finds the options of a policy within a budget that is the same for all."""
+"""`activesuit benchmark tune`: finds the options of a policy within a given budget."""
 
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ def tune(
     trust: Trust = False,
     json: Json = False,
 ) -> None:
-    """Tune the options of a policy within a budget that is the same for all.
+    """Tune the options of a policy within a budget, the same for all.
 
     CMA-ES minimizes the effort of adapted wearers at the level randomized, in motions that no
     evaluation shows. The result is data, which --policies takes.

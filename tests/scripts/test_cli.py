@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
+from activesuit.benchmarks import engine as engine_bench
+from activesuit.benchmarks import env as env_bench
+from activesuit.benchmarks import identify as identify_bench
+from activesuit.benchmarks import starts
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import identify, load_curves
-from activesuit.scripts.benchmarks import engine as engine_bench
-from activesuit.scripts.benchmarks import env as env_bench
-from activesuit.scripts.benchmarks import identify as identify_bench
-from activesuit.scripts.benchmarks import starts
-from activesuit.scripts.commands import study
+from activesuit.scripts.commands import li_2022
 from activesuit.scripts.main import COMMANDS, main
 from helpers import in_this_process, shorten_tasks
 
@@ -243,7 +243,7 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
     monkeypatch.setattr(starts, "run_all", in_this_process)
     monkeypatch.setattr(starts, "StudyConfig", partial(starts.StudyConfig, iterations=5))
-    monkeypatch.setattr(study, "study", partial(study.study, trials=2, backend="threading"))
+    monkeypatch.setattr(li_2022, "li_2022", partial(li_2022.li_2022, trials=2, backend="threading"))
     monkeypatch.setattr(identify_bench, "sa_pso", partial(identify_bench.sa_pso, max_iterations=5))
     for name, few in (("STEPS", 100), ("CALLBACK_STEPS", 50), ("SIMULATIONS", 64)):
         monkeypatch.setattr(engine_bench, name, few)
@@ -337,9 +337,9 @@ def test_unknown_option_and_missing_argument(capsys):
 def test_unknown_and_missing_command(capsys):
     assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
     unknown = fails(capsys, "--fly", "suits")
-    assert "unknown command '--fly': use one of animate, bench, benchmark" in unknown
-    assert "give a command: demo, identify" in fails(capsys)
-    assert "unknown paper 'li': use one of kao-fung-2009, li-2022" in fails(
+    assert "unknown command '--fly': use one of animate, benchmark, demo" in unknown
+    assert "give a command: animate, benchmark" in fails(capsys)
+    assert "unknown part of reproduce 'li': use one of kao-fung-2009, li-2022" in fails(
         capsys, "reproduce", "li"
     )
     old = "'study' was a name of version 0.2: write 'reproduce li-2022' instead"
@@ -353,7 +353,7 @@ def test_help_lists_every_command_as_its_own_help_begins(capsys):
         assert f"  {name} " in listed
         assert sentence in listed
         with pytest.raises(SystemExit) as stop:
-            main([name, "--help"])
+            main([*name.split(), "--help"])
         assert stop.value.code == 0
         own = " ".join(capsys.readouterr().out.split())
         assert own.startswith(f"usage: activesuit {name} [-h]")

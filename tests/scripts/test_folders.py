@@ -13,7 +13,7 @@ from activesuit.scripts.main import main
 ELBOW = str(curves_path("elbow"))
 WRITERS = {
     "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
-    "rig": ["rig"],
+    "rig": ["measure", "rig"],
     "study": ["reproduce", "li-2022", "--trials", "1", "--swarm-size", "4", "--iterations", "1"],
     "demo": ["demo", "--trials", "1", "--episodes", "8"],
     "suits": ["suits", "mock-suit"],
@@ -30,7 +30,7 @@ WRITERS = {
     "evaluate": ["evaluate", "--episodes", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit"],
-    "branch": ["branch", "--policies", "none"],
+    "branch": ["evaluate", "branch", "--policies", "none"],
     "train": ["train", "--steps", "1"],
 }
 
@@ -84,15 +84,15 @@ def test_a_run_of_another_command_is_refused(capsys, tmp_path, command):
 
 
 def test_a_second_run_replaces_its_own_files_only(tmp_path, capsys):
-    main(["rig", "--out", str(tmp_path)])
+    main(["measure", "rig", "--out", str(tmp_path)])
     first = content(tmp_path)
-    main(["rig", "--noise", "0.5", "--out", str(tmp_path)])
+    main(["measure", "rig", "--noise", "0.5", "--out", str(tmp_path)])
     assert content(tmp_path).keys() == first.keys()
     assert content(tmp_path) != first
     (tmp_path / "wrist_flexion.csv").write_text("measured")
     capsys.readouterr()
     before = content(tmp_path)
-    arguments = ["rig", "--joint", "wrist_flexion", "--out", tmp_path]
+    arguments = ["measure", "rig", "--joint", "wrist_flexion", "--out", tmp_path]
     assert "was not written by this command" in refuses(capsys, *arguments)
     assert content(tmp_path) == before  # all of the first run, nothing of the second
     main([*map(str, arguments), "--force"])

@@ -24,10 +24,10 @@ class Sneaky:
 COMMANDS = [
     "simulate --out out --policy",
     "evaluate --episodes 8 --naive --out out --policies",
-    "branch --at 0.2 --horizon 0.1 --out out --policies",
-    "branch --at 0.2 --horizon 0.1 --out out --policies none --base",
+    "evaluate branch --at 0.2 --horizon 0.1 --out out --policies",
+    "evaluate branch --at 0.2 --horizon 0.1 --out out --policies none --base",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
-    "tune --evaluations 1 --out tuned.json --policy",
+    "benchmark tune --evaluations 1 --out tuned.json --policy",
     "animate --out film.gif --policy",
     "view --policy",
 ]

@@ -1,4 +1,4 @@
-"""`activesuit branch`: numbers and figures of what would have happened."""
+"""`activesuit evaluate branch`: numbers and figures of what would have happened."""
 
 import json
 
@@ -6,7 +6,15 @@ import pytest
 from activesuit.scripts.main import main
 from helpers import shorten_tasks
 
-ARGUMENTS = ["branch", "--policies", "none", "compensation", "--gravity", "microgravity"]
+ARGUMENTS = [
+    "evaluate",
+    "branch",
+    "--policies",
+    "none",
+    "compensation",
+    "--gravity",
+    "microgravity",
+]
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""`activesuit envelope`: the table, the files, and mistakes."""
+"""`activesuit evaluate envelope`: the table, the files, and mistakes."""
 
 import csv
 import json
@@ -13,7 +13,7 @@ from activesuit.scripts.main import main
 
 def test_files_hold_what_the_table_says(capsys, tmp_path, undrawn):
     arguments = ["--gravity", "moon", "--suit", "emu-like", "--spacing", "0.08", "--payload", "1"]
-    main(["envelope", *arguments, "--out", str(tmp_path)])
+    main(["evaluate", "envelope", *arguments, "--out", str(tmp_path)])
     shown = capsys.readouterr().out
     result = json.loads((tmp_path / "result.json").read_text())
     config = ArmConfig(suit="emu-like", gravity="moon", payload={"mass": 1})
@@ -48,7 +48,7 @@ def test_files_hold_what_the_table_says(capsys, tmp_path, undrawn):
 )
 def test_a_mistake_is_one_sentence_and_leaves_nothing(capsys, tmp_path, arguments, message):
     with pytest.raises(SystemExit) as stop:
-        main(["envelope", *arguments, "--out", str(tmp_path / "out")])
+        main(["evaluate", "envelope", *arguments, "--out", str(tmp_path / "out")])
     assert stop.value.code == 2
     reported = capsys.readouterr().err
     assert reported.startswith("activesuit: error: ")

@@ -1,4 +1,4 @@
-"""`activesuit rig`: from the simulated rig to a suit that simulates, with no hand in between."""
+"""`activesuit measure rig`: from the simulated rig to a suit that simulates."""
 
 import json
 
@@ -18,7 +18,7 @@ def run(capsys, *arguments) -> str:
 
 
 def test_rig_identify_simulate(capsys, tmp_path, undrawn):
-    out = run(capsys, "rig", "--noise", 0.05, "--out", tmp_path)
+    out = run(capsys, "measure", "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {".activesuit", "elbow_flexion.csv", "config.json", "loops.png", "loops.svg"}
     curves = tmp_path / "elbow_flexion.csv"
@@ -34,12 +34,12 @@ def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--suit", suit, "--json"]
     out = run(capsys, "simulate", *arguments, "--out", tmp_path / "motion")
     assert json.loads(out)["failures"] == 0
-    run(capsys, "rig", "--suit", suit, "--out", tmp_path / "again")
+    run(capsys, "measure", "rig", "--suit", suit, "--out", tmp_path / "again")
 
 
 def test_what_is_written(capsys, tmp_path, undrawn):
     arguments = ["--turns", 0.9, 1.2, 1.1, 1.0, "--sample-rate", 10, "--out", tmp_path]
-    result = json.loads(run(capsys, "rig", *arguments, "--json"))
+    result = json.loads(run(capsys, "measure", "rig", *arguments, "--json"))
     roles = {"0.90": "fit", "1.20": "fit", "1.10": "fit", "1.00": "predict"}
     assert {one["name"]: one["role"] for one in result["measured"]} == roles
     curves = load_curves(result["curves"])
@@ -53,7 +53,7 @@ def test_what_is_written(capsys, tmp_path, undrawn):
     assert config["turns"] == [0.9, 1.2, 1.1, 1.0]
     assert config["predict"] == [1.0]
     assert config["start_angle"] == 0.52
-    run(capsys, "rig", *arguments, "--predict", 1.1)
+    run(capsys, "measure", "rig", *arguments, "--predict", 1.1)
     assert [curve.role for curve in load_curves(result["curves"])] == [
         "fit",
         "fit",
@@ -82,7 +82,7 @@ def test_mistakes(capsys, tmp_path, arguments, sentence):
     file.write_text("")
     arguments = [argument.format(file=file) for argument in arguments]
     with pytest.raises(SystemExit) as stop:
-        main(["rig", "--out", str(tmp_path / "out"), *arguments])
+        main(["measure", "rig", "--out", str(tmp_path / "out"), *arguments])
     captured = capsys.readouterr()
     assert stop.value.code == 2
     assert captured.out == ""
@@ -105,7 +105,7 @@ def test_mistakes_with_a_motion(capsys, tmp_path, text, arguments, sentence):
     path = tmp_path / "motion.csv"
     path.write_text(text)
     with pytest.raises(SystemExit) as stop:
-        main(["rig", "--motion", str(path), "--out", str(tmp_path / "out"), *arguments])
+        main(["measure", "rig", "--motion", str(path), "--out", str(tmp_path / "out"), *arguments])
     assert stop.value.code == 2
     assert sentence in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == [path]
@@ -117,6 +117,6 @@ def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch
 
     monkeypatch.setattr(command, "run_rig", interrupt)
     with pytest.raises(SystemExit):
-        main(["rig", "--out", str(tmp_path / "out")])
+        main(["measure", "rig", "--out", str(tmp_path / "out")])
     assert "interrupted" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -1,4 +1,4 @@
-"""`activesuit tune`."""
+"""`activesuit benchmark tune`."""
 
 import json
 
@@ -31,7 +31,15 @@ def bowl(monkeypatch):
 def test_it_finds_the_least_cost_and_writes_a_policy(capsys, tmp_path, bowl):
     pytest.importorskip("cma")
     path = tmp_path / "mine.json"
-    arguments = ["tune", "--policy", "compensation:suit=emu-like", "--out", path, "--json"]
+    arguments = [
+        "benchmark",
+        "tune",
+        "--policy",
+        "compensation:suit=emu-like",
+        "--out",
+        path,
+        "--json",
+    ]
     main([str(one) for one in arguments])
     found = json.loads(capsys.readouterr().out.partition("\nwrote")[0])
     assert found["after"] < found["before"]
@@ -42,7 +50,9 @@ def test_it_finds_the_least_cost_and_writes_a_policy(capsys, tmp_path, bowl):
 
 def test_an_option_that_is_given_stays(capsys, bowl):
     pytest.importorskip("cma")
-    main(["tune", "--policy", "compensation:lead=0.05", "--evaluations", "20", "--json"])
+    main(
+        ["benchmark", "tune", "--policy", "compensation:lead=0.05", "--evaluations", "20", "--json"]
+    )
     assert json.loads(capsys.readouterr().out)["policy"]["lead"] == 0.05
 
 
@@ -65,4 +75,4 @@ def test_the_cost_is_effort_of_motions_that_no_evaluation_shows(monkeypatch):
     ],
 )
 def test_mistakes(capsys, policy, message):
-    assert message in fails(capsys, "tune", "--policy", policy)
+    assert message in fails(capsys, "benchmark", "tune", "--policy", policy)

@@ -1,0 +1,176 @@
+"""`activesuit bench`: measures speed, as ratios of paired medians, and exactness."""
+
+import platform
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from ..checks import at_least
+from ..errors import InputError
+from ..scripts.engine_log import engine_warnings
+from ..scripts.options import Force, Json, Seed
+from ..scripts.output import RunFolder, conclude, table, to_json
+
+if TYPE_CHECKING:
+    from .timing import Row
+
+Topic = Literal[
+    "all",
+    "hysteresis",
+    "engine",
+    "model",
+    "env",
+    "identify",
+    "exactness",
+    "sensitivity",
+    "honesty",
+    "first-use",
+]
+PAIRS = 9
+FEW, MANY = 25, 200  # cases of honesty, with --quick and without
+
+
+def bench(
+    topic: Annotated[Topic, tyro.conf.Positional] = "all",
+    /,
+    repeats: int | None = None,
+    quick: bool = False,
+    seed: Seed = 0,
+    out: Path | None = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Measure speed, each row against something else in turn in this very run.
+
+    Args:
+        topic: Part whose speed is measured, or all of them; or exactness, which compares the
+            kernels with their readable references, with SciPy and with the engine; or sensitivity,
+            which halves and doubles assumed numbers (about ten minutes); or honesty, which counts
+            how often intervals, verdicts and searches of identify are right on random truths; or
+            first-use, which compiles everything that a first environment needs.
+        repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
+            each cell, 200 by default; of bands, which take long, a third of it.
+        quick: Take 25 cases of each cell, of bands 8 (honesty).
+        seed: Seed of the first case (honesty).
+        out: Folder that keeps each case as it is finished, so that the same command goes on where
+            it was stopped (honesty).
+    """
+    if repeats is not None:
+        at_least("repeats", repeats, 1)
+    at_least("seed", seed, 0)
+    if topic == "honesty":
+        folder = RunFolder(out, "bench honesty", force=force) if out else None
+        _count(repeats or (FEW if quick else MANY), seed, folder, json)
+        return
+    if quick or out is not None or seed or force:
+        raise InputError(
+            f"--quick, --seed, --out and --force belong to honesty, not to {topic}: leave out"
+        )
+    import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
+
+    with engine_warnings():
+        _measure(topic, repeats or PAIRS, json)
+
+
+def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> None:
+    from . import honesty
+
+    found = honesty.honesty(repeats, seed, folder.path if folder else None)
+    tables = {f"{title}, {repeats} repeats": rows for title, rows in honesty.tables(found).items()}
+    result = {"repeats": repeats, "seed": seed, "cases": found}
+    conclude(result, tables, [], folder=folder, json=json)
+
+
+def _measure(topic: Topic, repeats: int, json: bool) -> None:
+    # Not needed by other commands, and slow to import.
+    import mujoco
+
+    from ..scripts.commands.li_2022 import li_2022
+    from . import (
+        effort,
+        engine,
+        env,
+        exactness,
+        hysteresis,
+        identify,
+        model,
+        starts,
+    )
+
+    alone = {"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use}
+    if topic in alone:
+        alone[topic](json)
+        return
+    topics: dict[str, Callable[[int], list[Row]]] = {
+        "hysteresis": hysteresis.rows,
+        "engine": engine.rows,
+        "model": model.rows,
+        "env": env.rows,
+        "identify": partial(identify.rows, study=li_2022),
+    }
+    rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
+    found = starts.random_starts(repeats) if topic in ("identify", "all") else []
+    errors = model.step_errors() if topic in ("model", "all") else []
+    costs = effort.suit_costs() if topic in ("model", "all") else []
+    machine = f"{platform.processor() or platform.machine()}, MuJoCo {mujoco.__version__}"
+    if json:
+        parts = {"rows": rows, "starts": found, "step_errors": errors, "suit_costs": costs}
+        content = {name: [one.to_dict() for one in part] for name, part in parts.items()}
+        print(to_json({"machine": machine, "repeats": repeats, **content}))
+        return
+    table(
+        f"medians of {repeats} pairs; {machine}",
+        ["ours\nagainst", "time", "processor\ntime", "ratio", "lowest\nhighest", "target"],
+        map(_cells, rows),
+        left=1,
+    )
+    if errors:
+        table("RMS differences from physics steps of 0.125 ms", *model.step_table(errors))
+    if costs:
+        table("effort in a suit over effort without", *effort.cost_table(costs))
+        print(effort.SIMULATED)
+    if found:
+        table("fits from random starts", *starts.starts_table(found))
+
+
+def _sensitivity(json: bool) -> None:
+    from . import sensitivity
+
+    cases = sensitivity.sensitivity()
+    if json:
+        print(to_json({"cases": [case.to_dict() for case in cases]}))
+    else:
+        table("assumed numbers halved and doubled", *sensitivity.sensitivity_table(cases))
+
+
+def _first_use(json: bool) -> None:
+    from . import first_use
+
+    uses = first_use.first_uses()
+    if json:
+        print(to_json({"uses": [use.to_dict() for use in uses]}))
+        return
+    for title, (header, rows) in first_use.tables(uses).items():
+        table(title, header, rows, left=1)
+
+
+def _cells(row: "Row") -> Sequence[str]:
+    verdict = "met" if row.met else "NOT met"
+    if row.ratio is None:
+        goal = "-" if row.limit is None else f"<= {row.limit:g} {verdict}"
+        return row.what, f"{row.ours:.3g} {row.unit}", _cpu(row.cpu), "", "", goal
+    return (
+        f"{row.what}\n{row.against}",
+        f"{row.ours:.3g} {row.unit}\n{row.reference:.3g} {row.unit}",
+        f"{_cpu(row.cpu)}\n{_cpu(row.reference_cpu)}",
+        f"{row.ratio:.3g}",
+        f"{row.lowest:.3g}\n{row.highest:.3g}",
+        f">= {row.target:g} {verdict}" if row.target else "-",
+    )
+
+
+def _cpu(time: float | None) -> str:
+    return "" if time is None else f"{time:.3g}"

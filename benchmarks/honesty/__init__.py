@@ -1,0 +1,279 @@
+"""Do the intervals, verdicts and searches of `identify` hold on truths that nobody tuned them to?
+
+Every case draws its truth, its curves and its noise from broad families by a seed; another first
+seed gives other truths and should give the same rates.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...errors import InputError
+from ...files import write_text
+from ...identification import Curve, Fit, identify, multi_order_motion
+from ...identification.fits.search import NOISE_MARGIN
+from ...identification.lost_motion import played
+from ...identification.residual.verdict import UNLIKELY
+from ...json_files import read_json
+from ...scripts.backends import run_all
+from ...scripts.output import Rows, progress, to_json
+from .bands import FAMILIES, RECORDS, band_case
+from .truths import KINDS, NOISE, STEP, jiles_atherton, measured
+
+NOISES = {
+    "white": (0.0, 0.0),
+    "AR(1) 0.5": (0.5, 0.0),
+    "AR(1) 0.9": (0.9, 0.0),
+    "AR(1) 0.97": (0.97, 0.0),
+    "slow and white": (0.95, 0.5),
+}
+FAULTS = (
+    "none",
+    "tare 0.2 N·m",
+    "play 0.3 degrees",
+    "gap 2 degrees",
+    "drift 2 %",
+    "rate 0.2 N·m·s/rad",
+)
+SURE, FAR = 1.15, 1.3  # misfits that must be reported, relative to the noise
+
+
+def interval_case(noise: str, seed: int) -> dict[str, Any]:
+    """Returns which share of the parameters, and of a random motion, intervals cover.
+
+    The model is of the truth's kind, so a reported misfit is a false alarm.
+    """
+    rng = np.random.default_rng([seed, 1])
+    truth = jiles_atherton(rng)
+    fit = identify(measured(truth, NOISES[noise], rng), seed=seed, workers=1)
+    sure = fit.uncertainty()
+    probe = multi_order_motion(truth.low, truth.high, turns=8, angle_step=STEP, rng=rng)
+    right = truth.torque(probe)
+    low, high = sure.band(Curve(probe, right, "probe"))
+    moved = np.abs(probe - probe[0]) > 5 * STEP
+    inside = (low <= right) & (right <= high)
+    # Parameters of the truth as the fit tells them follow from the exact fit of exact curves.
+    exact = identify(measured(truth, (0.0, 0.0), rng, size=1e-6), seed=seed, workers=1)
+    values = exact.uncertainty().values
+    covered = (sure.intervals[:, 0] <= values) & (values <= sure.intervals[:, 1])
+    return {
+        "parameters": float(np.mean(covered)),
+        "torque": float(np.mean(inside[moved])),
+        "width": float(np.mean((high - low)[moved]) / 2 / NOISE),
+        "false": _is_reported(fit),
+    }
+
+
+def misfit_case(noise: str, repeats: int, seed: int) -> dict[str, Any]:
+    """Returns how far a fit of a drawn truth is off, and whether that was reported."""
+    rng = np.random.default_rng([seed, 2])
+    kind = [*KINDS][seed % len(KINDS)]
+    model = ("jiles-atherton", "bouc-wen", "prandtl-ishlinskii")[seed // len(KINDS) % 3]
+    truth = KINDS[kind](rng)
+    curves = measured(truth, NOISES[noise], rng, repeats=repeats)
+    fit = identify(curves, model=model, seed=seed, workers=1)
+    off = np.concatenate([fit.predict(one) - truth.torque(one.angle) for one in curves])
+    times = float(np.sqrt(1 + np.mean(off**2) / NOISE**2))
+    return {"times": times, "told": _is_reported(fit)}
+
+
+def _is_reported(fit: Fit) -> bool:
+    """Returns whether a misfit was reported."""
+    return fit.judgement is not None and fit.judgement.misfit.probability < UNLIKELY
+
+
+def fault_case(fault: str, seed: int) -> dict[str, Any]:
+    """Returns which fault of a measurement is named first."""
+    rng = np.random.default_rng([seed, 3])
+    truth = jiles_atherton(rng, gap=math.radians(2) if fault.startswith("gap") else 0.0)
+    curves = []
+    for i, curve in enumerate(measured(truth, (0.0, 0.0), rng, size=0.0)):
+        time: Array = 0.5 * (1 + i) * STEP * np.arange(curve.angle.size, dtype=np.float64)
+        angle, torque = curve.angle, curve.torque
+        if fault.startswith("tare"):
+            torque = torque + 0.2
+        elif fault.startswith("play"):
+            torque = truth.torque(played(angle, math.radians(0.3)))
+        elif fault.startswith("drift"):
+            torque = torque * (1 + 0.02 * i)
+        elif fault.startswith("rate"):
+            torque = torque + 0.2 * np.gradient(angle, time)
+        torque = torque + NOISE * rng.standard_normal(torque.size)
+        curves.append(Curve(angle, torque, curve.name, time=time))
+    judged = identify(curves, seed=seed, workers=1).judgement
+    return {"named": judged.causes[0].name if judged and judged.causes else "none"}
+
+
+def start_case(kind: str, seed: int) -> dict[str, Any]:
+    """Returns whether the search of a drawn truth ends at the noise, and after how many runs."""
+    rng = np.random.default_rng([seed, 4])
+    truth = jiles_atherton(rng, kind)
+    curves = measured(truth, (0.0, 0.0), rng)
+    fit = identify(curves, seed=seed, workers=1)
+    left, noise = (
+        np.concatenate([torque(one) - one.torque for one in curves])
+        for torque in (fit.predict, lambda one: truth.torque(one.angle))
+    )
+    reached = np.linalg.norm(left) <= NOISE_MARGIN * np.linalg.norm(noise)
+    return {"reached": bool(reached), "evaluations": fit.evaluations}
+
+
+CASES: dict[str, Callable[..., dict[str, Any]]] = {
+    "intervals": interval_case,
+    "misfit": misfit_case,
+    "faults": fault_case,
+    "starts": start_case,
+    "bands": band_case,
+}
+CELLS: dict[str, list[tuple]] = {
+    "intervals": [(noise,) for noise in NOISES],
+    "misfit": [("white", 1), ("AR(1) 0.9", 1), ("AR(1) 0.9", 2), ("slow and white", 2)],
+    "faults": [(fault,) for fault in FAULTS],
+    "starts": [("certified",), ("uncertified",), ("saturating",)],
+    "bands": [(family, record) for family in FAMILIES for record in RECORDS],
+}
+
+
+SELDOM = {"bands": 3}  # parts whose cases take long: one case for so many of the others
+
+
+def honesty(repeats: int, first_seed: int, folder: Path | None, workers: int = -1) -> list[dict]:
+    """Runs all cases; those that a folder holds already are not run again.
+
+    Args:
+        repeats: Number of cases of each cell; of bands a third of it.
+        first_seed: Seed of the first case.
+        folder: Folder that keeps each case as it is finished; None keeps none.
+        workers: Number of processes; -1 uses all cores.
+    """
+    wanted = [
+        (part, cell, seed)
+        for part, cells in CELLS.items()
+        for cell in cells
+        for seed in range(first_seed, first_seed + max(repeats // SELDOM.get(part, 1), 1))
+    ]
+    found: dict[tuple, dict] = {}
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        for case in wanted:
+            if (path := folder / _file(case)).exists():
+                found[case] = read_json(path, "case")
+    missing = [(case,) for case in wanted if case not in found]
+    with progress("honesty", len(missing)) as bar:
+        for case, result in run_all(_run, missing, "loky", workers):
+            found[case] = result
+            if folder is not None:
+                write_text(folder / _file(case), to_json(result) + "\n")
+            bar.advance()
+    return [
+        {"part": part, "cell": list(cell), "seed": seed, **found[part, cell, seed]}
+        for part, cell, seed in wanted
+    ]
+
+
+def tables(results: Sequence[Mapping[str, Any]]) -> dict[str, Rows]:
+    """Returns the tables of all parts, by title."""
+    return {
+        "nominal 95 % intervals": (
+            [
+                "noise",
+                "repeats",
+                "parameters",
+                "torque of a\nrandom motion",
+                "half width,\nnoises",
+                "false\nmisfits",
+            ],
+            list(_interval_rows(results)),
+        ),
+        f"reported misfits (below {UNLIKELY:g})": (
+            ["noise", "each curve", f"from {SURE:g}x", f"from {FAR:g}x"],
+            list(_misfit_rows(results)),
+        ),
+        "faults of the measurement": (
+            ["fault", "named", "another", "none"],
+            list(_fault_rows(results)),
+        ),
+        "searches at the noise floor": (
+            ["truth", "reached", "model runs,\nmedian", "most"],
+            list(_start_rows(results)),
+        ),
+        "nominal 90 % bands on random motions": (
+            ["truth", "fitted to", "repeats", "inside", "half width,\nnoises", "error,\nnoises"],
+            list(_band_rows(results)),
+        ),
+    }
+
+
+def _interval_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for cell, rows in _by_cell(results, "intervals"):
+        shares = ([row[name] for row in rows] for name in ("parameters", "torque"))
+        values = [_percent(np.mean(share)) for share in shares]
+        width = np.median([row["width"] for row in rows])
+        false = _percent(np.mean([row["false"] for row in rows]))
+        yield [cell[0], str(len(rows)), *values, f"{width:.2f}", false]
+
+
+def _misfit_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for (noise, repeats), rows in _by_cell(results, "misfit"):
+        times = np.array([row["times"] for row in rows])
+        reported = np.array([row["told"] for row in rows])
+        cells = [_share(reported[times >= least]) for least in (SURE, FAR)]
+        yield [noise, "once" if repeats == 1 else "twice", *cells]
+
+
+def _fault_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for (fault,), rows in _by_cell(results, "faults"):
+        named = np.array([row["named"] for row in rows])
+        right, none = named == fault.split()[0], named == "none"
+        yield [fault, _share(right), _share(~right & ~none), _share(none)]
+
+
+def _start_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for (kind,), rows in _by_cell(results, "starts"):
+        runs = [row["evaluations"] for row in rows]
+        reached = np.array([row["reached"] for row in rows])
+        yield [kind, _share(reached), f"{np.median(runs):.0f}", str(max(runs))]
+
+
+def _band_rows(results: Sequence[Mapping[str, Any]]) -> Iterator[list[str]]:
+    for (family, record), rows in _by_cell(results, "bands"):
+        cells = ["-"] * 3
+        if rows:
+            inside = _percent(np.mean([row["inside"] for row in rows]))
+            sizes = (np.median([row[name] for row in rows]) for name in ("width", "error"))
+            cells = [inside, *(f"{size:.2f}" for size in sizes)]
+        yield [family, record, str(len(rows)), *cells]
+
+
+def _by_cell(
+    results: Sequence[Mapping[str, Any]], part: str
+) -> Iterator[tuple[tuple, list[Mapping[str, Any]]]]:
+    for cell in CELLS.get(part, []):
+        rows = [row for row in results if row["part"] == part and tuple(row["cell"]) == cell]
+        yield cell, [row for row in rows if "failed" not in row]
+
+
+def _share(values: Array) -> str:
+    return f"{_percent(np.mean(values))} of {values.size}" if values.size else "-"
+
+
+def _percent(share: Any) -> str:
+    return f"{100 * float(share):.1f} %"
+
+
+def _run(case: tuple[str, tuple, int]) -> tuple[tuple, dict[str, Any]]:
+    part, cell, seed = case
+    try:
+        return case, CASES[part](*cell, seed)
+    except InputError as error:  # such curves cannot be fitted, which is an answer too
+        return case, {"failed": str(error)}
+
+
+def _file(case: tuple[str, tuple, int]) -> str:
+    part, cell, seed = case
+    name = "".join(c if c.isalnum() else "-" for c in " ".join(map(str, cell)))
+    return f"{part}.{name}.{seed}.json"

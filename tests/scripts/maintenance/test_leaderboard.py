@@ -1,7 +1,0 @@
-"""The leaderboard is what the command makes of the committed results."""
-
-from activesuit.scripts.maintenance.leaderboard import PAGE, leaderboard
-
-
-def test_the_page_is_made_from_the_results():
-    assert PAGE.read_text(encoding="utf-8") == leaderboard()

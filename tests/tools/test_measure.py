@@ -1,0 +1,73 @@
+"""Numbers of README and docs: they come from kept results, which are means of the commands' own."""
+
+import json
+
+import pytest
+from activesuit.errors import InputError
+from activesuit.tools import measure
+from activesuit.tools.measure import (
+    EXPERIMENTS,
+    FOLDER,
+    condensed,
+    differences,
+    kept,
+    result_of,
+)
+from activesuit.tools.results import door, interval, percent
+
+
+def test_every_experiment_is_kept_with_its_command():
+    for name, command in EXPERIMENTS.items():
+        content = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
+        assert content["command"] == f"activesuit {command}", name
+    assert {path.stem for path in FOLDER.iterdir()} == set(EXPERIMENTS)
+
+
+def test_lists_of_one_number_for_each_motion_become_their_mean():
+    found = {"policy": "none", "effort": [0.1] * 10 + [0.3] * 10, "torque": {}, "load": {"a": 1}}
+    assert condensed({"scores": [found]}) == {
+        "scores": [{"policy": "none", "effort": 0.2, "torque": {}}]
+    }
+    assert condensed({"success": [True, False] * 4, "tilt": [0.0, 0.123456789], "why": None}) == {
+        "success": 0.5,
+        "tilt": [0.0, 0.123457],
+        "why": None,
+    }
+
+
+def test_a_run_that_differs_is_found():
+    old = {"relief": {"value": 0.7, "low": None}, "effort": 300.0}
+    assert list(differences(old, old)) == []
+    assert list(differences(old, {"relief": {"value": 0.705, "low": None}, "effort": 302.0})) == []
+    new = {"relief": {"value": 0.72, "low": 0.6}, "more": 1.0}
+    assert list(differences(old, new)) == [
+        "effort is None, and 300.0 is kept",
+        "more is 1.0, and None is kept",
+        "relief.low is 0.6, and None is kept",
+        "relief.value is 0.72, and 0.7 is kept",
+    ]
+
+
+def test_a_folder_without_a_result_is_refused(tmp_path):
+    with pytest.raises(InputError, match="has no result: give the folder of a run"):
+        result_of(tmp_path)
+
+
+def test_a_page_follows_the_result(tmp_path, monkeypatch):
+    """Another result makes another README, which the test of the pages then refuses."""
+    before = door()
+    changed = json.loads((FOLDER / "demo.json").read_text(encoding="utf-8"))
+    scores = changed["result"]["evaluation"]["microgravity"]["scores"]
+    scores["clairvoyant"]["relief"] = {"value": 1.05, "low": 1.03, "high": 1.07}
+    (tmp_path / "demo.json").write_text(json.dumps(changed))
+    monkeypatch.setattr(measure, "FOLDER", tmp_path)
+    after = door()
+    assert "1.05 (1.03 to 1.07)" in after
+    assert "1.05 (1.03 to 1.07)" not in before
+    assert interval(kept("demo")["evaluation"]["earth"]["scores"]["none"]["relief"]) in before
+
+
+def test_numbers_as_text():
+    assert interval({"value": -0.001, "low": -1.2, "high": 0.005}) == "0.00 (-1.20 to 0.01)"
+    assert interval(None) == "-"
+    assert percent(0.0673) == "6.7 %"

@@ -1,0 +1,369 @@
+"""Tables of README and docs that are made from measured results.
+
+The results are those that `measure.py` keeps in docs/measured, and docs/leaderboard.jsonl.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..envs.benchmark.results import read_results
+from ..envs.benchmark.standings import Standing, Standings
+from ..envs.evaluation import REFERENCES
+from ..envs.model.cuffs import FORCE_LIMITS
+from ..scripts.output import markdown_table
+from .leaderboard import RESULTS
+from .measure import kept
+
+WEIGHTLESS = "microgravity"
+PLACES = {"earth": "Earth", "mars": "Mars", "moon": "Moon", WEIGHTLESS: "weightless"}
+CAUSAL = ("adaptive", "observer", "disturbance-observer", "iterative", "impedance", "predictive")
+
+
+def percent(share: float, digits: int = 1) -> str:
+    """Returns a share in percent, as "6.7 %"."""
+    return f"{100 * share:.{digits}f} %"
+
+
+def interval(found: Mapping[str, float] | None) -> str:
+    """Returns a value with its 95 % interval, as "0.70 (0.66 to 0.73)"."""
+    if found is None:
+        return "-"
+    value, low, high = (_signed(found[name]) for name in ("value", "low", "high"))
+    return f"{value} ({low} to {high})"
+
+
+def _signed(value: float) -> str:
+    return f"{value:.2f}".replace("-0.00", "0.00")
+
+
+# The demo.
+
+
+def scores(place: str) -> dict[str, Any]:
+    """Returns the scores of the demo at a place, by policy."""
+    return kept("demo")["evaluation"][place]["scores"]
+
+
+def _effects(names: Mapping[str, str]) -> str:
+    header = ["", "effort, Earth", "relief, Earth", "effort, weightless", "relief, weightless"]
+    rows = []
+    for name, title in names.items():
+        cells = [title]
+        for place in ("earth", WEIGHTLESS):
+            one = scores(place)[name]
+            relief = {"unsuited": "1", "suited": "0"}.get(name) or interval(one["relief"])
+            cells += [percent(one["effort"]), relief]
+        rows.append(cells)
+    return markdown_table(header, rows)
+
+
+def door() -> str:
+    """Returns README's table, and what it says in words."""
+    table = _effects(
+        {
+            "suited": "suit, no exoskeleton",
+            "none": "exoskeleton, motors off",
+            "feedforward": "suit torque cancelled (`feedforward`)",
+            "compensation": "suit, weight and friction (`compensation`)",
+            "clairvoyant": "best known plan (`clairvoyant`)",
+        }
+    )
+    earth, space = scores("earth"), scores(WEIGHTLESS)
+    bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
+    return (
+        f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
+        f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
+        f"Compensation gives back {_signed(space['compensation']['relief']['value'])} of that in "
+        f"weightlessness, the best known plan {_signed(space['clairvoyant']['relief']['value'])}. "
+        "Motors that are off add weight and gear\nfriction, "
+        "and on Earth cancelling the suit alone does not make up for that weight."
+    )
+
+
+def demo_results() -> str:
+    """Returns the table of all policies of the demo."""
+    names = {"suited": "suited, no exoskeleton", "unsuited": "unsuited"}
+    policies = {name: f"`{name}`" for name in scores("earth") if name not in names}
+    return _effects({**names, **policies})
+
+
+def demo_fits() -> str:
+    """Returns the table of the fits of the demo."""
+    header = ["joint", "method", "fitness, eq. (7)", "NRMSE", "certificate margin"]
+    header += ["model runs", "largest held-out errors [N·m]"]
+    rows = []
+    for joint, methods in kept("demo")["fits"].items():
+        for method, fit in methods.items():
+            errors = ", ".join(f"{error:.2f}" for error in fit["prediction_max_error"].values())
+            quality = [f"{fit['fitness']:.2e}", percent(fit["nrmse"], 2)]
+            margin = f"{fit['certificate']['margin']:.3f}"
+            rows.append([joint, f"`{method}`", *quality, margin, f"{fit['evaluations']:,}", errors])
+    return markdown_table(header, rows)
+
+
+# Sixteen settings.
+
+
+@cache
+def settings() -> dict[tuple[str, str, str], dict[str, Any]]:
+    """Returns the evaluations by place, suit and coupling."""
+    found = kept("settings")["result"]["settings"]
+    return {(one["gravity"], one["suit"], one["coupling"]): one for one in found}
+
+
+def _matrix(columns: Mapping[str, Mapping[str, Any]]) -> str:
+    """Returns relief by policy, with a column for each evaluation."""
+    costs = [percent(one["suit_cost"]["value"]) for one in columns.values()]
+    rows = [["the suit costs, of strength", *costs]]
+    names = next(iter(columns.values()))["scores"]
+    for name in names:
+        if name not in REFERENCES:
+            reliefs = (interval(one["scores"][name]["relief"]) for one in columns.values())
+            rows.append([f"`{name}`", *reliefs])
+    return markdown_table(["policy", *columns], rows)
+
+
+def four_settings() -> str:
+    """Returns relief in both suits on Earth and in weightlessness, in the rigid exoskeleton."""
+    columns = {
+        f"{PLACES[place]}, {suit}": settings()[place, suit, "rigid"]
+        for suit in ("mock-suit", "emu-like")
+        for place in ("earth", WEIGHTLESS)
+    }
+    return _matrix(columns)
+
+
+def all_settings() -> str:
+    """Returns relief in all settings, then a table of each."""
+    parts = []
+    for suit, coupling in dict.fromkeys(key[1:] for key in settings()):
+        here = {
+            PLACES[place]: one
+            for (place, *rest), one in settings().items()
+            if tuple(rest) == (suit, coupling)
+        }
+        parts += [f"## Relief: {suit}, {coupling}", _matrix(here)]
+    parts.append("## Each setting")
+    for (place, suit, coupling), one in settings().items():
+        parts += [f"**{PLACES[place]}, {suit}, {coupling}**", _setting(one["scores"])]
+    return "\n\n".join(parts)
+
+
+def _setting(found: Mapping[str, Any]) -> str:
+    header = ["policy", "effort", "relief", "of the bound", "shoulder, elbow [N·m]"]
+    rows = []
+    for name, one in found.items():
+        share, torque = one["share_of_bound"], one["torque"]
+        rows.append(
+            [
+                f"`{name}`",
+                percent(one["effort"]),
+                interval(one["relief"]),
+                "-" if share is None else percent(share["value"], 0),
+                f"{torque['shoulder_flexion']:.2f}, {torque['elbow_flexion']:.2f}",
+                f"{1e3 * one['tracking']:.0f}",
+                percent(one["success"], 0),
+                f"{one['reward']:.2f}",
+            ]
+        )
+    return markdown_table([*header, "error [mrad]", "success", "reward"], rows)
+
+
+def spread(values: Iterable[float]) -> str:
+    """Returns the least and the greatest of some values, as "0.86 to 1.00"."""
+    found = list(values)
+    return f"{min(found):.2f} to {max(found):.2f}"
+
+
+def findings() -> str:
+    """Returns what the settings show, as a list."""
+    found = settings()
+    named = {"unsuited": "unsuited", "suited": "suited", "none": "motors off"}
+    named |= {"compensation": "compensation", "clairvoyant": "clairvoyant"}
+    levels = (
+        f"{title} {spread(one['scores'][name]['reward'] for one in found.values())}"
+        for name, title in named.items()
+    )
+    ranks = [_rank_correlation(one["scores"]) for one in found.values()]
+    same = sum(rank > 0.999 for rank in ranks)
+    stiff = found[WEIGHTLESS, "emu-like", "rigid"]["scores"]["compensation"]
+    cuffs = found[WEIGHTLESS, "emu-like", "cuffs"]["scores"]
+    drifting, cancelled, best = (cuffs[n] for n in ("compensation", "feedforward", "clairvoyant"))
+    reliefs = [one["relief"]["value"] for one in (stiff, drifting, cancelled, best)]
+    shares = [list(_each(one["scores"], "beginning")) for one in found.values()]
+    first = 100 * np.mean(shares, axis=1)
+    lines = [
+        f"**The levels of the mean reward are alike everywhere**: {', '.join(levels)}.",
+        f"**The first half second** has {first.min():.1f} to {first.max():.1f} % of "
+        "the return, about its share of the time.",
+        f"**The reward ranks policies as relief does** in {same} of the {len(ranks)} settings. In "
+        f"the others the rank correlation is at least {min(ranks):.2f}: neighbours of almost the "
+        "same relief change places, since the reward also charges tracking and chatter.",
+        "**A strong suit on cuffs is another matter.** The cuffs yield, so that the encoders show "
+        "another angle than the arm's. In weightlessness and the emu-like suit `compensation` "
+        f"falls from {reliefs[0]:.2f} to {reliefs[1]:.2f}, below `feedforward` ({reliefs[2]:.2f}). "
+        f"It presses up to {drifting['cuff_peak']['upper_arm']:.0f} N on the upper arm, where "
+        f"{FORCE_LIMITS['upper_arm']:.0f} N is what a person should bear, and "
+        f"{percent(drifting['success'], 0)} of its motions succeed. The clairvoyant, whose plan "
+        f"allows for the cuffs, keeps {reliefs[3]:.2f}. `corrected` estimates the arm's angles "
+        "from the cuffs' forces ([Controllers](controllers.md#the-policies)).",
+    ]
+    return "\n".join(f"- {line}" for line in lines)
+
+
+def _each(found: Mapping[str, Any], field: str) -> Iterable[float]:
+    return (one[field] for one in found.values())
+
+
+def _rank_correlation(found: Mapping[str, Any]) -> float:
+    """Returns Kendall's tau between mean reward and relief over the policies of a setting."""
+    from scipy.stats import kendalltau
+
+    judged = [one for name, one in found.items() if name not in REFERENCES]
+    reliefs = [one["relief"]["value"] for one in judged]
+    rank: Any = kendalltau(reliefs, [one["reward"] for one in judged])
+    return float(rank.statistic)
+
+
+# Laws of control, a branch, and speed.
+
+
+def laws() -> str:
+    """Returns relief of the laws that feed back what they measure, in three settings."""
+    rows = []
+    for coupling, names in (
+        ("laws", kept("laws-earth")["result"]["scores"]),
+        ("cuffs", {"compensation": 0, "admittance": 0}),
+    ):
+        places = [kept(f"{coupling}-{where}")["result"] for where in ("earth", "weightless")]
+        shift = kept(f"{coupling}-shift")["result"]["scores"]
+        for name in names:
+            if name not in REFERENCES:
+                misled = shift.get(f"{name}:suit=mock-suit") or shift[name]
+                found = [*(place["scores"][name] for place in places), misled]
+                title = f"`{name}`" + (", cuffs" if coupling == "cuffs" else "")
+                rows.append([title, *(_signed(one["relief"]["value"]) for one in found)])
+    header = ["policy", "Earth, mock-suit", "weightless, emu-like", "shift"]
+    return markdown_table(header, rows)
+
+
+def branch() -> str:
+    """Returns the table of a branch."""
+    (fork,) = kept("branch")["result"]["forks"]
+    futures = fork["futures"]
+    best = futures["clairvoyant"]["effort"]
+    rows = []
+    for name, one in futures.items():
+        torque = one["human_torque_nm"]
+        pair = f"{torque['shoulder_flexion']:.2f}, {torque['elbow_flexion']:.2f} N·m"
+        regret = percent(one["effort"] - best)
+        error = f"{1e3 * one['tracking_rad']:.0f} mrad"
+        rows.append([f"`{name}`", percent(one["effort"]), regret, pair, error])
+    header = ["policy, after 2 s of feed-forward, for 1 s", "effort", "regret"]
+    return markdown_table([*header, "human torque: shoulder, elbow", "error"], rows)
+
+
+def speed(topic: str) -> str:
+    """Returns the table of the rows of a bench that are compared with something.
+
+    Args:
+        topic: Part of the package, as in `activesuit bench`.
+    """
+    rows = [
+        [
+            one["what"],
+            one["against"].partition(" (")[0],
+            f"{one['ratio']:.2f}",
+            f"{one['lowest']:.2f} to {one['highest']:.2f}",
+        ]
+        for one in kept(f"bench-{topic}")["result"]["rows"]
+        if one["ratio"] is not None
+    ]
+    return markdown_table(["ours", "against", "speed, median", "lowest to highest"], rows)
+
+
+# The papers.
+
+
+def claims() -> str:
+    """Returns the table of the first paper's claims."""
+    titles = {"convergence": "fewer iterations", "fitness": "lower fitness"}
+    rows = []
+    for one in kept("study")["result"]["claims"]:
+        claim = one["claim"]
+        title = titles.get(claim["quantity"], "better prediction")
+        printed = percent(claim["advantage"], 2) if claim["advantage"] else "-"
+        ends = " to ".join(f"{100 * end:+.0f}" for end in one["interval"])
+        ours = f"{100 * one['advantage']:+.1f} % ({ends})"
+        rows.append([f"{claim['joint']}, {title}", printed, ours, one["verdict"]])
+    return markdown_table(["claim of the paper for SA-PSO", "printed", "ours", "verdict"], rows)
+
+
+def dispatch() -> str:
+    """Returns the table of the second paper's cost benchmark."""
+    header = ["limit of unit 2", "method", "optimum", "best", "average", "worst", "optimum found"]
+    rows = []
+    for one in kept("kao-fung")["result"]["cost"]:
+        costs = (f"{one[name]:,.2f}" for name in ("optimum", "best", "average", "worst"))
+        limit = "ignored" if one["relax_slack_bound"] else "kept"
+        reached = f"{one['reached']} of {one['trials']}"
+        rows.append([limit, f"`{one['method']}`", *costs, reached])
+    return markdown_table(header, rows)
+
+
+# The leaderboard.
+
+
+@cache
+def standings() -> Standings:
+    """Returns the standings of the committed results."""
+    return Standings(read_results([RESULTS]))
+
+
+@cache
+def standing(policy: str, level: str) -> Standing:
+    """Returns how a policy stands at a level, over all tasks and both beliefs."""
+    return standings().standing(policy, standings().settings_at(level))
+
+
+def better() -> str:
+    """Returns the table of the best causal policies at each level."""
+    header, rows = ["policy"], []
+    for level in standings().levels:
+        header += [f"{level}: success", "relief", "better"]
+    for policy in (*CAUSAL, "compensation"):
+        cells = [f"`{policy}`"]
+        for level in standings().levels:
+            one = standing(policy, level)
+            relief, improvement = (
+                "" if found is None else interval(found.to_dict())
+                for found in (one.relief, one.improvement)
+            )
+            cells += [percent(one.success, 0), relief, improvement]
+        rows.append(cells)
+    return markdown_table(header, rows)
+
+
+def relief_at(policy: str, level: str) -> str:
+    """Returns the mean relief of a policy at a level of the leaderboard, as "0.87"."""
+    found = standing(policy, level).relief
+    return "-" if found is None else _signed(found.value)
+
+
+RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
+    "../README.md": {"results": door},
+    "reproduction.md": {"fits": demo_fits, "claims": claims, "dispatch": dispatch},
+    "controllers.md": {
+        "laws": laws,
+        "branch": branch,
+        "demo": demo_results,
+        "four settings": four_settings,
+    },
+    "results.md": {"findings": findings, "settings": all_settings},
+    "benchmark.md": {"better": better},
+    "environments.md": {"speed": lambda: speed("env")},
+}
+"""The tables by page and mark."""

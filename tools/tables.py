@@ -1,0 +1,139 @@
+"""Remakes tables of the docs: `python -m activesuit.tools.tables`.
+
+They come from code and from kept results. Each stands between two marks of its page, so that the
+text around it is written by hand.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+from ..assets import JOINTS
+from ..envs.levels import LEVELS
+from ..envs.observation import BELIEF, SUITES
+from ..envs.person import control
+from ..envs.provenance import Quantity
+from ..envs.simulation.measurements import COLUMNS
+from ..envs.tasks import TASKS
+from ..errors import InputError
+from ..files import write_text
+from ..scripts.output import markdown_table
+from .results import RESULT_TABLES
+
+DOCS = Path(__file__).parent.parent / "docs"
+
+_GAINS = {
+    "stiffness.base": "stiffness without torque, $K_0$",
+    "stiffness.slope": "its growth with torque, $K_1$",
+    "contraction": "co-contraction, $c$",
+    "damping": "damping over stiffness, $T_D$",
+    "delay": "delay of the reflex",
+    "reflex": "gain of the reflex, $g$",
+    "reflex.lead": "what a rate counts beside an error, $T_r$",
+    "reflex.lag": "lag of the muscles behind the reflex",
+    "correction": "rate of the slow correction, $h$",
+    "correction.delay": "its delay",
+    "learning": "learning from one motion to the next, $a$",
+    "forgetting": "forgetting, $f$",
+    "learning.pace": "learning within episodes that differ",
+    "learning.credit": "how much earlier an answer is given the next time",
+    "noise": "noise, its standard deviation over torque at `noise=1`",
+    "noise.corner": "its corner",
+    "tremor.center": "tremor, its middle",
+    "tremor.width": "its width",
+}
+
+
+def sensor_suites() -> str:
+    """Returns the table of the sensor suites."""
+    header = ["suite", "part in `layout`", "it adds", "numbers", "limit", "unit"]
+    rows = []
+    for suite, parts in SUITES.items():
+        for i, part in enumerate(parts):
+            columns = COLUMNS.get(part.measurement, BELIEF)
+            name = "" if i else f"`{suite}`"
+            size, limit, scale = columns.stop - columns.start, _number(part.limit), part.scale
+            cells = [name, f"`{part.name}`", part.shows, str(size), limit, part.unit]
+            rows.append([*cells, _number(scale)])
+    return markdown_table([*header, "1 when normalized"], rows)
+
+
+def gains() -> str:
+    """Returns the table of the gains of the wearer's control."""
+    groups: dict[str, list[Quantity]] = {}
+    for quantity in control.PROVENANCE:
+        name = quantity.name.removeprefix("control.")
+        for joint in JOINTS:
+            name = name.removesuffix(f".{joint}")
+        groups.setdefault(name, []).append(quantity)
+    header = ["gain", "value", "unit", "source", "grade"]
+    rows = [[_GAINS[name], *_gain(group)] for name, group in groups.items()]
+    return markdown_table(header, rows)
+
+
+def tasks() -> str:
+    """Returns the table of the tasks."""
+    header = ["id", "motion and load", "lasts", "place", "succeeds with", "source"]
+    rows = []
+    for name, task in TASKS.items():
+        motion, place = task.about, task.place
+        cells = [f"`ActiveSuit/{name}-v0`", motion, f"{task.duration:g} s", place]
+        rows.append([*cells, task.rule, task.source])
+    return markdown_table(header, rows)
+
+
+def levels() -> str:
+    """Returns the table of the levels."""
+    rows = []
+    for name, options in LEVELS.items():
+        terms = {**options, **options.get("randomize", {})}
+        terms.pop("randomize", None)
+        shown = (f"`{term}={value!r}`" for term, value in terms.items())
+        rows.append([f"`{name}`", ", ".join(shown) or "nothing"])
+    return markdown_table(["level", "differs by"], rows)
+
+
+def _gain(group: Sequence[Quantity]) -> Iterator[str]:
+    values = [f"{quantity.value:g}" for quantity in group]
+    yield ", ".join(values if len(set(values)) > 1 else values[:1])
+    yield group[0].unit
+    yield "; ".join(dict.fromkeys(quantity.source for quantity in group))
+    yield ", ".join(dict.fromkeys(quantity.grade for quantity in group))
+
+
+def _number(value: float) -> str:
+    return "π" if value == math.pi else f"{value:,g}"
+
+
+TABLES: dict[str, dict[str, Callable[[], str]]] = {
+    "tasks.md": {"tasks": tasks, "levels": levels},
+    "model.md": {"gains": gains},
+    **RESULT_TABLES,
+    "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
+}
+"""The tables by page and mark."""
+
+
+def page(name: str) -> str:
+    """Returns the text of a page with its tables as the code has them.
+
+    Args:
+        name: Name of the page, one of `TABLES`.
+
+    Raises:
+        InputError: A mark is missing.
+    """
+    text = (DOCS / name).read_text(encoding="utf-8")
+    for title, table in TABLES[name].items():
+        begin, end = f"<!-- made by tables.py: {title} -->\n", f"<!-- end: {title} -->"
+        if text.count(begin) != 1 or text.count(end) != 1:
+            raise InputError(f"{name} has not both marks of {title!r}: put {begin!r} and {end!r}")
+        before, rest = text.split(begin)
+        text = f"{before}{begin}\n{table()}\n\n{end}{rest.split(end)[1]}"
+    return text
+
+
+if __name__ == "__main__":
+    for name in TABLES:
+        write_text(DOCS / name, page(name))
+        print(f"wrote {DOCS / name}")
