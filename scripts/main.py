@@ -52,7 +52,7 @@ GROUPS = {
     },
     "Reproduce a paper": {
         "reproduce li-2022": "Compare identification methods by many trials, and judge the claims.",
-        "reproduce kao-fung-2009": "Repeat the cost benchmark and the piezo mechanism, the latter on regenerated data.",
+        "reproduce kao-fung-2009": "Repeat the cost benchmark and the piezo mechanism.",
     },
 }
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}

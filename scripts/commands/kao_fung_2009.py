@@ -44,7 +44,9 @@ def kao_fung_2009(
     trials: int = 100,
     json: Json = False,
 ) -> None:
-    """Repeat the cost benchmark and the piezo mechanism, the latter on regenerated data.
+    """Repeat the cost benchmark and the piezo mechanism.
+
+    The paper is Kao and Fung (2009). The data of the mechanism are regenerated.
 
     Args:
         out: Folder for result.json, the tables as CSV and the figures 6, 7 and 8 as PNG and SVG: a
