@@ -2,6 +2,7 @@
 
 from .arm_env import ArmEnv
 from .model import ArmConfig, compose
+from .setup import Setup
 from .tasks import TASKS, Task
 
-__all__ = ["TASKS", "ArmConfig", "ArmEnv", "Task", "compose"]
+__all__ = ["TASKS", "ArmConfig", "ArmEnv", "Setup", "Task", "compose"]

@@ -1,6 +1,5 @@
 """The Gymnasium environment: the wearer moves a suited arm, and the agent drives the motors."""
 
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -12,11 +11,9 @@ from ..errors import InputError, shown
 from .episodes import Episodes, checked_seed
 from .info import Info
 from .model import ArmConfig
-from .person import VoluntaryControl
-from .randomization import Randomization
 from .rendering import ArmRenderer, RenderQuality
+from .setup import Setup
 from .simulation import Simulation
-from .simulation.sensing import Sensing
 from .tasks import ARM_TRACKING, Task, task_of
 from .vector_env import ArmVectorEnv
 
@@ -75,26 +72,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     Args:
         task: Task, or the name of a shipped one.
-        sensors: Names of the sensor suites that make up the observation.
-        normalize: Whether observations are divided by constants, to the size of 1.
-        history: Number of control periods, the present one and those before it, whose observations
-            make up one, newest first.
-        control_dt: Time between actions [s]; it is a multiple of the physics step and divides
-            0.02 s.
-        control: The wearer's control of the arm, or a dict of the fields that differ from the
-            default, whose delay is the multiple of `control_dt` that is nearest to 0.05 s.
-        fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
-            the task decides.
-        level: Difference from the conditions that a controller was designed for: "nominal",
-            "randomized" or "shift" (see `envs.levels`); given options replace those of the level.
-        randomize: What differs from episode to episode beside the motion, as a `Randomization` or a
-            dict of its terms: suit, suits, pressure, load, payload, gravity, wearers, misalignment,
-            sensor_noise, encoder_offset.
-        sensing: Noise, delay and bandwidth of sensors, as a `Sensing` or a dict of the fields that
-            differ from the default.
-        belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
-            the simulated one, such as {"suit": "elbow.json"}; it never follows what `randomize`
-            draws.
         render_mode: Render mode of Gymnasium: None, "rgb_array" or "human".
         camera: Name of the camera to render from.
         width: Width of the picture [pixels].
@@ -104,9 +81,9 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         picture_dt: Simulated time between new pictures [s], in which `render` returns the last one
             again; 0 draws each anew. A recorder calls `render` after every step: with 0.04 it gets
             25 new pictures a second, and its film still plays in real time.
-        **arm: Fields of `ArmConfig`: suit, pressure, gravity, wearer, exo, coupling, payload,
-            side, tilt, misalignment, sim_dt, allow_uncertified. Give nested fields as dicts if you
-            need `EnvSpec.to_json`.
+        **options: Options of the environment: sensors, control_dt, control, level, randomize and
+            others, as in `Setup`; and suit, gravity, coupling, wearer and others, as in
+            `ArmConfig`. Give nested ones as dicts if you need `EnvSpec.to_json`.
 
     Attributes:
         episodes: Episodes of the task, with the simulated arm and its sensors.
@@ -121,43 +98,20 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
         self,
         task: str | Task = ARM_TRACKING,
         *,
-        sensors: Sequence[str] = ("encoders",),
-        normalize: bool = False,
-        history: int = 1,
-        control_dt: float = 0.01,
-        control: VoluntaryControl | Mapping[str, Any] | None = None,
-        fatigue: bool | None = None,
-        level: str = "nominal",
-        randomize: Randomization | Mapping[str, Any] | None = None,
-        sensing: Sensing | Mapping[str, Any] | None = None,
-        belief: Mapping[str, Any] | None = None,
         render_mode: str | None = None,
         camera: str = "overview",
         width: int = 640,
         height: int = 480,
         render_quality: RenderQuality = "fast",
         picture_dt: float = 0.0,
-        **arm: Any,
+        **options: Any,
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise InputError(f"render_mode is {render_mode!r}: use None, 'rgb_array' or 'human'")
-        self.episodes = Episodes(
-            task_of(task),
-            1,
-            sensors=sensors,
-            normalize=normalize,
-            history=history,
-            control_dt=control_dt,
-            control=control,
-            fatigue=fatigue,
-            level=level,
-            randomize=randomize,
-            sensing=sensing,
-            belief=belief,
-            **arm,
-        )
+        task, self._options = task_of(task), options
+        self.episodes = Episodes(task, 1, Setup.of(task, options))
         # Gymnasium's recorders ask for a picture after each step, and play them at this rate.
-        self.metadata = {**self.metadata, "render_fps": round(1 / control_dt)}
+        self.metadata = {**self.metadata, "render_fps": round(1 / self.control_dt)}
         self.render_mode = render_mode
         self.renderer = ArmRenderer(
             self.config,
@@ -232,7 +186,7 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
             count: Number of rows.
             **options: Further options of `ArmVectorEnv`, such as `threads`.
         """
-        return ArmVectorEnv(count, self.episodes.task, **{**self.episodes.options, **options})
+        return ArmVectorEnv(count, self.episodes.task, **{**self._options, **options})
 
     # --- State --------------------------------------------------------------------------------
 

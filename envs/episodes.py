@@ -1,7 +1,7 @@
 """Episodes of a task in many rows, for single and vector environments."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from math import isfinite
 from typing import Any
@@ -12,15 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from ..arrays import Array
 from ..assets import JOINTS
 from ..checks import flag, within
-from ..errors import InputError, refuse_old_names, shown
+from ..errors import InputError, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
 from .info import Info
-from .levels import with_level
 from .model import ArmConfig, compose, resisting_joints
-from .model.config import nested
-from .observation import NOISY, Observer, checked_sensors
-from .person import VoluntaryControl, isometric_strength
-from .randomization import Randomization
+from .observation import NOISY, Observer
+from .person import isometric_strength
 from .reward import (
     CLIPPED,
     COST,
@@ -38,6 +35,7 @@ from .reward import (
     judge_hand,
     suited_effort,
 )
+from .setup import Setup
 from .simulation import Simulation
 from .simulation.bound import bound
 from .simulation.differing import Variety
@@ -45,8 +43,7 @@ from .simulation.inverse_dynamics import Chain
 from .simulation.measurements import ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.plan import Plan
 from .simulation.saving import check_state
-from .simulation.sensing import Sensing
-from .simulation.simulation import PREVIEW, Start
+from .simulation.simulation import Start
 from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .simulation.structs import saved
 from .tasks import Task
@@ -62,27 +59,12 @@ class Episodes:
     Args:
         task: The task.
         n: Number of rows.
+        setup: Options of the environment.
         threads: Number of threads of the physics; 0 uses all cores.
         max_periods: Number of control periods after which an episode is truncated, if that is
             before the end of the intention.
-        sensors: Names of the sensor suites that a controller sees.
-        normalize: Whether observations are scaled to the size of 1.
-        history: Number of control periods, the present one and those before it, whose observations
-            make up one; the first observation stands for those before the reset.
-        control_dt: Time between actions [s], a multiple of the physics step that divides 0.02 s.
-        control: The wearer's control of the arm, or a dict of the fields that differ from the
-            default.
-        fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
-            the task decides.
-        level: Name of one of `LEVELS`, whose options apply unless others are given.
-        randomize: What differs from episode to episode beside the motion, or a dict of the terms.
-        sensing: Noise, delay and bandwidth of sensors, or a dict of the fields that differ from the
-            default.
-        belief: Fields of `ArmConfig` in which the believed arm of the suite "belief" differs from
-            that of the configuration, such as {"suit": "elbow.json"}.
         learned_torque: Whether `reset` takes torques that wearers have learned.
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
-        **arm: Fields of `ArmConfig`.
 
     Attributes:
         simulation: The simulated arms.
@@ -91,7 +73,6 @@ class Episodes:
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
         effort_scale: Effort of the suited arm over strength, by which rewards are scaled.
-        options: Arguments that do not depend on the number of rows, as they were given.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -101,89 +82,52 @@ class Episodes:
         self,
         task: Task,
         n: int,
+        setup: Setup,
         *,
         threads: int = 1,
         max_periods: int | None = None,
-        sensors: Sequence[str] = ("encoders",),
-        normalize: bool = False,
-        history: int = 1,
-        control_dt: float = 0.01,
-        control: VoluntaryControl | Mapping[str, Any] | None = None,
-        fatigue: bool | None = None,
-        level: str = "nominal",
-        randomize: Randomization | Mapping[str, Any] | None = None,
-        sensing: Sensing | Mapping[str, Any] | None = None,
-        belief: Mapping[str, Any] | None = None,
         learned_torque: bool = False,
         effort_scale: float | None = None,
-        **arm: Any,
     ) -> None:
-        refuse_old_names(arm, {"taught": "learned_torque"})
+        flag("learned_torque", learned_torque)
+        if effort_scale is not None:
+            within("effort_scale", effort_scale, TINIEST, 1 / TINIEST, " of strength")
         self._of_rows = {
             **{"threads": threads, "max_periods": max_periods, "effort_scale": effort_scale},
             "learned_torque": learned_torque,
         }
-        self.options = {
-            **{"sensors": sensors, "normalize": normalize, "history": history},
-            **{"control_dt": control_dt, "control": control, "fatigue": fatigue},
-            **{"level": level, "randomize": randomize, "sensing": sensing, "belief": belief, **arm},
-        }
-        arm = with_level({"level": level, "randomize": randomize, **arm})
-        randomize = arm.pop("randomize")
-        arm.setdefault("gravity", task.place)
-        fatigue = task.fatigue if fatigue is None else fatigue
-        config, sensors = ArmConfig.from_dict(arm), checked_sensors(sensors)
-        _check_period(control_dt, config.timestep)
-        flag("fatigue", fatigue)
-        flag("normalize", normalize)
-        flag("learned_torque", learned_torque)
-        if effort_scale is not None:
-            within("effort_scale", effort_scale, TINIEST, 1 / TINIEST, " of strength")
-        usual = VoluntaryControl()
-        usual = replace(usual, delay=round(usual.delay / control_dt) * control_dt)
-        settings = nested("control", {} if control is None else control, usual)
-        settings.periods(control_dt)
-        self.randomization = nested(
-            "randomize", {} if randomize is None else randomize, Randomization()
-        )
-        self._believed: dict[str, Any] | None = None
-        self._suits = self.randomization.suits_for(config)
+        self.setup, self._suits = setup, setup.randomize.suits_for(setup.arm)
         self.task, self.n = task, n
-        samples = round(task.duration / control_dt) + 1
+        samples = round(task.duration / setup.control_dt) + 1
         self._periods = min(samples - 1, max_periods or samples)
         self.simulation = Simulation(
-            config,
+            setup.arm,
             n,
             samples=samples,
-            control_dt=control_dt,
-            control=settings,
-            fatigue=fatigue,
-            sensing=nested("sensing", {} if sensing is None else sensing, Sensing()),
-            noisy=any(suite in sensors for suite in NOISY),
+            control_dt=setup.control_dt,
+            control=setup.control,
+            fatigue=setup.fatigue,
+            sensing=setup.sensing,
+            noisy=any(suite in setup.sensors for suite in NOISY),
             variety=Variety(
-                wearers=self.randomization.wearers,
+                wearers=setup.randomize.wearers,
                 suits=self._suits,
-                misalignments=self.randomization.misalignment > 0,
-                loads=task.carries or self.randomization.payload is not None,
-                places=bool(self.randomization.gravity),
+                misalignments=setup.randomize.misalignment > 0,
+                loads=task.carries or setup.randomize.payload is not None,
+                places=bool(setup.randomize.gravity),
             ),
             edits=task.edits,
             carries=task.carries,
             learned=learned_torque,
             threads=threads,
         )
-        self.observer = Observer(
-            sensors, self.simulation.columns, normalize=normalize, history=history
-        )
+        columns, history = self.simulation.columns, setup.history
+        self.observer = Observer(setup.sensors, columns, normalize=setup.normalize, history=history)
         size = self.observer.space.shape[0] // history if history > 1 else 0
         self._frames = np.zeros((n, history - 1, size), np.float32)
         self._belief, self._belief_state = np.zeros((n, 4)), np.zeros((n, 0))
-        if belief is not None and "belief" not in sensors:
-            raise InputError(
-                f"belief is {shown(belief)}, and sensors is {list(sensors)}: add 'belief' to them"
-            )
-        if "belief" in sensors:
-            self._believe(nested("belief", {} if belief is None else belief, config))
+        if setup.belief is not None:
+            self._believe(setup.belief)
         self.motors = self.simulation.addresses.motors.size
         self._all = np.arange(n)
         self.effort_scale = self._suited_effort() if effort_scale is None else effort_scale
@@ -283,7 +227,7 @@ class Episodes:
 
     def identity(self) -> dict[str, Any]:
         """Returns the options on which a state depends."""
-        simulation = self.simulation
+        simulation, believed = self.simulation, self.setup.belief
         return {
             "task": self.task.name,
             **{name: value for name, value in self.task.identity().items() if name != "name"},
@@ -291,9 +235,9 @@ class Episodes:
             "control_dt": simulation.control_dt,
             "control": asdict(simulation.control),
             "fatigue": simulation.fatigue,
-            "randomize": asdict(self.randomization),
+            "randomize": asdict(self.setup.randomize),
             "sensing": asdict(simulation.sensing),
-            "belief": self._believed,
+            "belief": believed.to_dict() if believed else None,
             "effort_scale": self._of_rows["effort_scale"],
         }
 
@@ -307,7 +251,7 @@ class Episodes:
         Raises:
             InputError: The state is not from `state`, or is of other arms; nothing has changed.
         """
-        present, wearers = self._arrays(rows), max(1, len(self.randomization.wearers))
+        present, wearers = self._arrays(rows), max(1, len(self.setup.randomize.wearers))
         check_state(state, self.identity(), present, self.simulation.model, wearers)
         self._restore(rows, state)
         limit = self._counters.limit
@@ -315,12 +259,11 @@ class Episodes:
         self._judge(rows, False)
 
     def __getstate__(self) -> dict[str, Any]:
-        options = {**self._of_rows, **self.options}
-        state = self._arrays(self._all)
-        return {"task": self.task, "n": self.n, "options": options, "state": state}
+        made_with = {"task": self.task, "n": self.n, "setup": self.setup, **self._of_rows}
+        return {"made_with": made_with, "state": self._arrays(self._all)}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
-        self.__init__(saved["task"], saved["n"], **saved["options"])
+        self.__init__(**saved["made_with"])
         self._restore(self._all, saved["state"])
         self._judge(self._all, False)
 
@@ -367,7 +310,7 @@ class Episodes:
         return self.observer(self._measured, self._belief)
 
     def _start(self, row: int, learned_torque: Array | None = None) -> Start:
-        streams, terms = partial(self._stream, row), self.randomization
+        streams, terms = partial(self._stream, row), self.setup.randomize
         wearer = terms.person(streams)
         plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
         plan = self.simulation.checked(plan)
@@ -404,7 +347,6 @@ class Episodes:
     def _believe(self, config: ArmConfig) -> None:
         """Prepares the believed arm of the suite "belief"."""
         simulation = self.simulation
-        self._believed = config.to_dict()
         count = count_of(config.exo.encoder_bits)
         self._suit = BelievedSuit(resisting_joints(config), count, simulation.control_dt)
         self._weight = BelievedWeight(compose(config, drawn=False, edits=self.task.edits))
@@ -501,15 +443,3 @@ def checked_seed(seed: Any) -> int:
     if not 0 <= seed <= HIGHEST_SEED:
         raise InputError(f"seed is {seed}: use 0 to {HIGHEST_SEED}")
     return int(seed)
-
-
-def _check_period(control_dt: float, sim_dt: float) -> None:
-    within("control_dt", control_dt, 0, PREVIEW[0], " s")
-    substeps = round(control_dt / sim_dt)
-    if substeps < 1 or abs(substeps * sim_dt - control_dt) > 1e-9:
-        raise InputError(
-            f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
-        )
-    steps = PREVIEW[0] / control_dt
-    if abs(steps - round(steps)) > 1e-9:
-        raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")

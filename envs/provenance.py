@@ -1,7 +1,9 @@
-"""Quantities of the simulated person, suit and exoskeleton, with their sources."""
+"""Quantities of the simulated person, suit and exoskeleton: values, units, ranges and sources."""
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Literal, NamedTuple, cast
+
+from ..checks import within
 
 Grade = Literal["published", "transcribed", "derived", "assumed"]
 """Where a number comes from.
@@ -28,3 +30,80 @@ class Quantity:
     unit: str
     source: str
     grade: Grade
+
+
+class Setting(NamedTuple):
+    """Unit, range and source of a number that is a field of a configuration.
+
+    Attributes:
+        unit: Unit of the number, "1" for a ratio; or words that follow the range.
+        low: Lowest value.
+        high: Highest value.
+        source: Source of the default; None where it needs none.
+        grade: Strength of the evidence for the default.
+    """
+
+    unit: str
+    low: float
+    high: float
+    source: str | None
+    grade: Grade
+
+
+def setting(
+    default: Any,
+    unit: str,
+    low: float,
+    high: float,
+    *,
+    source: str | None = None,
+    grade: Grade = "assumed",
+) -> Any:
+    """Returns the field of a dataclass that holds a number, declared with all that is known of it.
+
+    Args:
+        default: Default value; `dataclasses.MISSING` for a field that must be given. With None the
+            number may be left out.
+        unit: Unit of the number, "1" for a ratio; or words that follow the range in a message.
+        low: Lowest value.
+        high: Highest value.
+        source: Source of the default.
+        grade: Strength of the evidence for the default.
+    """
+    return field(default=default, metadata={"setting": Setting(unit, low, high, source, grade)})
+
+
+REQUIRED = MISSING
+
+
+def check_settings(config: Any, prefix: str) -> None:
+    """Checks the numbers of a configuration that `setting` declares.
+
+    Args:
+        config: Dataclass of the numbers.
+        prefix: Words before the name of a field in a message.
+
+    Raises:
+        InputError: A number is out of its range.
+    """
+    for one in fields(config):
+        known: Setting | None = one.metadata.get("setting")
+        value: Any = getattr(config, one.name)
+        if known and not (value is None and one.default is None):
+            unit = "" if known.unit == "1" else f" {known.unit}"
+            within(f"{prefix}{one.name}", cast(float, value), known.low, known.high, unit)
+
+
+def quantities_of(config: Any, name: str) -> tuple[Quantity, ...]:
+    """Returns the numbers of a configuration that have a source.
+
+    Args:
+        config: Dataclass whose fields `setting` declares.
+        name: Name of the whole, which comes before the names of the fields.
+    """
+    declared = [(one.name, one.metadata.get("setting")) for one in fields(config)]
+    return tuple(
+        Quantity(f"{name}.{field}", getattr(config, field), known.unit, known.source, known.grade)
+        for field, known in declared
+        if known and known.source
+    )

@@ -13,6 +13,7 @@ from ..errors import InputError, shown, unknown_name
 from .model import GRAVITY, ArmConfig, Payload, suit_of_config
 from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested
 from .person import Person
+from .provenance import check_settings, setting
 from .simulation.plan import Plan
 
 SuitChoice = Literal["nominal", "samples"]
@@ -61,21 +62,20 @@ class Randomization:
 
     suit: SuitChoice = "nominal"
     suits: tuple[str, ...] = ()
-    pressure: float = 0.0
+    pressure: float = setting(0.0, "1", 0, LARGEST_SHARE)
     cycles: tuple[float, float] | None = None
-    load: float = 0.0
+    load: float = setting(0.0, "1", 0, LARGEST_SHARE)
     payload: tuple[float, float] | None = None
     gravity: tuple[str, ...] = ()
     wearers: tuple[Person, ...] = ()
-    misalignment: float = 0.0
+    misalignment: float = setting(0.0, "m", 0, LARGEST_MISALIGNMENT)
     sensor_noise: tuple[float, float] | None = None
-    encoder_offset: float = 0.0
+    encoder_offset: float = setting(0.0, "rad", 0, LARGEST_OFFSET)
 
     def __post_init__(self) -> None:
         if self.suit not in get_args(SuitChoice):
             raise unknown_name("choice of randomize.suit", self.suit, get_args(SuitChoice))
-        within("randomize.pressure", self.pressure, 0, LARGEST_SHARE, "")
-        within("randomize.load", self.load, 0, LARGEST_SHARE, "")
+        check_settings(self, "randomize.")
         for name, most, unit in (
             ("payload", HEAVIEST_PAYLOAD, " kg"),
             ("sensor_noise", LOUDEST, ""),
@@ -104,13 +104,10 @@ class Randomization:
             for i, given in enumerate(self.wearers)
         ]
         object.__setattr__(self, "wearers", tuple(wearers))
-        limit = LARGEST_MISALIGNMENT
-        within("randomize.misalignment", self.misalignment, 0, limit, " m")
         for place in self.gravity:
             if not isinstance(place, str) or place not in GRAVITY:
                 raise unknown_name("place in randomize.gravity", place, GRAVITY)
         object.__setattr__(self, "gravity", tuple(self.gravity))
-        within("randomize.encoder_offset", self.encoder_offset, 0, LARGEST_OFFSET, " rad")
 
     @property
     def changes_suit(self) -> bool:

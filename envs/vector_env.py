@@ -15,6 +15,7 @@ from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
 from .reward import COSTS, TERMS, cost_terms, is_success
+from .setup import Setup
 from .simulation.measurements import SENSED
 from .tasks import ARM_TRACKING, Task, task_of
 
@@ -50,9 +51,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        **options: Further options of `ArmEnv`: sensors, normalize, history, control_dt, control,
-            fatigue, randomize, sensing and the fields of `ArmConfig`. What `randomize` draws
-            differs between rows.
+        learned_torque: Whether a reset takes torques that wearers have learned, as the option
+            `learned_torque`.
+        effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
+        **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
+            between rows.
 
     Raises:
         InputError: An argument is out of its range; the message names it.
@@ -75,16 +78,13 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: int = 640,
         height: int = 480,
         render_quality: RenderQuality = "fast",
+        learned_torque: bool = False,
+        effort_scale: float | None = None,
         **options: Any,
     ) -> None:
         at_least("num_envs", num_envs, 1)
         at_least("threads", threads, 0)
         within("threads", threads, 0, MOST_THREADS, "")
-        for name in ("n", "max_periods"):
-            if name in options:
-                raise InputError(
-                    f"ArmVectorEnv got {name}: use num_envs and max_episode_steps instead"
-                )
         flag("stagger", stagger)
         if max_episode_steps is not None:
             at_least("max_episode_steps", max_episode_steps, 1)
@@ -93,12 +93,15 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if render_mode not in (None, "rgb_array"):
             raise InputError(f"render_mode is {render_mode!r}: use None or 'rgb_array'")
         self.autoreset_mode = _mode(autoreset_mode)
+        task = task_of(task)
         self.episodes = Episodes(
-            task_of(task),
+            task,
             num_envs,
+            Setup.of(task, options),
             threads=threads or _usual_threads(),
             max_periods=max_episode_steps,
-            **options,
+            learned_torque=learned_torque,
+            effort_scale=effort_scale,
         )
         simulation = self.episodes.simulation
         fps = round(1 / simulation.control_dt)

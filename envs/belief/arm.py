@@ -7,12 +7,12 @@ from typing import Any
 import mujoco
 
 from ...assets import AnySuit, SuitJoint
-from ...checks import within
 from ...errors import InputError
 from ..model import ASSISTED, ArmConfig, Exo, Payload, bare_arm, compose, resisting_joints
 from ..model.config import HEAVIEST_PAYLOAD, NO_SUIT, nested
 from ..model.workplace import Edits
 from ..person import Person
+from ..provenance import check_settings, setting
 from .inertia import BelievedInertia
 from .torque import BelievedSuit, BelievedWeight, count_of
 
@@ -37,12 +37,11 @@ class Belief:
 
     suit: AnySuit | None = None
     pressure: float | None = None
-    load: float | None = None
+    load: float | None = setting(None, "kg", 0, HEAVIEST_PAYLOAD)
     wearer: Person | Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        if self.load is not None:
-            within("the believed load", self.load, 0, HEAVIEST_PAYLOAD, " kg")
+        check_settings(self, "the believed ")
 
     def of(self, config: ArmConfig) -> ArmConfig:
         """Returns the configuration of the believed arm.

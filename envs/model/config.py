@@ -11,13 +11,12 @@ from ...assets.suits import HIGHEST_PRESSURE
 from ...checks import flag, within
 from ...errors import InputError, unknown_name
 from ..person import Person
-from ..provenance import Quantity
+from ..provenance import Quantity, check_settings, setting
 from .exoskeleton import Exo
 
 NO_SUIT = "none"
 COUPLINGS = ("rigid", "cuffs", "none")
 SIDES = ("right", "left")
-SIM_DT_RANGE = (1e-5, 0.01)  # s
 HEAVIEST_PAYLOAD = 60.0  # kg
 LARGEST_MISALIGNMENT = 0.05  # m
 STEEPEST = math.pi / 2  # rad
@@ -52,11 +51,11 @@ class Payload:
         InputError: a value is outside its range, or no body has such moments.
     """
 
-    mass: float = 0.0
+    mass: float = setting(0.0, "kg", 0, HEAVIEST_PAYLOAD)
     inertia: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        within("payload.mass", self.mass, 0, HEAVIEST_PAYLOAD, " kg")
+        check_settings(self, "payload.")
         if self.inertia is None:
             return
         object.__setattr__(self, "inertia", _numbers("payload.inertia", self.inertia, 3))
@@ -115,7 +114,7 @@ class ArmConfig:
     """
 
     suit: AnySuit = "mock-suit"
-    pressure: float | None = None
+    pressure: float | None = setting(None, "kPa", 0, HIGHEST_PRESSURE)
     preconditioned: bool = False
     gravity: str = "earth"
     wearer: Person = field(default_factory=Person)
@@ -125,7 +124,7 @@ class ArmConfig:
     side: Literal["right", "left"] = "right"
     tilt: tuple[float, float] = (0.0, 0.0)
     misalignment: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    sim_dt: float | None = None
+    sim_dt: float | None = setting(None, "s", 1e-5, 0.01)
     allow_uncertified: bool = False
 
     def __post_init__(self) -> None:
@@ -139,8 +138,7 @@ class ArmConfig:
         for name, known in (("gravity", tuple(GRAVITY)), ("coupling", COUPLINGS), ("side", SIDES)):
             if getattr(self, name) not in known:
                 raise unknown_name(name, getattr(self, name), known)
-        if self.sim_dt is not None:
-            within("sim_dt", self.sim_dt, *SIM_DT_RANGE, " s")
+        check_settings(self, "")
         for angle in self.tilt:
             within("tilt", angle, -STEEPEST, STEEPEST, " rad")
         flag("preconditioned", self.preconditioned)
@@ -172,10 +170,7 @@ class ArmConfig:
     def _check_pressure(self) -> None:
         if self.preconditioned and self.suit == NO_SUIT:
             raise InputError("preconditioned is True, but suit is 'none': leave one of them out")
-        if self.pressure is None:
-            return
-        within("pressure", self.pressure, 0, HIGHEST_PRESSURE, " kPa")
-        if self.suit == NO_SUIT:
+        if self.pressure is not None and self.suit == NO_SUIT:
             raise InputError(
                 f"pressure is {self.pressure} kPa, but suit is 'none': leave one of them out"
             )

@@ -7,20 +7,29 @@ friction belong to the actuator, Coulomb friction to the joint that carries it.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ...checks import within
 from ...errors import InputError
 from ..elementwise import elementwise
-from ..provenance import Grade, Quantity
+from ..provenance import REQUIRED, Quantity, check_settings, quantities_of, setting
 from .motor_kernels import clipped, heated
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
+
+_ROUND = "a round number of the size of robot joints (CubeMars AK80, 0.5 to 0.85 kg, 18 to 120 N·m)"
+_FRICTION = (
+    "8 % of the peak, rounded: Harmonic Drive's CSF-25-50 starts at 0.15 N·m, times 50 that is "
+    "7.7 % of its repeated peak torque, 98 N·m; back-driving takes 9 N·m (a copy of the "
+    "product page)"
+)
+_SPEED = "that of a CubeMars AK80-64 at 48 V, 48 turns per minute"
+_INERTIA = "50:1 gear and a rotor of 1e-5 kg·m²: 0.025 kg·m²; rounded by size"
+_BANDWIDTH = "3.7 Hz in an elbow exoskeleton (PMC6953725), more without its cables"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,23 +51,22 @@ class Motor:
         InputError: a value is outside its range, or the continuous torque exceeds the peak.
     """
 
-    peak_torque: float
-    continuous_torque: float
-    no_load_speed: float
-    armature: float
-    coulomb: float
-    viscous: float
-    bandwidth: float
-    thermal_time_constant: float
-    mass: float
+    peak_torque: float = setting(REQUIRED, "N·m", 1, 500, source=_ROUND)
+    continuous_torque: float = setting(REQUIRED, "N·m", 0.1, 500, source="40 % of the peak")
+    no_load_speed: float = setting(REQUIRED, "rad/s", 0.5, 100, source=_SPEED)
+    armature: float = setting(REQUIRED, "kg·m²", 1e-4, 1, source=_INERTIA)
+    coulomb: float = setting(REQUIRED, "N·m", 0, 20, source=_FRICTION, grade="derived")
+    viscous: float = setting(
+        REQUIRED, "N·m·s/rad", 0, 20, source="a round number below the arm's own"
+    )
+    bandwidth: float = setting(REQUIRED, "Hz", 0.1, 80, source=_BANDWIDTH)
+    thermal_time_constant: float = setting(
+        REQUIRED, "s", 0.1, 1e4, source="a round number of the size of small windings"
+    )
+    mass: float = setting(REQUIRED, "kg", 0.05, 10, source=_ROUND)
 
     def __post_init__(self) -> None:
-        ranges = {"peak_torque": (1, 500), "continuous_torque": (0.1, 500)}
-        ranges |= {"no_load_speed": (0.5, 100), "armature": (1e-4, 1), "coulomb": (0, 20)}
-        ranges |= {"viscous": (0, 20), "bandwidth": (0.1, 80), "mass": (0.05, 10)}
-        ranges |= {"thermal_time_constant": (0.1, 1e4)}
-        for field in fields(self):
-            within(f"a motor's {field.name}", getattr(self, field.name), *ranges[field.name])
+        check_settings(self, "a motor's ")
         if self.continuous_torque > self.peak_torque:
             raise InputError(
                 f"a motor's continuous_torque is {self.continuous_torque}: use at most its "
@@ -118,26 +126,21 @@ class Exo:
 
     shoulder: Motor = SHOULDER_MOTOR
     elbow: Motor = ELBOW_MOTOR
-    upper_arm_link: float = 1.5
-    forearm_link: float = 1.0
-    cuff: float = 0.15
-    ring: float = 0.25
-    upper_arm_length: float | None = None
-    forearm_length: float | None = None
-    encoder_bits: int = 14
-    encoder_delay: float = 0.0
+    upper_arm_link: float = setting(1.5, "kg", 0.01, 20, source="a round number")
+    forearm_link: float = setting(1.0, "kg", 0.01, 20, source="a round number")
+    cuff: float = setting(0.15, "kg", 0.01, 20, source="a round number")
+    ring: float = setting(0.25, "kg", 0.01, 20, source="three rods of steel, of the size drawn")
+    upper_arm_length: float | None = setting(None, "m", 0.15, 0.5)
+    forearm_length: float | None = setting(None, "m", 0.15, 0.5)
+    encoder_bits: int = setting(14, "1", 4, 32, source="usual for magnetic encoders")
+    encoder_delay: float = setting(0.0, "s", 0, 0.1, source="none: read in the same control period")
 
     def __post_init__(self) -> None:
-        for name in ("upper_arm_link", "forearm_link", "cuff", "ring"):
-            within(f"exo.{name}", getattr(self, name), 0.01, 20, " kg")
-        for name, length in self.lengths.items():
-            if length is not None:
-                within(f"exo.{name}_length", length, 0.15, 0.5, " m")
         if self.encoder_bits not in range(4, 33):
             raise InputError(
                 f"exo.encoder_bits is {self.encoder_bits}: use 4 to 32, a whole number"
             )
-        within("exo.encoder_delay", self.encoder_delay, 0, 0.1, " s")
+        check_settings(self, "exo.")
 
     @property
     def lengths(self) -> dict[str, float | None]:
@@ -150,43 +153,9 @@ class Exo:
         return dict(zip(ASSISTED, (self.shoulder, self.elbow), strict=True))
 
 
-_ROUND = "a round number of the size of robot joints (CubeMars AK80, 0.5 to 0.85 kg, 18 to 120 N·m)"
-_FRICTION = (
-    "8 % of the peak, rounded: Harmonic Drive's CSF-25-50 starts at 0.15 N·m, times 50 that is "
-    "7.7 % of its repeated peak torque, 98 N·m; back-driving takes 9 N·m (a copy of the "
-    "product page)"
-)
-_MOTOR_SOURCES: dict[str, tuple[str, str]] = {
-    "peak_torque": ("N·m", _ROUND),
-    "continuous_torque": ("N·m", "40 % of the peak"),
-    "no_load_speed": ("rad/s", "that of a CubeMars AK80-64 at 48 V, 48 turns per minute"),
-    "armature": ("kg·m²", "50:1 gear and a rotor of 1e-5 kg·m²: 0.025 kg·m²; rounded by size"),
-    "coulomb": ("N·m", _FRICTION),
-    "viscous": ("N·m·s/rad", "a round number below the arm's own"),
-    "bandwidth": ("Hz", "3.7 Hz in an elbow exoskeleton (PMC6953725), more without its cables"),
-    "thermal_time_constant": ("s", "a round number of the size of small windings"),
-    "mass": ("kg", _ROUND),
-}
-_EXO_SOURCES: dict[str, tuple[str, str]] = {
-    "upper_arm_link": ("kg", "a round number"),
-    "forearm_link": ("kg", "a round number"),
-    "cuff": ("kg", "a round number"),
-    "ring": ("kg", "three rods of steel, of the size drawn"),
-    "encoder_bits": ("1", "usual for magnetic encoders"),
-    "encoder_delay": ("s", "none: read in the same control period"),
-}
-_GRADES: dict[str, Grade] = {"coulomb": "derived"}  # the others are assumed
-
 PROVENANCE: tuple[Quantity, ...] = (
-    *(
-        Quantity(f"exo.{joint}.{name}", getattr(motor, name), *source, _GRADES.get(name, "assumed"))
-        for joint, motor in Exo().motors.items()
-        for name, source in _MOTOR_SOURCES.items()
-    ),
-    *(
-        Quantity(f"exo.{name}", getattr(Exo(), name), *source, "assumed")
-        for name, source in _EXO_SOURCES.items()
-    ),
+    *(one for name, motor in Exo().motors.items() for one in quantities_of(motor, f"exo.{name}")),
+    *quantities_of(Exo(), "exo"),
 )
 
 

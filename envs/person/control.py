@@ -28,9 +28,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import flag, within
+from ...checks import flag
 from ...errors import InputError
-from ..provenance import Quantity
+from ..provenance import Quantity, check_settings, setting
 from .anthropometry import Person
 from .strength import isometric_strength
 
@@ -175,30 +175,19 @@ class VoluntaryControl:
         InputError: a value is outside its range.
     """
 
-    stiffness: float = 1.0
-    damping: float = _DAMPING.value
-    contraction: float = 1.0
-    reflex: float = _REFLEX.value
-    delay: float = _DELAY.value
-    correction: float = _CORRECTION.value
-    adaptation: float = 1.0
-    noise: float = 0.0
-    tremor: float = 0.0
+    stiffness: float = setting(1.0, "times a typical person's", 0.25, 4)
+    damping: float = setting(_DAMPING.value, "s", 0.03, 0.3)
+    contraction: float = setting(1.0, "times a typical person's", 0, 4)
+    reflex: float = setting(_REFLEX.value, "of the stiffness", 0, 1)
+    delay: float = setting(_DELAY.value, "s", 0, 0.5)
+    correction: float = setting(_CORRECTION.value, "1/s", 0, 2)
+    adaptation: float = setting(1.0, "of a typical person's rate of learning", 0, 1)
+    noise: float = setting(0.0, "times a typical person's", 0, 10)
+    tremor: float = setting(0.0, "of the torque", 0, 0.5)
     stiff: bool = False
 
     def __post_init__(self) -> None:
-        for name, lowest, highest, unit in (
-            ("stiffness", 0.25, 4, " times a typical person's"),
-            ("damping", 0.03, 0.3, " s"),
-            ("contraction", 0, 4, " times a typical person's"),
-            ("reflex", 0, 1, " of the stiffness"),
-            ("delay", 0, 0.5, " s"),
-            ("correction", 0, 2, " 1/s"),
-            ("adaptation", 0, 1, " of a typical person's rate of learning"),
-            ("noise", 0, 10, " times a typical person's"),
-            ("tremor", 0, 0.5, " of the torque"),
-        ):
-            within(f"control.{name}", getattr(self, name), lowest, highest, unit)
+        check_settings(self, "control.")
         flag("stiff", self.stiff)
 
     def periods(self, dt: float) -> int:

@@ -8,8 +8,7 @@ import numpy as np
 from numba import njit
 
 from ...arrays import Array
-from ...checks import within
-from ..provenance import Quantity
+from ..provenance import Quantity, check_settings, quantities_of, setting
 from .addresses import Addresses
 from .bound import Frozen, thawed
 from .inverse_dynamics import arm_torque
@@ -19,31 +18,6 @@ from .wearer import feed_forward
 
 _PADS = "ours: pads between suit and skin yield and slip"
 _EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"
-_INTERACTION_NOISE = Quantity("sensing.interaction_noise", 0.10, "1", _PADS, "assumed")
-_INTERACTION_DELAY = Quantity("sensing.interaction_delay", 0.05, "s", _PADS, "assumed")
-_EMG_NOISE = Quantity(
-    "sensing.emg_noise", 0.20, "1", "ours: a smoothed EMG varies by some ten percent", "assumed"
-)
-_EMG_LEAD = Quantity("sensing.emg_lead", 0.05, "s", _EMG, "assumed")
-_EMG_CUTOFF = Quantity(
-    "sensing.emg_cutoff", 6.0, "Hz", "a usual low-pass of the rectified EMG", "assumed"
-)
-_CUFF_NOISE = Quantity(
-    "sensing.cuff_noise", 1.0, "N", "ours: 0.2 % of a load cell's usual range of 500 N", "assumed"
-)
-_RATE_CUTOFF = Quantity(
-    "sensing.rate_cutoff", 20.0, "Hz", "a round number above the wearer's motion", "assumed"
-)
-
-PROVENANCE: tuple[Quantity, ...] = (
-    _INTERACTION_NOISE,
-    _INTERACTION_DELAY,
-    _EMG_NOISE,
-    _EMG_LEAD,
-    _EMG_CUTOFF,
-    _CUFF_NOISE,
-    _RATE_CUTOFF,
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,25 +37,27 @@ class Sensing:
         InputError: A value is outside its range.
     """
 
-    rate_cutoff: float = _RATE_CUTOFF.value
-    interaction_noise: float = _INTERACTION_NOISE.value
-    interaction_delay: float = _INTERACTION_DELAY.value
-    cuff_noise: float = _CUFF_NOISE.value
-    emg_noise: float = _EMG_NOISE.value
-    emg_lead: float = _EMG_LEAD.value
-    emg_cutoff: float = _EMG_CUTOFF.value
+    rate_cutoff: float = setting(
+        20.0, "Hz", 0.1, 1000, source="a round number above the wearer's motion"
+    )
+    interaction_noise: float = setting(0.10, "1", 0, 1, source=_PADS)
+    interaction_delay: float = setting(0.05, "s", 0, 0.5, source=_PADS)
+    cuff_noise: float = setting(
+        1.0, "N", 0, 100, source="ours: 0.2 % of a load cell's usual range of 500 N"
+    )
+    emg_noise: float = setting(
+        0.20, "1", 0, 1, source="ours: a smoothed EMG varies by some ten percent"
+    )
+    emg_lead: float = setting(0.05, "s", 0, 0.2, source=_EMG)
+    emg_cutoff: float = setting(
+        6.0, "Hz", 0.1, 1000, source="a usual low-pass of the rectified EMG"
+    )
 
     def __post_init__(self) -> None:
-        for name, low, high, unit in (
-            ("rate_cutoff", 0.1, 1000, " Hz"),
-            ("interaction_noise", 0, 1, ""),
-            ("interaction_delay", 0, 0.5, " s"),
-            ("cuff_noise", 0, 100, " N"),
-            ("emg_noise", 0, 1, ""),
-            ("emg_lead", 0, 0.2, " s"),
-            ("emg_cutoff", 0.1, 1000, " Hz"),
-        ):
-            within(f"sensing.{name}", getattr(self, name), low, high, unit)
+        check_settings(self, "sensing.")
+
+
+PROVENANCE: tuple[Quantity, ...] = quantities_of(Sensing(), "sensing")
 
 
 def smoothing(cutoff: float | Array, dt: float) -> Any:

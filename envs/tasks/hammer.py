@@ -9,9 +9,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import within
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import draw, grip, holder, place_of
+from ..provenance import setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import between, posture
@@ -40,17 +40,12 @@ class Hammer(Task):
         rebound: Share of its speed with which the hammer leaves the anvil.
     """
 
-    mass: float = 1.3
-    rebound: float = 0.4
+    mass: float = setting(1.3, "kg", 0.1, HEAVIEST_PAYLOAD)
+    rebound: float = setting(0.4, "of the speed", LEAST_REBOUND, 0.9)
 
     source: ClassVar[str] = "geology hammer of 1.3 kg, 0.8 blows a second; rebound assumed"
     place: ClassVar[str] = "moon"
     period: ClassVar[float | None] = DOWN + UP + PAUSE
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        within("the task's mass", self.mass, 0.1, HEAVIEST_PAYLOAD, " kg")
-        within("the task's rebound", self.rebound, LEAST_REBOUND, 0.9, " of the speed")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Puts a hammer in the hand, and an anvil where it strikes."""

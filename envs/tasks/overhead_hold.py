@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 
 from ...assets import JOINTS
-from ...checks import within
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import draw, grip, holder
+from ..provenance import setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
 from .motions import posture
@@ -27,16 +27,12 @@ class OverheadHold(Task):
         load: Mass of the tool [kg].
     """
 
-    load: float = 1.0
+    load: float = setting(1.0, "kg", 0, HEAVIEST_PAYLOAD)
 
     source: ClassVar[str] = "shoulder injuries in the EMU (Hilbert 2015); posture and load assumed"
     place: ClassVar[str] = "mars"
     carries: ClassVar[bool] = True
     fatigue: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        within("the task's load", self.load, 0, HEAVIEST_PAYLOAD, " kg")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Draws the tool."""

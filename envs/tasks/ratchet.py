@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 
 from ...assets import JOINTS
-from ...checks import within
 from ..model.workplace import add_reaction, draw, grip, holder
+from ..provenance import setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import STRONGEST, Plan
 from .motions import between, growing
@@ -31,17 +31,13 @@ class Ratchet(Task):
         reaction: Greatest force that withstands the stroke [N].
     """
 
-    reaction: float = 40.0
+    reaction: float = setting(40.0, "N", 0, STRONGEST)
 
     source: ClassVar[str] = (
         "Pistol Grip Tool (techbriefs 28401): up to 34 N·m, at most 100 N at 0.3 m; stroke assumed"
     )
     place: ClassVar[str] = "microgravity"
     period: ClassVar[float | None] = 1 / FREQUENCY
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        within("the task's reaction", self.reaction, 0, STRONGEST, " N")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds the reaction, and draws the wrench."""

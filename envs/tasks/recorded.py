@@ -14,6 +14,7 @@ from ...assets import JOINTS
 from ...csv_rows import LARGEST, angle_in, next_time, rows_of
 from ...errors import InputError, shown
 from ...files import content_of
+from ..provenance import setting
 from ..simulation.plan import Motion
 from .task import LONGEST, SHORTEST, Task
 
@@ -38,7 +39,7 @@ class RecordedMotion(Task):
     """
 
     path: str
-    duration: float = 0.0  # the file's
+    duration: float = setting(0.0, "s", SHORTEST, LONGEST)  # 0 is that of the file
 
     source: ClassVar[str] = "a file of yours"
     _recorded: ClassVar[tuple[Array, Array]]

@@ -10,6 +10,7 @@ import numpy as np
 from ...checks import within
 from ...errors import InputError, shown
 from ..model.workplace import Edits
+from ..provenance import check_settings, setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Motion, Plan
 
@@ -44,12 +45,12 @@ class Task:
     """
 
     name: str
-    duration: float = 10.0
-    tracking: float = 0.1
-    effort: float = FARTHEST
-    hand_error: float = FARTHEST
-    tilt: float = FARTHEST
-    slowness: float = FARTHEST
+    duration: float = setting(10.0, "s", SHORTEST, LONGEST)
+    tracking: float = setting(0.1, "rad", 0, FARTHEST)
+    effort: float = setting(FARTHEST, "of strength", 0, FARTHEST)
+    hand_error: float = setting(FARTHEST, "m", 0, FARTHEST)
+    tilt: float = setting(FARTHEST, "rad", 0, FARTHEST)
+    slowness: float = setting(FARTHEST, "of the speed", 0, FARTHEST)
 
     source: ClassVar[str] = "your own"
     carries: ClassVar[bool] = False
@@ -60,11 +61,7 @@ class Task:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
             raise InputError(f"the task's name is {shown(self.name)}: give it one")
-        within("the task's duration", self.duration, SHORTEST, LONGEST, " s")
-        for name, unit in (("tracking", "rad"), ("hand_error", "m"), ("tilt", "rad")):
-            within(f"the task's {name}", getattr(self, name), 0, FARTHEST, f" {unit}")
-        within("the task's effort", self.effort, 0, FARTHEST, " of strength")
-        within("the task's slowness", self.slowness, 0, FARTHEST, " of the speed")
+        check_settings(self, "the task's ")
 
     def edit(self, spec: mujoco.MjSpec) -> None:
         """Adds what the task needs to the specification of the right arm; by default nothing.

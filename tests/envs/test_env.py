@@ -197,7 +197,7 @@ def test_the_array_of_an_action_may_be_reused():
     [
         ({"gravity": "pluto"}, "unknown gravity 'pluto': use one of earth"),
         ({"suit": "nun"}, "unknown suit 'nun'"),
-        ({"gravty": "moon"}, "unknown field of config 'gravty'.*did you mean 'gravity'"),
+        ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
         ({"wearer": {"stature": 178}}, "stature is 178: use meters from 1.4 to 2.1"),
         ({"wearer": 1.8}, r"wearer is 1\.8: give Person\(...\) or a dict"),
         ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),

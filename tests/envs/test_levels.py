@@ -78,7 +78,7 @@ def test_terms_are_replaced_one_by_one():
     found = with_level({"level": "randomized", "randomize": own})["randomize"]
     assert found == {**usual, **own}
     env = ArmEnv(level="randomized", randomize=own)
-    assert env.episodes.randomization == Randomization(**usual | own)
+    assert env.episodes.setup.randomize == Randomization(**usual | own)
     # A Randomization says all of its terms.
     whole = Randomization(load=0.1)
     found = with_level({"level": "randomized", "randomize": whole})["randomize"]

@@ -296,7 +296,7 @@ def test_it_is_plain_data_and_part_of_the_identity():
     env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", randomize={"pressure": 0.1})
     spec = gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json())
     again = gymnasium.make(spec).unwrapped
-    assert again.episodes.randomization == Randomization(pressure=0.1)
+    assert again.episodes.setup.randomize == Randomization(pressure=0.1)
     assert json.loads(env.spec.to_json())["kwargs"]["randomize"] == {"pressure": 0.1}
     env.reset(seed=0)
     with pytest.raises(

@@ -229,7 +229,7 @@ def test_the_default_observation_knows_nothing_of_what_comes():
         ({"max_episode_steps": 0}, "max_episode_steps is 0: use at least 1"),
         ({"sensors": ["radar"]}, "unknown sensor suite 'radar'"),
         ({"render_mode": "human"}, "render_mode is 'human': use None or 'rgb_array'"),
-        ({"speed": 1}, "unknown field of config 'speed'"),
+        ({"speed": 1}, "unknown option 'speed'"),
     ],
 )
 def test_mistakes_in_options(options, message):

@@ -1,0 +1,136 @@
+"""The setup of an environment: all its options but the number of rows, checked and complete."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from ..checks import flag, within
+from ..errors import InputError, refuse_old_names, shown, unknown_name
+from .levels import with_level
+from .model import ArmConfig
+from .model.config import nested
+from .observation import checked_sensors
+from .person import VoluntaryControl
+from .randomization import Randomization
+from .simulation.sensing import Sensing
+from .simulation.simulation import PREVIEW
+from .tasks import Task
+
+ROUNDING = 1e-9  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """The options of an environment, which `ArmEnv` and `ArmVectorEnv` take as keyword arguments.
+
+    `Setup.of` makes a setup from keyword arguments: the fields below by their names, those of
+    `arm` by theirs (suit, gravity, wearer, ...), and `level`. Nested fields also take a dict of the
+    values that differ from the default.
+
+    Attributes:
+        arm: Wearer, suit, exoskeleton, load and place.
+        sensors: Names of the sensor suites that make up the observation.
+        normalize: Whether observations are divided by constants, to the size of 1.
+        history: Number of control periods, the present one and those before it, whose observations
+            make up one, newest first; the first one of an episode stands for those before it.
+        control_dt: Time between actions [s]; it is a multiple of the physics step and divides
+            0.02 s.
+        control: The wearer's control of the arm, whose default delay is the multiple of
+            `control_dt` that is nearest to 0.05 s.
+        fatigue: Whether the wearer's muscles tire, from a rested start in every episode; by default
+            the task decides.
+        randomize: What differs from episode to episode beside the motion.
+        sensing: Noise, delay and bandwidth of sensors.
+        belief: Arm that the suite "belief" believes in, given by the fields of `arm` in which it
+            differs from the simulated one, such as {"suit": "elbow.json"}; it never follows what
+            `randomize` draws. None without that suite.
+    """
+
+    arm: ArmConfig
+    sensors: tuple[str, ...]
+    normalize: bool
+    history: int
+    control_dt: float
+    control: VoluntaryControl
+    fatigue: bool
+    randomize: Randomization
+    sensing: Sensing
+    belief: ArmConfig | None
+
+    @classmethod
+    def of(cls, task: Task, options: Mapping[str, Any]) -> "Setup":
+        """Returns the setup of an environment.
+
+        Args:
+            task: Task, which decides place and fatigue where no option does.
+            options: Options by their names; those of `level` apply where none is given.
+
+        Raises:
+            InputError: An option is unknown, or its value cannot be used.
+        """
+        refuse_old_names(options, {"taught": "learned_torque"})
+        names = {one.name for one in fields(cls)} - {"arm"}
+        of_arm = {one.name for one in fields(ArmConfig)}
+        for name in options:
+            if name not in names | of_arm | {"level"}:
+                raise unknown_name("option", name, names | of_arm | {"level"})
+        found = {"gravity": task.place} | with_level(options)
+        arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & of_arm})
+        own = {name: found[name] for name in found.keys() & names if found[name] is not None}
+        own = {**USUAL, "fatigue": task.fatigue, **own}
+        _check_period(own["control_dt"], arm.timestep)
+        setup = cls(
+            arm=arm,
+            sensors=checked_sensors(own["sensors"]),
+            normalize=own["normalize"],
+            history=own["history"],
+            control_dt=own["control_dt"],
+            control=nested("control", own["control"], _usual_control(own["control_dt"])),
+            fatigue=own["fatigue"],
+            randomize=nested("randomize", own["randomize"], Randomization()),
+            sensing=nested("sensing", own["sensing"], Sensing()),
+            belief=_believed(own["belief"], arm, own["sensors"]),
+        )
+        flag("fatigue", setup.fatigue)
+        flag("normalize", setup.normalize)
+        setup.control.periods(setup.control_dt)
+        return setup
+
+
+USUAL: dict[str, Any] = {
+    "sensors": ("encoders",),
+    "normalize": False,
+    "history": 1,
+    "control_dt": 0.01,
+    "control": {},
+    "randomize": {},
+    "sensing": {},
+    "belief": None,
+}
+
+
+def _usual_control(control_dt: float) -> VoluntaryControl:
+    usual = VoluntaryControl()
+    return replace(usual, delay=round(usual.delay / control_dt) * control_dt)
+
+
+def _believed(given: Any, arm: ArmConfig, sensors: Sequence[str]) -> ArmConfig | None:
+    if "belief" in sensors:
+        return nested("belief", {} if given is None else given, arm)
+    if given is not None:
+        raise InputError(
+            f"belief is {shown(given)}, and sensors is {list(sensors)}: add 'belief' to them"
+        )
+    return None
+
+
+def _check_period(control_dt: float, sim_dt: float) -> None:
+    within("control_dt", control_dt, 0, PREVIEW[0], " s")
+    substeps = round(control_dt / sim_dt)
+    if substeps < 1 or abs(substeps * sim_dt - control_dt) > ROUNDING:
+        raise InputError(
+            f"control_dt is {control_dt} and sim_dt {sim_dt}: control_dt must be a multiple"
+        )
+    steps = PREVIEW[0] / control_dt
+    if abs(steps - round(steps)) > ROUNDING:
+        raise InputError(f"control_dt is {control_dt}: it must divide {PREVIEW[0]} s")
