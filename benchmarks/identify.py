@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from ..assets import curves_path
-from ..identification import Curve, CurveObjective, certified_fit, identify, load_curves
+from ..identification import (
+    Curve,
+    CurveObjective,
+    Search,
+    certified_fit,
+    identify,
+    load_curves,
+)
 from ..identification.optimizers import pso, sa_pso
 from ..identification.optimizers.registry import SWARMS
 from ..published import LI_BOUNDS
@@ -42,7 +49,7 @@ def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
             "certified fit, elbow",
             lambda: certified_fit(curves, rng=0),
             "one SA-PSO trial",
-            lambda: identify(curves, method="sa-pso", trials=1, workers=1),
+            lambda: identify(curves, method=Search("sa-pso", trials=1), workers=1),
             repeats=repeats,
             unit="ms",
         ),

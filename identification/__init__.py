@@ -1,11 +1,14 @@
 """Offline identification of hysteresis models from measured angle-torque curves."""
 
+from .candidates import Candidate
+from .corrections import Corrections
 from .coverage import Coverage, coverage, motion_coverage, shortfalls
 from .curve_files import load_curves, save_curves
 from .curves import Curve, Curves
 from .cycles import averaged_cycles
 from .design import Design, nested_motion
 from .ensemble import Ensemble, Member
+from .fit import Fit
 from .fits.asymmetric import fit_asymmetric
 from .fits.beginning import bare
 from .fits.bouc_wen import fit_bouc_wen
@@ -13,7 +16,8 @@ from .fits.certified import certified_fit
 from .fits.hinged_stops import fit_hinged_stops
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
-from .identify import Fit, identify
+from .identify import identify
+from .methods import Certified, Search
 from .motion_files import Motion, load_motion, save_motion
 from .objective import CurveObjective
 from .optimizers.mpso import MPSO, mpso
@@ -21,7 +25,8 @@ from .optimizers.pso import KAO_FUNG, PSO, pso
 from .optimizers.rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
 from .optimizers.registry import LIBRARIES, OPTIMIZERS, SWARMS
 from .optimizers.sa_pso import SAPSO, sa_pso
-from .selection import Candidate
+from .remarks import Remark
+from .selection import Selection, select
 from .synthetic import first_order_motions, measure, multi_order_motion
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
@@ -38,6 +43,8 @@ __all__ = [
     "SAPSO",
     "SWARMS",
     "Candidate",
+    "Certified",
+    "Corrections",
     "Coverage",
     "Curve",
     "CurveObjective",
@@ -48,6 +55,9 @@ __all__ = [
     "Member",
     "Motion",
     "RankDistanceMPSO",
+    "Remark",
+    "Search",
+    "Selection",
     "Trial",
     "Uncertainty",
     "averaged_cycles",
@@ -74,6 +84,7 @@ __all__ = [
     "sa_pso",
     "save_curves",
     "save_motion",
+    "select",
     "shortfalls",
     "uncertainty",
 ]

@@ -43,7 +43,7 @@ def _averaged(curve: Curve) -> Curve:
         raise InputError(
             f"curve {curve.name!r} has {branches} branches: an average needs at least "
             f"{2 * FEWEST + 2} between the same two angles, of which the first two are kept; "
-            "measure more cycles, or leave --average-cycles out"
+            "measure more cycles, or leave average_cycles out"
         )
     turns = ends[2 : 3 + 2 * count]
     _refuse_uneven(curve, turns)
@@ -77,7 +77,7 @@ def _refuse_uneven(curve: Curve, turns: Sequence[int]) -> None:
             raise InputError(
                 f"curve {curve.name!r} turns between {part.min():.4g} and {part.max():.4g} rad on "
                 f"one side: cycles that are averaged turn within {near:.2g} rad; leave "
-                "--average-cycles out"
+                "average_cycles out"
             )
 
 

@@ -1,6 +1,6 @@
-"""Sentences about a fit that a user should know before trusting it."""
+"""Remarks on the numbers of a fit and of its curves, by rules of thumb."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -15,6 +15,7 @@ from .curves import Curve, Curves
 from .fits.certified import EXCESS, SHAPE
 from .fits.play import LARGEST, without_play
 from .fits.search import MARGIN
+from .remarks import Remark
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
 DISORDER = 0.2  # largest plausible error, as a share of the peak
@@ -33,8 +34,8 @@ def diagnostics(
     nrmse: float,
     curves: Sequence[Curve],
     bounds: Sequence[tuple[float, float]] | None,
-) -> tuple[str, ...]:
-    """Returns sentences about a fit that deserves doubt; none where all is well.
+) -> tuple[Remark, ...]:
+    """Returns remarks on a fit that deserves doubt; none where all is well.
 
     Args:
         model: The fitted model.
@@ -42,18 +43,12 @@ def diagnostics(
         curves: The fitted curves.
         bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
-    found = []
-    if nrmse > DISORDER:
-        found.append(
-            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
-        )
+    found = [*_unusual(nrmse, curves)]
     span = max(float(np.ptp(curve.angle)) for curve in curves)
-    if span < LITTLE_MOTION:
-        found.append(f"the angles span only {span:.3g} rad: check their unit")
-    found += _unusual(curves)
     inner = without_rate(model)
     if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
-        found.append(f"gap = {inner.gap:.5g} is at the limit of the search: it may be wider")
+        sentence = f"gap = {inner.gap:.5g} is at the limit of the search: it may be wider"
+        found.append(Remark("limit", sentence))
     inner = without_play(inner)
     inner = inner.model if isinstance(inner, Asymmetric) else inner
     if isinstance(inner, Held):
@@ -64,15 +59,23 @@ def diagnostics(
     return tuple(found)
 
 
-def _unusual(curves: Sequence[Curve]) -> list[str]:
-    """Returns sentences about numbers of the curves that hint at a mistake."""
-    found = []
+def _unusual(nrmse: float, curves: Sequence[Curve]) -> Iterator[Remark]:
+    """Yields remarks on numbers of the curves that hint at a mistake."""
+    if nrmse > DISORDER:
+        yield Remark(
+            "disorder",
+            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement",
+        )
+    span = max(float(np.ptp(curve.angle)) for curve in curves)
+    if span < LITTLE_MOTION:
+        yield Remark("unit", f"the angles span only {span:.3g} rad: check their unit")
     peak = Curves(curves).peak
     low, high = USUAL_PEAK
     if not low <= peak <= high:
-        found.append(
+        yield Remark(
+            "unit",
             f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
-            f"{high:,g} N·m: check its unit"
+            f"{high:,g} N·m: check its unit",
         )
     rates = [
         float(np.abs(np.diff(one.angle)).sum() / np.ptp(one.time))
@@ -81,53 +84,69 @@ def _unusual(curves: Sequence[Curve]) -> list[str]:
     ]
     low, high = USUAL_RATE
     if rates and not low <= min(rates) <= max(rates) <= high:
-        found.append(
+        yield Remark(
+            "clock",
             f"the joint moves at {min(rates):.2g} to {max(rates):.2g} rad/s, and joints are "
-            f"measured between {low:g} and {high:g}: check that time_s is in seconds"
+            f"measured between {low:g} and {high:g}: check that time_s is in seconds",
         )
-    for one in curves:
-        step = float(np.abs(np.diff(one.angle)).max())
-        if step > COARSE * np.ptp(one.angle):
-            found.append(
-                f"samples of curve {one.name!r} are up to {step:.2g} rad apart, more than "
-                f"{COARSE:.0%} of its range, and the torque between them is unknown: sample finer"
-            )
-            break
-    for one in curves:
-        steps = np.abs(np.diff(one.angle))
-        count = float(steps[steps > 0].min())
-        whole = np.allclose(steps / count, np.round(steps / count), atol=0.01)
-        if np.ptp(one.angle) < COUNTS * count and whole and np.mean(steps == 0) > REPEATED:
-            found.append(
-                f"the angles of curve {one.name!r} come in steps of {count:.2g} rad, "
-                f"{np.ptp(one.angle) / count:.0f} over its range, and the torque changes within a "
-                "step: measure with a finer encoder, or keep one sample of each step"
-            )
-            break
+    yield from _first(curves, _coarse)
+    yield from _first(curves, _stepped)
     copies = [
         (one.name, other.name)
         for one, other in combinations(curves, 2)
         if np.array_equal(one.angle, other.angle) and np.array_equal(one.torque, other.torque)
     ]
     if copies:
-        found.append(
+        yield Remark(
+            "copy",
             f"curve {copies[0][1]!r} is a copy of {copies[0][0]!r} to the last digit, and no "
-            f"second measurement (copies in all: {len(copies)}): remove it"
+            f"second measurement (copies in all: {len(copies)}): remove it",
         )
-    return found
 
 
-def _safety(model: Held) -> list[str]:
+def _first(curves: Sequence[Curve], look: Callable[[Curve], Remark | None]) -> list[Remark]:
+    """Returns the remark on the first curve that deserves one."""
+    return list(filter(None, map(look, curves)))[:1]
+
+
+def _coarse(curve: Curve) -> Remark | None:
+    step = float(np.abs(np.diff(curve.angle)).max())
+    if step <= COARSE * np.ptp(curve.angle):
+        return None
+    return Remark(
+        "coarse",
+        f"samples of curve {curve.name!r} are up to {step:.2g} rad apart, more than "
+        f"{COARSE:.0%} of its range, and the torque between them is unknown: sample finer",
+    )
+
+
+def _stepped(curve: Curve) -> Remark | None:
+    steps, span = np.abs(np.diff(curve.angle)), float(np.ptp(curve.angle))
+    count = float(steps[steps > 0].min())
+    whole = np.allclose(steps / count, np.round(steps / count), atol=0.01)
+    if span >= COUNTS * count or not whole or np.mean(steps == 0) <= REPEATED:
+        return None
+    return Remark(
+        "encoder",
+        f"the angles of curve {curve.name!r} come in steps of {count:.2g} rad, "
+        f"{span / count:.0f} over its range, and the torque changes within a "
+        "step: measure with a finer encoder, or keep one sample of each step",
+    )
+
+
+def _safety(model: Held) -> Iterator[Remark]:
     low, high = model.angle_range
-    found = [
+    yield Remark(
+        "range",
         f"the model is safe between {low:.2f} and {high:.2f} rad only; its torque is kept constant "
-        "outside, since curves that reach farther might show more"
-    ]
+        "outside, since curves that reach farther might show more",
+    )
     if model.certificate().margin <= MARGIN + NEAR:
-        found.append(
-            "the fit ended at the limit of the certificate: a model that is not safe may fit better"
+        yield Remark(
+            "certificate",
+            "the fit ended at the limit of the certificate: a model that is not safe may fit "
+            "better",
         )
-    return found
 
 
 def turns_back(curve: Curve) -> bool:
@@ -139,13 +158,13 @@ def turns_back(curve: Curve) -> bool:
     return bool(min(forth, back) > RETURNED * np.ptp(curve.angle))
 
 
-def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> list[str]:
+def _limits(model: JilesAtherton, bounds: Sequence[tuple[float, float]] | None) -> list[Remark]:
     values = {name: getattr(model, name) for name in PARAMETERS}
     limits = dict(zip(values, bounds, strict=True)) if bounds else {"a": SHAPE}
     if not bounds:
         limits["c"] = (1 + EXCESS[0], 1 + EXCESS[1])
     found = [
-        f"{name} = {values[name]:.5g} is at the limit of the search ({limit:g})"
+        Remark("limit", f"{name} = {values[name]:.5g} is at the limit of the search ({limit:g})")
         for name, pair in limits.items()
         for limit in pair
         if abs(values[name] - limit) <= NEAR * max(1.0, abs(limit))

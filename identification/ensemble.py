@@ -17,6 +17,7 @@ from ..arrays import Array
 from ..checks import at_least, number
 from ..errors import InputError, shown
 from ..hysteresis.protocol import HysteresisModel
+from .candidates import Candidate
 from .coverage import motion_coverage
 from .curves import Curve, Curves
 from .fits.beginning import begins_safely
@@ -25,7 +26,6 @@ from .motion_files import Motion
 from .objective import InitialTorque
 from .prediction import predicted, torque_errors
 from .residual.noise import GRID, Noise
-from .selection import Candidate
 from .thinning import thinned
 from .uncertainty.uncertainty import refits
 

@@ -47,7 +47,7 @@ def times_of(curve: Curve) -> Array:
     if curve.time is None:
         raise InputError(
             f"curve {curve.name!r} has no times, and the model depends on the rate: add the column "
-            "time_s, or leave --rate out"
+            "time_s, or leave rate out"
         )
     return curve.time
 

@@ -1,169 +1,154 @@
-"""Choice of the model: the simplest of those that predict curves outside their fits."""
+"""`select`: the kind of model that predicts best, and a band over those that are nearly as good."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, NamedTuple
-
-import numpy as np
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 from ..arrays import Array
+from ..checks import at_least
+from ..checks import workers as check_workers
 from ..errors import InputError
-from ..hysteresis.protocol import HysteresisModel
-from ._threads import run_threads
-from .baselines import predictions
+from .candidates import Candidate, choose
+from .corrections import Corrections
+from .coverage import Coverage
 from .curves import Curve
-from .fits.registry import FITS, Fitted, fit_model
-from .left_out import Question, questions
+from .ensemble import LEVEL, Ensemble, drawn, ensemble
+from .fit import Fit, judged_fit
+from .fits.registry import FITS
+from .identify import NONE, fits_start, prepared, refuse_unknown, refuse_weights
+from .methods import DEFAULT_MODEL, check_beginning
 from .objective import InitialTorque
-from .prediction import nrmse, predicted, torque_errors
-
-WORTH_IT = 0.95  # ratio to the error without memory: a smaller improvement may be chance
-AS_GOOD = 1.1  # ratio to the best score up to which the model with fewest parameters is chosen
+from .trials import Trial
+from .uncertainty.uncertainty import Uncertainty
 
 
 @dataclass(frozen=True, kw_only=True)
-class Candidate:
-    """One model that `identify` with method "auto" tried.
+class Selection:
+    """Result of `select`.
 
     Attributes:
-        name: Name of the model.
-        model: Model that is fitted to all curves; None where that failed.
-        initial_torque: Torque with which the curves begin [N·m].
-        parameters: Number of parameters that the fit chooses.
-        prediction_nrmse: NRMSE over what was left out of the fit; infinite where it failed.
-        prediction_errors: Errors of these predictions [N·m], of all left-out samples end to end,
-            alike for all candidates; empty where it failed.
-        fit_nrmse: NRMSE on the fitted curves; infinite where it failed.
-        reason: Why it failed, as a sentence; empty if it did not.
+        fit: Certified fit of the chosen model to all curves.
+        why: The reason of the choice, as a sentence.
+        candidates: All models that were tried, the best prediction first.
+        ensemble: Candidates that predict left-out curves nearly as well as the best, of which
+            `band` is made; None where all meet a pole.
     """
 
-    name: str
-    model: HysteresisModel | None = None
-    initial_torque: InitialTorque = 0.0
-    parameters: int = 0
-    prediction_nrmse: float = float("inf")
-    fit_nrmse: float = float("inf")
-    reason: str = ""
-    prediction_errors: Array = field(default_factory=lambda: np.empty(0), repr=False, compare=False)
-
-
-class Choice(NamedTuple):
-    """The chosen model, and the candidates.
-
-    Attributes:
-        chosen: The chosen candidate.
-        candidates: All that were tried, the best prediction first.
-        why: The reason, as a sentence.
-        interrupted: Whether Ctrl-C ended it before all were tried.
-        baselines: NRMSE of the same predictions by models without memory, by name.
-    """
-
-    chosen: Candidate
-    candidates: tuple[Candidate, ...]
+    fit: Fit
     why: str
-    interrupted: bool
-    baselines: dict[str, float]
+    candidates: tuple[Candidate, ...]
+    ensemble: Ensemble | None
 
-    @property
-    def unneeded(self) -> str:
-        """Why no hysteresis model is needed, as a sentence; empty if one is."""
-        name = min(self.baselines, key=lambda one: self.baselines[one], default="")
-        own = self.chosen.prediction_nrmse
-        if not name or own < WORTH_IT * self.baselines[name]:
-            return ""
-        return (
-            f"{name} predicts the left-out data with NRMSE {self.baselines[name]:.2%}, and "
-            f"{self.chosen.name}, the best choice among models with a memory, with {own:.2%}: the "
-            "curves show no memory that needs one"
-        )
+    def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
+        """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
+
+        The band of `Fit.uncertainty` is valid if the kind of model is right; this one also covers
+        the differences between kinds of model that the curves allow, see `Ensemble.band`.
+
+        Args:
+            curve: Motion; its torque is used only where the fit began with the measured one.
+            level: Share of the samples that the band is to contain, between 0 and 1.
+
+        Raises:
+            InputError: All models meet a pole, or see `Ensemble.band`.
+        """
+        if self.ensemble is None:
+            raise InputError("every model meets its pole on the curves: there is no band")
+        return self.ensemble.band(curve, level)
+
+    def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
+        """Returns the uncertainty of the chosen model, with samples of all kinds.
+
+        Args:
+            samples: Number of models to draw, of all kinds in the ensemble by their weight.
+            seed: Seed of their noise.
+
+        Raises:
+            InputError: See `identification.uncertainty`.
+        """
+        if self.ensemble is None:
+            return self.fit.uncertainty(samples=samples, seed=seed)
+        found, fit = self.fit.uncertainty(seed=seed), self.fit
+        models = drawn(self.ensemble, fit.curves, fit.initial_torque, samples, seed)
+        return replace(found, samples=models)
 
 
-def choose(
-    curves: Sequence[Curve], *, seed: int, workers: int, options: dict[str, dict[str, Any]]
-) -> Choice:
-    """Chooses the model that predicts best, or a simpler one that predicts nearly as well.
+def select(
+    curves: Sequence[Curve],
+    *,
+    corrections: Corrections = NONE,
+    initial_torque: InitialTorque | None = None,
+    seed: int = 0,
+    workers: int = -1,
+    needed: Coverage | None = None,
+    on_trial: Callable[[Trial], None] | None = None,
+    **old: Any,
+) -> Selection:
+    """Selects the simplest model that predicts well the curves left out of its certified fit.
 
-    Each candidate is fitted to a part of the curves and predicts the rest, for each of the
-    `questions` of `left_out`. The NRMSE of all these predictions is the score. Of the models within
-    10 % of the best score the one with fewest parameters is chosen, and fitted to all curves.
-    Everything a prediction uses, the torque at its beginning too, comes from the part that is
-    fitted. Models without memory answer the same questions.
+    Every model is fitted to all curves but one, or to a part of a long record, and predicts the
+    rest, for each in turn. Ctrl-C keeps the finished models.
 
     Args:
-        curves: First-order curves to fit, better 3 than 2, and 5 or more for the models of many
-            weights; or one record of several cycles.
+        curves: The measurements; those with role "predict" are kept out and tested.
+        corrections: What is taken off the curves, or fitted beside the models; tare and softening
+            are those of Jiles-Atherton.
+        initial_torque: The torque with which the curves begin, as in `identify`: by default 0 for
+            Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
-        workers: Number of threads, which share the candidates.
-        options: Options of the candidates' fits, by model.
+        workers: The number of threads, which share the models; -1 uses all cores.
+        needed: Coverage of the intended motions, see `identify`.
+        on_trial: Function that gets the fit of the chosen model.
+        **old: Names of version 0.2, which are refused with the new one.
 
     Raises:
-        InputError: There is too little to leave out, or no candidate could be fitted.
+        InputError: There is too little to leave out, no model can be fitted, or see `identify`.
     """
-    asked = questions(curves)
-    calls = [partial(_candidate, name, curves, asked, seed, options.get(name, {})) for name in FITS]
-    found, interrupted = run_threads(calls, workers)
-    order = list(FITS)
-    tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
-    best = tried[0]
-    if best.model is None:
-        if interrupted:
-            raise KeyboardInterrupt
-        reasons = "; ".join(f"{candidate.name}: {candidate.reason}" for candidate in tried)
-        raise InputError(f"no model could be fitted to these curves ({reasons})")
-    good = [one for one in tried if one.prediction_nrmse <= AS_GOOD * best.prediction_nrmse]
-    chosen = min(good, key=lambda candidate: candidate.parameters)
-    why = _why(chosen, tried)
-    baselines = predictions(asked, curves)
-    if interrupted:
-        why += f"; interrupted after {len(tried)} of {len(FITS)} models"
-    return Choice(chosen, tuple(tried), why, interrupted, baselines)
-
-
-def _candidate(
-    name: str,
-    curves: Sequence[Curve],
-    asked: Sequence[Question],
-    seed: int,
-    options: dict[str, Any],
-) -> Candidate:
-    def fitted(some: Sequence[Curve]) -> Fitted:
-        return fit_model(name, some, np.random.default_rng(seed), **options)
-
-    try:
-        errors = []
-        for question in asked:
-            found = fitted(question.known)
-            torque = predicted(found.model, found.initial_torque, question.curve)
-            errors.append(question.errors(torque))
-        found = fitted(curves)
-        on_fit = torque_errors(found.model, found.initial_torque, curves)
-    except InputError as error:
-        return Candidate(name=name, reason=str(error))
-    return Candidate(
-        name=name,
-        model=found.model,
-        initial_torque=found.initial_torque,
-        parameters=found.model.free_parameters,
-        prediction_nrmse=nrmse(np.concatenate(errors), curves),
-        prediction_errors=np.concatenate(errors),
-        fit_nrmse=nrmse(on_fit, curves),
+    refuse_unknown(old)
+    check_beginning(initial_torque)
+    at_least("seed", seed, 0)
+    check_workers(workers)
+    if sum(one.role == "fit" for one in curves) == 1:
+        initial_torque = "identified"  # a record may begin anywhere, unlike first-order curves
+    start: dict[str, Any] = {} if initial_torque is None else {"initial_torque": initial_torque}
+    ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed)
+    refuse_weights(ready.measured)
+    ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
+    choice = choose(ready.measured, seed=seed, workers=workers, options=ways)
+    trial = _trial(choice.chosen)
+    if on_trial is not None:
+        on_trial(trial)
+    fit = judged_fit(
+        ready,
+        corrections,
+        choice.chosen.name,
+        "auto",
+        [trial],
+        needed,
+        fitted_start=fits_start(choice.chosen.name, initial_torque),
+        interrupted=choice.interrupted,
+        memoryless=choice.unneeded,
     )
-
-
-def _why(chosen: Candidate, tried: Sequence[Candidate]) -> str:
-    best = tried[0]
-    score = f"with NRMSE {chosen.prediction_nrmse:.2%}"
-    if chosen is not best:
-        return (
-            f"{chosen.name} predicts data left out of its fit {score}, within 10 % of the best "
-            f"({best.name}, {best.prediction_nrmse:.2%}), and has fewer parameters "
-            f"({chosen.parameters} instead of {best.parameters})"
+    members = None
+    if fit.judgement is not None:
+        members = ensemble(
+            choice.candidates,
+            ready.measured,
+            fit.judgement.noise,
+            seed=seed,
+            options=ways,
+            fitted_start=lambda name: fits_start(name, initial_torque),
         )
-    text = f"{chosen.name} predicts data left out of its fit best, {score}"
-    if len(tried) == 1 or tried[1].model is None:
-        return f"{text}; no other model was fitted"
-    return (
-        f"{text} (next is {tried[1].name}, {tried[1].prediction_nrmse:.2%}), and no model within "
-        f"10 % of that has fewer parameters than its {chosen.parameters}"
+    return Selection(fit=fit, why=choice.why, candidates=choice.candidates, ensemble=members)
+
+
+def _trial(chosen: Candidate) -> Trial:
+    assert chosen.model is not None  # a candidate without a fit is never chosen
+    return Trial(
+        index=0,
+        model=chosen.model,
+        initial_torque=chosen.initial_torque,
+        nrmse=chosen.fit_nrmse,
+        loss=chosen.fit_nrmse,
+        evaluations=None,
     )

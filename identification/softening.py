@@ -18,7 +18,7 @@ from .prediction import predicted, price
 from .residual.noise import independent
 from .residual.tangent import coordinates_of, tangent
 
-Softens = Literal["none", "fitted"]
+Softens = Literal["none", "fit"]
 FEWEST = 2.0  # fewest cycles in which a change is identifiable
 # Shortest and longest decay of the change to 1/e, in cycles and as a multiple of all cycles.
 SHORTEST, LONGEST = 0.5, 3.0
@@ -107,7 +107,7 @@ def found_softening(
     if count.total < NEARLY * FEWEST:
         raise InputError(
             f"the curves go through {count.total:.3g} cycles of their range: a change from cycle "
-            f"to cycle needs at least {FEWEST:g}; measure more, or leave --softening out"
+            f"to cycle needs at least {FEWEST:g}; measure more, or leave softening out"
         )
     without = fit(curves)
     slow, found = without, Softening(1.0, 1.0, count.total, count.total)

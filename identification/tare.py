@@ -10,9 +10,21 @@ from ..checks import number
 from ..errors import InputError
 from .curves import Curve, Curves
 
-Tare = float | Literal["zero", "fitted"]
+Tare = float | Literal["zero", "fit"]
 FINE = 1e-3  # tolerance of a fitted offset, as a share of the peak
 FLAT = 1.02  # ratio to the least error: where another offset fits as well, none is identifiable
+
+
+def checked_tare(tare: Tare) -> None:
+    """Checks the offset of a torque sensor.
+
+    Raises:
+        InputError: It is no number, "zero" or "fit".
+    """
+    if not isinstance(tare, str):
+        number("tare", tare, "N·m")
+    elif tare not in ("zero", "fit"):
+        raise InputError(f"tare is {tare!r}: give a number in N·m, 'zero' or 'fit'")
 
 
 def tared(curves: Curves, tare: float) -> Curves:
@@ -28,20 +40,18 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
 
     Args:
         curves: Curves to fit.
-        tare: The offset; "zero" takes the mean torque with which the curves begin, "fitted" the one
+        tare: The offset; "zero" takes the mean torque with which the curves begin, "fit" the one
             that a fit of the model prefers.
         error: Function from curves to the error of the model fitted to them, over their peak.
 
     Raises:
-        InputError: The offset is no number, or the model fits with any offset.
+        InputError: The model fits with any offset.
     """
     family = Curves(curves)
-    if not isinstance(tare, str):
-        return number("tare", tare, "N·m")
     if tare == "zero":
         return family.start_torque
-    if tare != "fitted":
-        raise InputError(f"tare is {tare!r}: give a number in N·m, 'zero' or 'fitted'")
+    if tare != "fit":
+        return float(tare)
     peak = family.peak
 
     def misses(offset: float) -> float:
@@ -56,7 +66,7 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
     best = float(found.x)
     if misses(best + peak / 4) < FLAT * float(found.fun):
         raise InputError(
-            "tare is 'fitted', but the model fits these curves with any offset: leave it out, or "
+            "tare is 'fit', but the model fits these curves with any offset: leave it out, or "
             "give the offset as a number"
         )
     return best

@@ -22,6 +22,7 @@ from activesuit.identification import (
     measure,
     register_fit,
     save_curves,
+    select,
 )
 from activesuit.identification.fits.registry import FITS
 from activesuit.scripts.main import main
@@ -62,9 +63,9 @@ def test_it_is_fitted(curves):
 
 
 def test_auto_tries_it(curves):
-    fit = identify([*curves.fitted()], method="auto")
-    assert "maxwell-slip" in {one.name for one in fit.candidates}
-    assert fit.model_name == "maxwell-slip"  # it has the fewest parameters
+    found = select([*curves.fitted()])
+    assert "maxwell-slip" in {one.name for one in found.candidates}
+    assert found.fit.model_name == "maxwell-slip"  # it has the fewest parameters
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...identification import Curve, first_order_motions, identify, multi_order_motion
+from ...identification import Curve, first_order_motions, multi_order_motion, select
 from ...identification import nested_motion as next_record
 from ...identification.design import MAX_RATE, MIN_RATE
 from .truths import (
@@ -92,7 +92,7 @@ def band_case(family: str, record: str, seed: int) -> dict[str, Any]:
     rates = np.exp(rng.uniform(math.log(MIN_RATE), math.log(MAX_RATE), TURNS_UNSEEN + 1))
     time = _times(angle, rates)
     right = truth.torque(angle, time)
-    fit = identify(curves, method="auto", seed=seed, workers=1)
+    fit = select(curves, seed=seed, workers=1)
     probe = Curve(angle, right, "probe", time=time)
     low, high = fit.band(probe)
     moved = np.abs(angle - angle[0]) > 5 * STEP

@@ -16,7 +16,7 @@ from ..objective import InitialTorque
 from ..prediction import nrmse, price, torque_errors
 from .rate import SlowFit
 
-Play = Literal["none", "fitted"]
+Play = Literal["none", "fit"]
 LARGEST = 0.1  # widest gap of the search, as a share of the range of angles
 GAPS = 6  # number of gaps on the grid, of which the first is zero
 CLOSE = 1e-3  # tolerance of the best gap, relative to the widest
@@ -30,7 +30,7 @@ class _Behind(NamedTuple):
 
 def play_of(model: HysteresisModel) -> Play:
     """Returns whether a fitted model is behind play."""
-    return "fitted" if isinstance(without_rate(model), Backlash) else "none"
+    return "fit" if isinstance(without_rate(model), Backlash) else "none"
 
 
 def without_play(model: HysteresisModel) -> HysteresisModel:

@@ -75,7 +75,7 @@ FITS: dict[str, FitFunction] = {
 def register_fit(model_name: str, fit: FitFunction) -> None:
     """Makes a fit known to `identify`, for a hysteresis model from outside the package.
 
-    From then on `identify(curves, model=model_name)` uses it, and the method "auto" tries it.
+    From then on `identify(curves, model=model_name)` uses it, and `select` tries it.
 
     Args:
         model_name: The `name` of the model.
@@ -129,7 +129,7 @@ def fit_model(
         rng: The generator that a seeded fit uses.
         rate: Elements that are fitted beside it: none ("none"), a dashpot ("viscous"), or a Maxwell
             element too ("relaxing").
-        play: Whether a gap before it is fitted too ("fitted"), or there is none ("none").
+        play: Whether a gap before it is fitted too ("fit"), or there is none ("none").
         **options: The options of the fit.
 
     Raises:

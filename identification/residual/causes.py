@@ -6,7 +6,7 @@ column that explains most identifies the cause, and its coefficient is the size 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ..curves import Curve
 from ..lost_motion import played, suit_angles
 from ..objective import InitialTorque
 from ..prediction import predicted
+from ..remarks import Remark
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 
@@ -27,6 +28,9 @@ RARE = 1e-4  # probability below which a fault is reported: one in thousands of 
 WIDTHS = np.radians([0.2, 1.0, 4.0])
 NEVER_BELOW_ZERO = ("play", "gap")
 NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
+
+
+Fault = Literal["tare", "rate", "play", "gap", "drift"]
 
 
 class Cause(NamedTuple):
@@ -40,25 +44,26 @@ class Cause(NamedTuple):
         column: What a fault of size 1 adds to the torque, shape (samples,).
     """
 
-    name: str
+    name: Fault
     size: float
     explained: Explained
     column: Array
 
     @property
-    def sentence(self) -> str:
+    def remark(self) -> Remark:
         """The fault in words, and its remedy."""
-        return _SENTENCES[self.name](self.size)
+        option = None if self.name == "rate" and self.size < 0 else _OPTIONS.get(self.name)
+        return Remark(self.name, _SENTENCES[self.name](self.size), option)
 
 
-_SENTENCES: dict[str, Callable[[float], str]] = {
+_SENTENCES: dict[Fault, Callable[[float], str]] = {
     "tare": lambda size: (
         f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
-        "cannot describe: fit it as the sensor's offset with --tare fitted, or zero the sensor"
+        "cannot describe: zero the sensor, or fit it as the sensor's offset"
     ),
     "rate": lambda size: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
-        "lags; measure slower, or fit the rate too with --rate viscous"
+        "lags; measure slower, or fit the rate too"
         if size > 0
         else f"the torque falls by {-size:.2g} N·m with each rad/s, which no joint shows: angle "
         "and torque are not measured at the same time; measure slower, or shift one of them"
@@ -69,14 +74,20 @@ _SENTENCES: dict[str, Callable[[float], str]] = {
     ),
     "gap": lambda size: (
         f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: "
-        "there the contact in the transmission changes from one face to another; fit that gap too "
-        "with --play fitted, or remove it"
+        "there the contact in the transmission changes from one face to another; remove that gap, "
+        "or fit it too"
     ),
     "drift": lambda size: (
         f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
-        "joint wears in, or the sensor drifts; --softening fitted removes a change that settles; "
-        "or cycle the joint before, and fit only the last cycles"
+        "joint wears in, or the sensor drifts; cycle the joint before, and fit only the last "
+        "cycles, or remove a change that settles"
     ),
+}
+_OPTIONS: dict[Fault, tuple[str, str]] = {
+    "tare": ("tare", "fit"),
+    "rate": ("rate", "viscous"),
+    "gap": ("play", "fit"),
+    "drift": ("softening", "fit"),
 }
 
 
@@ -100,7 +111,7 @@ def causes(
         known: Noise known from repeated curves; None estimates it.
     """
     sizes = [curve.torque.size for curve in curves]
-    found: dict[str, Cause] = {}
+    found: dict[Fault, Cause] = {}
     for name, column in _columns(model, initial_torque, curves):
         if not np.isfinite(column).all():
             continue  # the model meets its pole a little beyond the curves
@@ -118,13 +129,13 @@ def causes(
 
 def _columns(
     model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
-) -> Iterator[tuple[str, Array]]:
+) -> Iterator[tuple[Fault, Array]]:
     torque = [predicted(model, initial_torque, curve) for curve in curves]
     yield "tare", np.ones(sum(one.size for one in torque))
     timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
     if len(timed) == len(curves):
         yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
-    paths: list[tuple[str, float, list[Array]]] = []
+    paths: list[tuple[Fault, float, list[Array]]] = []
     for width in WIDTHS.tolist():
         paths.append(("play", width, [played(curve.angle, width) for curve in curves]))
         if not isinstance(without_rate(model), Backlash):

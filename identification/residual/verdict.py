@@ -1,7 +1,7 @@
 """Verdict on whether a fitted model describes the curves, derived from printed numbers."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..baselines import baseline_errors
 from ..curves import Curve, Curves
 from ..objective import InitialTorque
 from ..prediction import nrmse, torque_errors
+from ..remarks import Remark
 from ..thinning import thinned
 from .causes import Cause, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, repeated_noise, smooth_columns
@@ -47,7 +48,7 @@ class Judgement:
         noise: Noise of the torque.
         causes: Faults of the measurement that the residual shows, the most certain first.
         baselines: NRMSE of models without memory on the same curves, by name.
-        remarks: Reasons to doubt the model or the curves, as sentences.
+        remarks: Reasons to doubt the model or the curves.
     """
 
     verdict: str
@@ -56,7 +57,7 @@ class Judgement:
     noise: Noise
     causes: tuple[Cause, ...]
     baselines: dict[str, float]
-    remarks: tuple[str, ...]
+    remarks: tuple[Remark, ...]
 
     def to_dict(self) -> dict[str, object]:
         """Returns everything as plain values."""
@@ -194,45 +195,53 @@ class _Findings(NamedTuple):
         return matters or self.nothing or max(saved, default=1.0) >= TIMES_NOISE
 
 
-def _remarks(found: _Findings) -> Iterator[str]:
+def _remarks(found: _Findings) -> Iterator[Remark]:
     """Yields the remarks on a fit, the most important first."""
     own, baselines = found.own, found.baselines
     if found.surely:
         yield from _misfit_remarks(found.misfit, found.known, found.family)
     if found.nothing:
-        yield (
+        yield Remark(
+            "nothing",
             f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
-            f"{found.constant:.2%}): check the columns, or measure larger motions"
+            f"{found.constant:.2%}): check the columns, or measure larger motions",
         )
     yield from _outlier_remarks(found.residual, found.sizes)
     yield from _cause_remarks(found)
     if found.unfinished >= UNFINISHED and own > MATTERS:
         less = 1 - 1 / found.unfinished
-        yield (
+        yield Remark(
+            "search",
             f"the search ended before the least error, which is about {less:.0%} less: give it "
-            "more trials or a larger budget, or use the method 'certified'"
+            "more trials or a larger budget, or use the certified method",
+            ("method", "certified"),
         )
     memory = found.misfit.noise.memory
     if not found.surely and found.known is None and memory > WANDERS:
-        yield (
+        yield Remark(
+            "wandering",
             f"the residual wanders (correlation {memory:.2f} from sample to sample), "
-            "which may be noise or misfit: measure every curve twice to tell which"
+            "which may be noise or misfit: measure every curve twice to tell which",
         )
     best = min(baselines, key=lambda name: baselines[name])
     if baselines[best] <= own:
-        yield (
+        yield Remark(
+            "memoryless",
             f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
-            f"{own:.2%}): they show no memory that needs this model"
+            f"{own:.2%}): they show no memory that needs this model",
         )
 
 
-def _cause_remarks(found: _Findings) -> Iterator[str]:
+def _cause_remarks(found: _Findings) -> Iterator[Remark]:
     """Yields the first cause, and others until one explains the rest of the residual."""
     for i, cause in enumerate(found.causes):
         both = np.column_stack([found.slopes, cause.column])
         rest = explained(found.residual, both, found.smooth, found.sizes, found.known).probability
         if not found.surely or rest >= UNLIKELY or i == 0:
-            yield cause.sentence if rest >= UNLIKELY else f"perhaps {cause.sentence}"
+            remark = cause.remark
+            if rest < UNLIKELY:
+                remark = replace(remark, sentence=f"perhaps {remark.sentence}")
+            yield remark
             if rest >= UNLIKELY:
                 return
 
@@ -257,7 +266,7 @@ def _saved(residual: Array, slopes: Array, column: Array) -> float:
     return float(np.linalg.norm(residual) / max(np.linalg.norm(rest), np.finfo(float).tiny))
 
 
-def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[str]:
+def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[Remark]:
     """Returns a remark about single samples far from their neighbors, if there are any.
 
     The statistic is the residual less the mean of its two neighbors, which a smooth misfit leaves
@@ -274,18 +283,26 @@ def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[str]:
     if far.size < FEWEST_OUTLIERS:
         return []
     return [
-        f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
-        f"{FAR:g} times the usual deviation: remove these outliers, or use --objective robust with "
-        "a swarm (--method sa-pso)"
+        Remark(
+            "outliers",
+            f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
+            f"{FAR:g} times the usual deviation: remove these outliers, or search with an "
+            "objective that bears them, such as by sa-pso",
+            ("objective", "robust"),
+        )
     ]
 
 
-def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[str]:
+def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[Remark]:
     origin = "of repeated curves" if known else "that is estimated beside it"
     share, seldom = misfit.noise.deviation / curves.peak, max(misfit.probability, 1e-9)
     return [
-        f"the residual is at least {misfit.times_noise:.2f} times the noise {origin} ({share:.2%} "
-        f"of the peak), and noise alone leaves so smooth a residual in at most {seldom:.0e} of all "
-        f"fits (reported below {UNLIKELY:g}): check columns, order and beginning of the curves, or "
-        "choose another model (method 'auto')"
+        Remark(
+            "misfit",
+            f"the residual is at least {misfit.times_noise:.2f} times the noise {origin} "
+            f"({share:.2%} of the peak), and noise alone leaves so smooth a residual in at most "
+            f"{seldom:.0e} of all fits (reported below {UNLIKELY:g}): check columns, order and "
+            "beginning of the curves, or choose another model",
+            ("method", "auto"),
+        )
     ]

@@ -14,7 +14,7 @@ from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figu
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError
-from ...identification import Curves, Fit, Trial, identify, load_curves
+from ...identification import Certified, Curves, Fit, Search, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
 from ..options import Force, Seed
 from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
@@ -98,24 +98,22 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
     """Runs all fits and puts them into `fits`, by joint and method."""
-    runs = {"sa-pso": trials, "mpso": trials, "certified": 1}
-    with progress("identifying", sum(runs.values()) * len(curves)) as bar:
+    methods = {
+        name: Certified() if name == "certified" else Search(name, objective="paper", trials=trials)
+        for name in COMPARED
+    }
+    runs = sum(method.trials for method in methods.values())
+    with progress("identifying", runs * len(curves)) as bar:
 
         def report(trial: Trial) -> None:
             del trial
             bar.advance()
 
         for name, family in curves.items():
-            for method in COMPARED:
-                fits[name][method] = identify(
-                    family,
-                    method=method,
-                    objective=None if method == "certified" else "paper",
-                    trials=runs[method],
-                    seed=seed,
-                    on_trial=report,
-                )
-                if fits[name][method].interrupted:
+            for label, method in methods.items():
+                fit = identify(family, method=method, seed=seed, on_trial=report)
+                fits[name][label] = fit
+                if fit.interrupted:
                     raise KeyboardInterrupt
 
 

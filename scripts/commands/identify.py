@@ -1,5 +1,6 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
@@ -8,28 +9,29 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Coverage, Curves, Fit, Trial, averaged_cycles, load_curves
+from ...identification import Corrections, Coverage, Fit, Selection, load_curves, select
 from ...identification import identify as identify_curves
+from ...identification.corrections import averaged
 from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
-from ...identification.fits.play import Play
-from ...identification.fits.rate import Rate
 from ...identification.fits.registry import FITS
+from ...identification.identify import NONE
+from ...identification.methods import DEFAULT_MODEL, METHODS, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
-from ...identification.options import METHODS
 from ...identification.residual.verdict import NOT, NOT_BEYOND
-from ...identification.softening import Softens
-from ...identification.tare import Tare
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
 from ..intended import needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
+    advised,
     band_table,
+    bands_of,
     candidate_table,
     fit_summary,
     quality_table,
+    selection_summary,
     uncertainty_summary,
     uncertainty_table,
     write_trials,
@@ -37,21 +39,18 @@ from ..reports.fits import (
 from ..reports.parameters import parameter_table
 
 NOT_DESCRIBED = 3  # exit code
+AUTO = "auto"  # method whose model `select` chooses
 
 
 def identify(
     curves: Annotated[Path, tyro.conf.Positional],
     /,
     model: Annotated[str | None, choice(lambda: FITS)] = None,
-    method: Annotated[str, choice(lambda: METHODS)] = "certified",
+    method: Annotated[str, choice(lambda: [*METHODS, AUTO])] = "certified",
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
-    tare: Tare = 0.0,
-    average_cycles: bool = False,
-    rate: Annotated[Rate, choice(lambda: get_args(Rate))] = "none",
-    play: Annotated[Play, choice(lambda: get_args(Play))] = "none",
-    softening: Annotated[Softens, choice(lambda: get_args(Softens))] = "none",
+    corrections: Corrections = NONE,
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
@@ -84,16 +83,6 @@ def identify(
         initial_torque: Torque with which each curve begins: a number in N·m (by default 0),
             measured (the first sample of the curve) or identified (one number for all curves).
             Only jiles-atherton has this choice; the fits of other models identify it.
-        tare: Offset of the torque sensor in N·m, which is taken off all curves; zero takes the mean
-            torque with which they begin, noise included, fitted the offset that the certified fit
-            prefers.
-        average_cycles: Replace all cycles of each record but the first by their mean; the cycles
-            of a record must turn at the same two angles.
-        rate: Part of the torque that depends on the rate, fitted beside the model: none, viscous
-            (a dashpot) or relaxing (a dashpot and a Maxwell element); the file needs time_s then.
-        play: Play in the transmission, whose gap is fitted before the model (fitted), or none.
-        softening: Change of the torque over the cycles of the file, which is found and taken off
-            the curves, and written to suit.json (fitted), or none.
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
@@ -107,53 +96,45 @@ def identify(
             empty one, or that of an earlier identify.
     """
     family = load_curves(curves)
-    if average_cycles:
-        if softening != "none":
-            raise InputError("--average-cycles hides what --softening looks for: leave one out")
-        family = _averaged(family, quiet=json)
+    mean = averaged(family, corrections)
+    if corrections.average_cycles and not json:
+        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+        say(f"mean of the cycles after the first: {counts}")
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
-    needed = needed_coverage(family, curves, use, joint)
+    needed = needed_coverage(mean, curves, use, joint)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
-    total = trials or (1 if method in ("certified", "auto") else 30)
+    if method == AUTO:
+        _refuse_beside_auto(model=model, objective=objective, normalize=normalize, trials=trials)
+        run, total = partial(select, family), 1
+    else:
+        chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
+        run = partial(identify_curves, family, model=model or DEFAULT_MODEL, method=chosen)
+        total = chosen.trials
     with progress(f"{method} on {curves.name}", total) as bar:
-
-        def report(trial: Trial) -> None:
-            del trial
-            bar.advance()
-
-        fit = identify_curves(
-            family,
-            model=model,
-            method=method,
-            objective=objective,
-            normalize=normalize,
+        result = run(
+            corrections=corrections,
             initial_torque=initial_torque,
-            tare=tare,
-            rate=rate,
-            play=play,
-            softening=softening,
-            trials=trials,
             seed=seed,
             workers=workers,
-            on_trial=report,
             needed=needed,
+            on_trial=lambda trial: bar.advance(),
         )
-    found = fit.uncertainty(samples=samples, seed=seed) if samples else None
-    summary = _summary(fit, seed, use, needed, found)
+    fit = _fit(result)
+    found = result.uncertainty(samples=samples, seed=seed) if samples else None
+    summary = _summary(result, seed, use, needed, found)
     if json:
         print(to_json(summary))
     else:
-        bands = summary["ensemble"]["bands"] if fit.ensemble else {}
-        _print(fit, curves, use, found, bands)
+        _print(result, curves, use, found)
     if folder and joint_name:
         suit = Suit.from_fits(
             {joint_name: fit},
             name=curves.stem,
-            description=_description(fit, curves, seed),
+            description=_description(result, curves, seed),
             base=others,
             samples={joint_name: found.samples if found else ()},
         )
@@ -164,23 +145,33 @@ def identify(
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
     if fit.interrupted:
-        raise KeyboardInterrupt(f"the best of the {_finished(fit)} is kept")
+        raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
     if fit.verdict == NOT:
         raise SystemExit(NOT_DESCRIBED)
 
 
-def _averaged(family: Curves, *, quiet: bool) -> Curves:
-    counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-    averaged = averaged_cycles(family)
-    if not quiet:
-        say(f"mean of the cycles after the first: {counts}")
-    return averaged
+def _refuse_beside_auto(**given: str | int | None) -> None:
+    """Refuses options that mean nothing where the model is selected."""
+    why = {
+        "model": "method 'auto' chooses the model",
+        "objective": "method 'auto' always minimizes the NRMSE over the family",
+        "normalize": "method 'auto' always minimizes the NRMSE over the family",
+        "trials": "method 'auto' chooses once",
+    }
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"{name} is {value!r}: {why[name]}; leave one of them out")
 
 
 def _summary(
-    fit: Fit, seed: int, use: str | None, needed: Coverage | None, found: Uncertainty | None
+    result: Fit | Selection,
+    seed: int,
+    use: str | None,
+    needed: Coverage | None,
+    found: Uncertainty | None,
 ) -> dict[str, Any]:
     """Returns what result.json and --json hold."""
+    fit = _fit(result)
     coverage = {
         "for": use,
         "measured": fit.coverage and fit.coverage.to_dict(),
@@ -188,19 +179,18 @@ def _summary(
         "shortfalls": fit.shortfalls,
     }
     summary = {**fit_summary(fit, seed), "coverage": coverage}
+    if isinstance(result, Selection):
+        summary |= selection_summary(result)
     return {**summary, "uncertainty": uncertainty_summary(found)} if found else summary
 
 
 def _print(
-    fit: Fit,
-    curves: Path,
-    use: str | None,
-    found: Uncertainty | None,
-    bands: dict[str, dict[str, float]],
+    result: Fit | Selection, curves: Path, use: str | None, found: Uncertainty | None
 ) -> None:
-    if fit.candidates:
-        table(f"models for {curves.name}", *candidate_table(fit), left=1)
-        say(f"{fit.why}\n")
+    fit = _fit(result)
+    if isinstance(result, Selection):
+        table(f"models for {curves.name}", *candidate_table(result), left=1)
+        say(f"{result.why}\n")
     header, rows = parameter_table({"value": fit.model})
     start = fit.initial_torque
     begins = start if isinstance(start, str) else f"{start:.5g}"
@@ -213,27 +203,32 @@ def _print(
         rows.append(["torque over the last", change])
     table(curves.name, header, rows, left=1)
     table("quality", *quality_table({curves.stem: {fit.method: fit}}))
-    if bands:
+    if isinstance(result, Selection) and (bands := bands_of(result)):
         table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     why = ": they hold no loops inside loops, and no intended motion is named (--for)"
     say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
-    for remark in (*fit.diagnostics, *(found.sloppy if found else ())):
-        say(f"note: {remark}")
+    for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
+        say(f"note: {sentence}")
 
 
-def _description(fit: Fit, curves: Path, seed: int) -> str:
+def _fit(result: Fit | Selection) -> Fit:
+    return result.fit if isinstance(result, Selection) else result
+
+
+def _description(result: Fit | Selection, curves: Path, seed: int) -> str:
+    fit = _fit(result)
     text = f"Identified from {curves.name} by {fit.method}, seed {seed}"
     if fit.interrupted:
-        text += f", interrupted: the best of the {_finished(fit)}"
+        text += f", interrupted: the best of the {_finished(result)}"
     return f"{text}."
 
 
-def _finished(fit: Fit) -> str:
-    if fit.candidates:
-        return f"{len(fit.candidates)} models tried so far"
-    return f"{len(fit.trials)} finished trials"
+def _finished(result: Fit | Selection) -> str:
+    if isinstance(result, Selection):
+        return f"{len(result.candidates)} models tried so far"
+    return f"{len(result.trials)} finished trials"
 
 
 def _write(folder: RunFolder, joint: str, fit: Fit) -> None:

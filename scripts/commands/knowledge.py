@@ -119,11 +119,8 @@ def _beliefs(suit: str, seed: int) -> dict[str, dict[str, JointBelief]]:
     for name, fit in STATIC.items():
         found[name] = {joint: fit(*_samples(curves[joint])) for joint in joints}
     for name, method in FITTED.items():
-        trials = TRIALS if method == "mpso" else None
         found[name] = {
-            joint: belief_of(
-                SuitJoint.from_fit(identify(curves[joint], method=method, seed=seed, trials=trials))
-            )
+            joint: belief_of(SuitJoint.from_fit(identify(curves[joint], method=method, seed=seed)))
             for joint in joints
         }
     return found

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...hysteresis.around import Wrapper
 from ...hysteresis.protocol import HysteresisModel
-from ...identification import Candidate, Curves, Ensemble, Fit
+from ...identification import Candidate, Fit, Remark, Selection
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
 from .parameters import labeled
@@ -40,17 +40,17 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
     return header, rows
 
 
-def candidate_table(fit: Fit) -> Rows:
-    """Returns one row per model that method "auto" tried, the best prediction first."""
+def candidate_table(selection: Selection) -> Rows:
+    """Returns one row per model that was tried, the best prediction first."""
     header = ["model", "parameters", "predicts:\nNRMSE", "fits:\nNRMSE", "weight\nin band", "note"]
-    members = fit.ensemble.members if fit.ensemble else ()
+    members = selection.ensemble.members if selection.ensemble else ()
     weight = {member.name: f"{member.weight:.0%}" for member in members}
     rows = []
-    for one in fit.candidates:
+    for one in selection.candidates:
         scores = ["-"] * 3
         if one.model:
             scores = [str(one.parameters), f"{one.prediction_nrmse:.2%}", f"{one.fit_nrmse:.2%}"]
-        note = "chosen" if one.name == fit.model_name else one.reason
+        note = "chosen" if one.name == selection.fit.model_name else one.reason
         rows.append([one.name, *scores, weight.get(one.name, "-"), note])
     return header, rows
 
@@ -64,14 +64,16 @@ def band_table(bands: Mapping[str, Mapping[str, float]]) -> Rows:
     return header, rows
 
 
-def _bands_summary(found: Ensemble, curves: Curves) -> dict[str, dict[str, float]]:
+def bands_of(selection: Selection) -> dict[str, dict[str, float]]:
     """Returns what the band of an ensemble says along the curves kept out of its fit, by name.
 
     The half width is the mean of that of the torque without noise; what was measured has noise, so
     that it is compared with the band of measured torque.
     """
-    summaries = {}
-    for curve in curves.held_out():
+    summaries, found = {}, selection.ensemble
+    if found is None:
+        return {}
+    for curve in selection.fit.curves.held_out():
         low, high = found.band(curve)
         least, most = found.measured_band(curve)
         inside = (least <= curve.torque) & (curve.torque <= most)
@@ -126,15 +128,29 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "agreed": fit.agreed,
         "trials": len(fit.trials),
         "interrupted": fit.interrupted,
-        "diagnostics": fit.diagnostics,
+        "remarks": [asdict(remark) for remark in fit.remarks],
         "verdict": fit.verdict,
         "judgement": fit.judgement and fit.judgement.to_dict(),
         "certificate": {**asdict(certificate), "certified": certificate.certified},
-        "why": fit.why,
-        "candidates": [_candidate_summary(one) for one in fit.candidates],
-        "ensemble": fit.ensemble
-        and {**fit.ensemble.to_dict(), "bands": _bands_summary(fit.ensemble, fit.curves)},
     }
+
+
+def selection_summary(selection: Selection) -> dict[str, Any]:
+    """Returns what a selection has beside its fit, as plain values for JSON."""
+    members = selection.ensemble
+    return {
+        "why": selection.why,
+        "candidates": [_candidate_summary(one) for one in selection.candidates],
+        "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
+    }
+
+
+def advised(remark: Remark) -> str:
+    """Returns a remark with the option of the command line that would act on it."""
+    if remark.option is None:
+        return remark.sentence
+    name, value = remark.option
+    return f"{remark.sentence} (--{name.replace('_', '-')} {value})"
 
 
 def _candidate_summary(one: Candidate) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Viscoelastic
-from activesuit.identification import Curve, averaged_cycles, identify
+from activesuit.identification import Corrections, Curve, averaged_cycles, identify
 from activesuit.identification.cycles import cycles_of
 from helpers import sweep
 
@@ -51,7 +51,9 @@ def test_a_fit_to_the_mean_is_that_of_the_record(elbow):
 def test_the_rate_is_kept(elbow):
     viscous = Viscoelastic(model=elbow, damping=0.5)
     (short,) = averaged_cycles([record(viscous, 6)])
-    assert identify([short], rate="viscous").model.damping == pytest.approx(0.5, rel=0.3)
+    assert identify(
+        [short], corrections=Corrections(rate="viscous")
+    ).model.damping == pytest.approx(0.5, rel=0.3)
 
 
 def test_a_branch_that_is_not_whole_is_dropped(elbow):

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.identification import Curve, identify, load_curves
+from activesuit.identification import Curve, Remark, identify, load_curves
 from activesuit.identification.diagnostics import diagnostics
 from activesuit.published import LI_BOUNDS
 from helpers import sweep
 
 
 def said(curves, **options):
-    return " ".join(identify(curves, **options).diagnostics)
+    return " ".join(map(str, identify(curves, **options).remarks))
 
 
 def test_a_good_fit_is_silent():
-    assert identify(load_curves(curves_path("elbow"))).diagnostics == ()
+    assert identify(load_curves(curves_path("elbow"))).remarks == ()
 
 
 def test_a_fit_that_is_safe_in_its_range_only_says_so():
@@ -52,7 +52,7 @@ def test_one_way_and_tiny_motions(elbow):
 def test_limits_of_a_swarm(small_family, elbow):
     at_limit = replace(elbow, Ms=100.0)
     found = diagnostics(at_limit, 0.01, small_family, LI_BOUNDS)
-    assert found == ("Ms = 100 is at the limit of the search (100)",)
+    assert found == (Remark("limit", "Ms = 100 is at the limit of the search (100)"),)
     assert diagnostics(elbow, 0.01, small_family, LI_BOUNDS) == ()
 
 
@@ -73,8 +73,10 @@ def test_torques_in_another_unit(elbow, factor):
     angle = sweep(0.52, 1.5, 0.52)
     curve = Curve(angle, factor * elbow.response(angle), "A")
     found = diagnostics(elbow.scaled(torque=factor), 0.01, [curve], None)
-    assert found[0].startswith("the torque peaks at ")
-    assert found[0].endswith(" N·m, and that of a joint between 0.01 and 1,000 N·m: check its unit")
+    assert found[0].sentence.startswith("the torque peaks at ")
+    assert found[0].sentence.endswith(
+        " N·m, and that of a joint between 0.01 and 1,000 N·m: check its unit"
+    )
     usual = Curve(angle, elbow.response(angle), "A")
     assert diagnostics(elbow, 0.01, [usual], None) == ()
 
@@ -85,13 +87,13 @@ def test_copies_milliseconds_and_coarse_samples(elbow):
     curve = Curve(angle, elbow.response(angle), "A", time=time)
     assert diagnostics(elbow, 0.01, [curve], None) == ()
     late = replace(curve, time=1000 * time)
-    assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0]
+    assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0].sentence
     coarse = replace(curve, angle=np.round(angle / 0.05) * 0.05)
     (remark,) = diagnostics(elbow, 0.01, [coarse], None)
-    assert "angles of curve 'A' come in steps of 0.05 rad, 20" in remark
+    assert "angles of curve 'A' come in steps of 0.05 rad, 20" in remark.sentence
     fine = replace(curve, angle=np.round(angle / 0.001) * 0.001)
     assert diagnostics(elbow, 0.01, [fine], None) == ()
     copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
-    assert "curve 'B' is a copy of 'A'" in diagnostics(elbow, 0.01, copies, None)[0]
+    assert "curve 'B' is a copy of 'A'" in diagnostics(elbow, 0.01, copies, None)[0].sentence
     coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
-    assert "samples of curve 'A' are up to" in diagnostics(elbow, 0.01, [coarse], None)[0]
+    assert "samples of curve 'A' are up to" in diagnostics(elbow, 0.01, [coarse], None)[0].sentence

@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from functools import partial
 
 import gymnasium
 import numpy as np
@@ -9,14 +10,17 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import MODELS, BoucWen, Held, JilesAtherton
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
+    Certified,
     Curve,
     CurveObjective,
+    Search,
     bare,
     certified_fit,
     identify,
     load_curves,
     register_fit,
     save_curves,
+    select,
 )
 from activesuit.identification.curves import noise_floor
 from activesuit.identification.fits.registry import FITS
@@ -87,9 +91,9 @@ def test_noise_estimate():
 
 @pytest.mark.parametrize("method", ["sa-pso", "mpso", "pso"])
 def test_swarm_identification(small_family, method):
-    options = {"swarm_size": 20, "max_iterations": 15}
+    search = Search(method, trials=4, swarm_size=20, max_iterations=15)
     seen = []
-    fit = identify(small_family, method=method, trials=4, seed=7, on_trial=seen.append, **options)
+    fit = identify(small_family, method=search, seed=7, on_trial=seen.append)
     assert sorted(trial.index for trial in seen) == [0, 1, 2, 3]
     assert fit.nrmse == min(trial.nrmse for trial in fit.trials)
     assert fit.evaluations == 4 * 20 * 16
@@ -100,9 +104,9 @@ def test_swarm_identification(small_family, method):
         assert (parameters <= high).all()
         assert len(trial.history) == 16
         assert trial.history[-1] == trial.loss
-    alone = identify(small_family, method=method, trials=4, seed=7, workers=1, **options)
+    alone = identify(small_family, method=search, seed=7, workers=1)
     assert alone.trials == fit.trials
-    other = identify(small_family, method=method, trials=4, seed=8, **options)
+    other = identify(small_family, method=search, seed=8)
     assert other.trials != fit.trials
 
 
@@ -112,12 +116,9 @@ def test_interrupt_keeps_finished_trials(small_family):
 
     fit = identify(
         small_family,
-        method="mpso",
-        trials=6,
+        method=Search("mpso", trials=6, swarm_size=5, max_iterations=3),
         workers=1,
         on_trial=interrupt,
-        swarm_size=5,
-        max_iterations=3,
     )
     assert fit.interrupted
     assert 1 <= len(fit.trials) < 6
@@ -132,30 +133,37 @@ def test_interrupt_keeps_finished_trials(small_family):
             {"model": "bouc-wen", "method": "pso"},
             "method is 'pso': model 'bouc-wen' has the method 'certified' only",
         ),
-        ({"model": "bouc-wen", "method": "auto"}, "'auto' chooses the model"),
-        ({"objective": "sse"}, "objective is 'sse': method 'certified' always minimizes the NRMSE"),
-        ({"method": "auto", "normalize": "curve"}, "normalize is 'curve'"),
-        ({"method": "pso", "objective": "ssee"}, "unknown loss 'ssee'"),
+        ({"method": "auto"}, r"'auto' was a name of version 0.2: write 'select\(curves\)'"),
+        ({"objective": "sse"}, r"'objective' was a name of version 0.2: write 'method=Search"),
+        ({"tare": 0.2}, r"'tare' was a name .* write 'corrections=Corrections\(tare=\.\.\.\)'"),
+        ({"weights": 1}, "unknown option 'weights': use one of corrections, initial_torque"),
+        ({"method": Search("pso", objective="ssee")}, "unknown loss 'ssee'"),
         ({"initial_torque": "measurd"}, "unknown initial_torque 'measurd'"),
         ({"initial_torque": float("nan")}, "initial_torque is nan"),
         ({"model": "preisach", "initial_torque": 0.5}, "initial_torque is 0.5.*identify it"),
-        ({"method": "auto", "initial_torque": "measured"}, "'measured'.*identify it"),
-        ({"model": "preisach", "trials": 3}, "trials is 3: the fit of 'preisach' is made once"),
-        ({"method": "auto", "trials": 2}, "trials is 2: method 'auto' chooses once"),
-        ({"swarm_size": 9}, "unknown certified option 'swarm_size': use one of budget"),
-        ({"method": "pso", "swarmsize": 9}, "did you mean 'swarm_size'"),
-        ({"method": "auto", "budget": 90}, "unknown auto option 'budget': use one of none"),
-        ({"method": "pso", "trials": 0}, "trials is 0"),
-        ({"trials": 0}, "trials is 0"),
+        (
+            {"model": "preisach", "method": Certified(trials=3)},
+            "trials is 3: the fit of 'preisach'",
+        ),
+        ({"method": Certified(swarm_size=9)}, "unknown certified option 'swarm_size': use one of"),
+        ({"method": Search("pso", swarmsize=9)}, "did you mean 'swarm_size'"),
         ({"seed": -1}, "seed is -1: use at least 0"),
         ({"workers": 0}, "workers is 0"),
-        ({"method": "pso", "swarm_size": 1}, "swarm_size is 1"),
-        ({"budget": 10}, "budget is 10: use at least 33"),
+        ({"method": Search("pso", swarm_size=1)}, "swarm_size is 1"),
+        ({"method": Certified(budget=10)}, "budget is 10: use at least 33"),
     ],
 )
 def test_bad_options(small_family, options, message):
     with pytest.raises(InputError, match=message):
         identify(small_family, **options)
+
+
+def test_bad_methods():
+    for method in (Certified, partial(Search, "pso")):
+        with pytest.raises(InputError, match="trials is 0: use at least 1"):
+            method(trials=0)
+    with pytest.raises(InputError, match=r"unknown method 'sapso'.*did you mean 'sa-pso'"):
+        Search("sapso")
 
 
 @pytest.mark.parametrize(
@@ -180,7 +188,7 @@ def test_every_model_is_identified_safely(small_family, model):
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"method": "nelder-mead", "trials": 2, "max_evaluations": 3000}]
+    "options", [{}, {"method": Search("nelder-mead", trials=2, max_evaluations=3000)}]
 )
 def test_the_beginning_of_the_curves(elbow, options):
     rng = np.random.default_rng(0)
@@ -208,23 +216,26 @@ def test_the_objective_decides_which_trial_is_best(small_family):
     for curve in small_family:
         outliers = 3.0 * (rng.random(curve.torque.size) < 0.05)
         spoiled.append(Curve(curve.angle, curve.torque + outliers, curve.name, curve.role))
-    options = {"method": "sa-pso", "trials": 6, "swarm_size": 20, "max_iterations": 30}
-    fits = {loss: identify(spoiled, objective=loss, **options) for loss in ("paper", "robust")}
+    few = {"trials": 6, "swarm_size": 20, "max_iterations": 30}
+    fits = {
+        loss: identify(spoiled, method=Search("sa-pso", objective=loss, **few))
+        for loss in ("paper", "robust")
+    }
     for fit in fits.values():
         best = min(fit.trials, key=lambda trial: trial.loss)
         assert fit.model == best.model
         assert fit.fitness == pytest.approx(fit.nrmse / math.sqrt(3 * 119))
     assert fits["paper"].fitness == pytest.approx(min(t.loss for t in fits["paper"].trials))
-    by_curve = identify(spoiled, normalize="curve", **options)
+    by_curve = identify(spoiled, method=Search("sa-pso", normalize="curve", **few))
     assert by_curve.trials != fits["paper"].trials
 
 
 def test_weights_count_or_are_refused(small_family):
     weighted = [replace(c, weight=9.0 if c.name == "1.57" else 1.0) for c in small_family]
     assert identify(weighted).model != identify(small_family).model
-    for options in ({"model": "bouc-wen"}, {"method": "auto"}):
+    for fit in (partial(identify, model="bouc-wen"), select):
         with pytest.raises(InputError, match="weights from 1 to 9: only fits of the model"):
-            identify(weighted, **options)
+            fit(weighted)
 
 
 def test_bare_gives_jiles_atherton_only(small_family):
@@ -277,13 +288,13 @@ def test_a_fit_from_outside_the_package(small_family, monkeypatch):
 
     register_fit("soft", soft)
     register_fit("soft", soft)
-    fit = identify(small_family, model="soft", scale=2.0)
+    fit = identify(small_family, method=Certified(scale=2.0), model="soft")
     assert (fit.model_name, fit.model.elastic) == ("soft", 2.0)
     assert fit.evaluations is None
     with pytest.raises(InputError, match="unknown certified option 'size': use one of scale"):
-        identify(small_family, model="soft", size=2)
+        identify(small_family, method=Certified(size=2), model="soft")
     with pytest.raises(InputError, match="trials is 2: the fit of 'soft' is made once"):
-        identify(small_family, model="soft", trials=2)
+        identify(small_family, method=Certified(trials=2), model="soft")
     with pytest.raises(InputError, match="model 'bouc-wen' has a fit already"):
         register_fit("bouc-wen", soft)
     with pytest.raises(InputError, match="fit of 'hard' is 3: give a function"):

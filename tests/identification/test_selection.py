@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisach
-from activesuit.identification import Curve, identify
-from activesuit.identification import selection as auto
+from activesuit.identification import Curve, select
+from activesuit.identification import candidates as auto
 from activesuit.identification.fits import registry as own_fits
 from activesuit.identification.fits.beginning import common_torque
 from activesuit.identification.fits.registry import FITS
@@ -87,10 +87,11 @@ def held_out(candidate, truth, noise):
 )
 def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed):
     noise, truth = 0.01, truths[name]
-    fit = identify(family(truth, turns, noise, seed), method="auto", seed=seed)
+    selection = select(family(truth, turns, noise, seed), seed=seed)
+    fit = selection.fit
     found = held_out(fit, truth, noise)
     assert found <= 1.5 * noise
-    table = {candidate.name: candidate for candidate in fit.candidates}
+    table = {candidate.name: candidate for candidate in selection.candidates}
     assert set(table) == NAMES
     assert fit.model_name == name or found <= 1.1 * held_out(table[name], truth, noise)
     assert fit.model.certificate().certified
@@ -99,23 +100,24 @@ def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed
 
 def test_a_truth_of_another_kind_is_predicted(truths):
     noise, truth, seed = 0.02, truths["asymmetric preisach"], 0
-    fit = identify(family(truth, SIX, noise, seed), method="auto", seed=seed)
+    fit = select(family(truth, SIX, noise, seed), seed=seed).fit
     assert held_out(fit, truth, noise) <= 1.3 * noise
 
 
 def test_the_choice_follows_its_rule_and_says_so(truths):
-    fit = identify(family(truths["jiles-atherton"], THREE, 0.01), method="auto")
-    scores = [candidate.prediction_nrmse for candidate in fit.candidates]
+    found = select(family(truths["jiles-atherton"], THREE, 0.01))
+    fit = found.fit
+    scores = [candidate.prediction_nrmse for candidate in found.candidates]
     assert scores == sorted(scores)
-    good = [one for one in fit.candidates if one.prediction_nrmse <= 1.1 * scores[0]]
+    good = [one for one in found.candidates if one.prediction_nrmse <= 1.1 * scores[0]]
     assert len(good) > 1
     simplest = min(good, key=lambda one: one.parameters)
     assert fit.model_name == simplest.name == "jiles-atherton"
     assert fit.model == simplest.model
     assert fit.nrmse == pytest.approx(simplest.fit_nrmse)
     assert [trial.model for trial in fit.trials] == [fit.model]
-    assert "jiles-atherton predicts data left out of its fit" in fit.why
-    parameters = {candidate.name: candidate.parameters for candidate in fit.candidates}
+    assert "jiles-atherton predicts data left out of its fit" in found.why
+    parameters = {candidate.name: candidate.parameters for candidate in found.candidates}
     assert parameters == {
         "jiles-atherton": 5,
         "bouc-wen": 6,
@@ -139,11 +141,11 @@ def test_a_simpler_model_within_a_tenth_is_preferred(monkeypatch):
     for module in (auto, own_fits):
         monkeypatch.setattr(module, "FITS", fits)
     monkeypatch.setattr(own_fits, "common_torque", lambda model, curves: 0.0)
-    fit = identify(curves, method="auto")
-    assert [one.name for one in fit.candidates] == ["bent", "simple", "far"]
-    assert fit.model_name == "simple"
-    assert "within 10 % of the best (bent," in fit.why
-    assert "fewer parameters (3 instead of 7)" in fit.why
+    found = select(curves)
+    assert [one.name for one in found.candidates] == ["bent", "simple", "far"]
+    assert found.fit.model_name == "simple"
+    assert "within 10 % of the best (bent," in found.why
+    assert "fewer parameters (3 instead of 7)" in found.why
 
 
 def test_a_candidate_that_fails_is_listed(truths, monkeypatch):
@@ -152,12 +154,12 @@ def test_a_candidate_that_fails_is_listed(truths, monkeypatch):
 
     monkeypatch.setitem(FITS, "bouc-wen", unusable)
     curves = family(truths["jiles-atherton"], THREE, 0.01)
-    last = identify(curves, method="auto").candidates[-1]
+    last = select(curves).candidates[-1]
     assert (last.name, last.reason, last.model) == ("bouc-wen", "nothing fits: measure again", None)
     for name in NAMES:
         monkeypatch.setitem(FITS, name, unusable)
     with pytest.raises(InputError, match=r"no model could be fitted .*preisach: nothing fits"):
-        identify(curves, method="auto")
+        select(curves)
 
 
 def test_the_first_torque_is_known_better_than_its_sample(truths):
@@ -181,11 +183,11 @@ def test_a_model_never_begins_outside_its_certificate(elbow):
 def test_a_seed_fixes_the_result_and_neither_workers_nor_other_roles_count(truths):
     curves = family(truths["bouc-wen"], THREE, 0.01)
     wrong = Curve(curves[0].angle, -curves[0].torque, "wrong", "predict")
-    one = identify(curves, method="auto", seed=5)
-    two = identify([*curves, wrong], method="auto", seed=5, workers=1)
+    one = select(curves, seed=5)
+    two = select([*curves, wrong], seed=5, workers=1)
     assert two.candidates == one.candidates
-    assert two.prediction_errors["wrong"] > 1
-    assert replace(two, prediction_errors={}) == one
+    assert two.fit.prediction_errors["wrong"] > 1
+    assert replace(two.fit, prediction_errors={}) == one.fit
 
 
 def test_curves_that_begin_with_some_torque(truths):
@@ -193,8 +195,8 @@ def test_curves_that_begin_with_some_torque(truths):
     curves = family(truths["jiles-atherton"], THREE, 0.005, start=0.6)
     scores = {}
     for option in (None, "identified"):
-        fit = identify(curves, method="auto", initial_torque=option)
-        scores[option] = {one.name: one.prediction_nrmse for one in fit.candidates}
+        tried = select(curves, initial_torque=option).candidates
+        scores[option] = {one.name: one.prediction_nrmse for one in tried}
     assert scores["identified"]["jiles-atherton"] < 0.5 * scores[None]["jiles-atherton"]
     assert scores["identified"]["bouc-wen"] == scores[None]["bouc-wen"]
 
@@ -202,9 +204,13 @@ def test_curves_that_begin_with_some_torque(truths):
 def test_bad_input(truths):
     curves = family(truths["bouc-wen"], THREE)
     with pytest.raises(InputError, match=r"there is one curve with role 'fit'.*or 2 curves"):
-        identify(curves[:1], method="auto")
+        select(curves[:1])
     with pytest.raises(InputError, match="seed is -1"):
-        identify(curves, method="auto", seed=-1)
+        select(curves, seed=-1)
+    with pytest.raises(InputError, match=r"initial_torque is 'measured'.*identify it"):
+        select(curves, initial_torque="measured")
+    with pytest.raises(InputError, match=r"'tare' was a name of version 0.2: write 'corrections="):
+        select(curves, tare=0.1)
 
 
 def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
@@ -212,17 +218,17 @@ def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
         raise KeyboardInterrupt
 
     curves = family(truths["jiles-atherton"], THREE, 0.01)
-    whole = identify(curves, method="auto")
-    assert not whole.interrupted
+    whole = select(curves)
+    assert not whole.fit.interrupted
     monkeypatch.setitem(FITS, "bouc-wen", interrupt)
-    fit = identify(curves, method="auto", workers=1)
-    assert fit.interrupted
-    assert {one.name for one in fit.candidates} < set(NAMES)
-    assert fit.model == whole.model  # the first that is tried
-    assert "interrupted after" in fit.why
+    found = select(curves, workers=1)
+    assert found.fit.interrupted
+    assert {one.name for one in found.candidates} < set(NAMES)
+    assert found.fit.model == whole.fit.model  # the first that is tried
+    assert "interrupted after" in found.why
     monkeypatch.setitem(FITS, "jiles-atherton", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        identify(curves, method="auto", workers=1)
+        select(curves, workers=1)
 
 
 def test_outliers_stop_no_fit(truths):
@@ -235,6 +241,6 @@ def test_outliers_stop_no_fit(truths):
         torque[rng.integers(0, torque.size, 5)] += 50 * rng.choice([-1, 1], 5)
         torque[0] = -25
         spoiled.append(Curve(curve.angle, torque, curve.name))
-    fit = identify(spoiled, method="auto")
-    assert all(one.model or "cannot begin" in one.reason for one in fit.candidates)
-    assert np.isfinite(fit.nrmse)
+    found = select(spoiled)
+    assert all(one.model or "cannot begin" in one.reason for one in found.candidates)
+    assert np.isfinite(found.fit.nrmse)

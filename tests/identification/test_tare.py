@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.identification import Curve, identify
+from activesuit.identification import Corrections, Curve, identify, select
 from activesuit.identification.figures import loops_figure
 from helpers import sweep
 
@@ -22,9 +22,9 @@ def family(model, offset=OFFSET):
     return curves
 
 
-@pytest.mark.parametrize("tare", [OFFSET, "fitted", "zero"])
+@pytest.mark.parametrize("tare", [OFFSET, "fit", "zero"])
 def test_the_offset_is_taken_off(elbow, tare):
-    fit = identify(family(elbow), tare=tare)
+    fit = identify(family(elbow), corrections=Corrections(tare=tare))
     assert fit.tare == pytest.approx(OFFSET, abs=0.15 if tare == "zero" else 0.03)
     assert fit.judgement.causes == () or tare == "zero"
     assert fit.nrmse * 7 < 1.6 * NOISE
@@ -33,32 +33,35 @@ def test_the_offset_is_taken_off(elbow, tare):
 
 
 def test_a_fitted_offset_of_nothing_is_nothing(elbow):
-    assert abs(identify(family(elbow, 0.0), tare="fitted").tare) < 0.03
+    assert abs(identify(family(elbow, 0.0), corrections=Corrections(tare="fit")).tare) < 0.03
 
 
 def test_auto_takes_the_offset_of_jiles_atherton(elbow):
-    fit = identify(family(elbow), method="auto", tare="fitted")
+    fit = select(family(elbow), corrections=Corrections(tare="fit")).fit
     assert fit.tare == pytest.approx(OFFSET, abs=0.03)
     assert fit.model_name == "jiles-atherton"
 
 
 def test_bad_input(elbow):
     with pytest.raises(InputError, match="fits these curves with any offset"):
-        identify(family(elbow), model="bouc-wen", tare="fitted")
+        identify(family(elbow), corrections=Corrections(tare="fit"), model="bouc-wen")
     with pytest.raises(InputError, match="tare is 'zeros': give a number"):
-        identify(family(elbow), tare="zeros")
+        identify(family(elbow), corrections=Corrections(tare="zeros"))
     with pytest.raises(InputError, match="tare is array"):
-        identify(family(elbow), tare=np.array([1.0, 2.0]))
+        identify(family(elbow), corrections=Corrections(tare=np.array([1.0, 2.0])))
     with pytest.raises(InputError, match="tare is nan"):
-        identify(family(elbow), tare=float("nan"))
+        identify(family(elbow), corrections=Corrections(tare=float("nan")))
     with pytest.raises(InputError, match="change its sign"):
-        identify([replace(one, torque=-one.torque) for one in family(elbow)], tare="fitted")
+        identify(
+            [replace(one, torque=-one.torque) for one in family(elbow)],
+            corrections=Corrections(tare="fit"),
+        )
 
 
 def test_the_figure_shows_the_curves_that_were_fitted(elbow):
     angle = sweep(0.52, 1.57, 0.52, samples=60)
     curves = [Curve(angle, elbow.response(angle) + 1.3, "A")]
-    fit = identify(curves, tare=1.3)
+    fit = identify(curves, corrections=Corrections(tare=1.3))
     figure = loops_figure({"elbow": fit.curves}, {"elbow": {"certified": fit}})
     (ax,) = figure.axes  # nothing was kept out of the fit, so there is no panel for it
     measured, modeled = (line.get_ydata() for line in ax.lines[:2])

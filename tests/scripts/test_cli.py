@@ -13,7 +13,7 @@ from activesuit.benchmarks import env as env_bench
 from activesuit.benchmarks import identify as identify_bench
 from activesuit.benchmarks import starts
 from activesuit.hysteresis import model_from_dict
-from activesuit.identification import identify, load_curves
+from activesuit.identification import Search, identify, load_curves
 from activesuit.scripts.commands import li_2022
 from activesuit.scripts.main import COMMANDS, main
 from helpers import in_this_process, shorten_tasks
@@ -439,10 +439,7 @@ def test_options_reach_the_fit(capsys):
     result = json.loads(identified(capsys, ELBOW, *options))
     expected = identify(
         load_curves(ELBOW),
-        method="de",
-        trials=1,
-        objective="robust",
-        normalize="curve",
+        method=Search("de", trials=1, objective="robust", normalize="curve"),
         initial_torque="identified",
     )
     assert result["initial_torque"] == expected.initial_torque

@@ -18,6 +18,7 @@ from activesuit.identification import (
     motion_coverage,
     multi_order_motion,
     nested_motion,
+    select,
 )
 
 EXACT = NOISE / 10  # N·m, so that no reading of the default sensor could tell
@@ -188,7 +189,7 @@ def test_a_truth_of_many_weights_is_predicted():
     turns = tuple(np.linspace(0.62, 1.57, 11))
     config = RigConfig(suit=truth, start_angle=START, turns=turns, noise=0.08)
     curves = curves_of(run_rig(config))
-    fit = identify(curves, method="auto")
+    fit = select(curves).fit
     assert fit.model_name == "preisach"
     assert prediction_error(fit, curves) <= 1.2 * config.noise
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, Viscoelastic
-from activesuit.identification import Curve, identify
+from activesuit.identification import Corrections, Curve, identify
 from activesuit.identification.fits.play import play_of
 from activesuit.identification.fits.registry import fit_model
 
@@ -26,7 +26,7 @@ def measured(truth, seed=0, noise=0.01):
 @pytest.mark.parametrize(("gap", "seed"), [(0.02, 0), (0.05, 1), (0.08, 2)])
 def test_the_gap_is_found_within_a_tenth(elbow, gap, seed):
     curves = measured(Backlash(model=elbow, gap=gap), seed)
-    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), play="fitted")
+    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), play="fit")
     assert found.model.gap == pytest.approx(gap, rel=0.1)
     assert found.loss < 0.012
 
@@ -34,25 +34,25 @@ def test_the_gap_is_found_within_a_tenth(elbow, gap, seed):
 @pytest.mark.parametrize("name", ["asymmetric", "bouc-wen"])
 def test_other_models_find_it_too(elbow, name):
     curves = measured(Backlash(model=elbow, gap=GAP))
-    found = fit_model(name, curves, np.random.default_rng(0), play="fitted").model
+    found = fit_model(name, curves, np.random.default_rng(0), play="fit").model
     assert found.gap == pytest.approx(GAP, rel=0.1)
 
 
 def test_a_joint_without_play_gets_none(elbow):
     for seed in range(3):
-        fit = identify(measured(elbow, seed), play="fitted")
+        fit = identify(measured(elbow, seed), corrections=Corrections(play="fit"))
         assert play_of(fit.model) == "none"
 
 
 def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     curves = measured(Backlash(model=elbow, gap=GAP))
-    tight, loose = identify(curves), identify(curves, play="fitted")
+    tight, loose = identify(curves), identify(curves, corrections=Corrections(play="fit"))
     assert loose.nrmse < 0.7 * tight.nrmse
     assert loose.model.certificate().certified
     known = loose.uncertainty(samples=2)
     low, high = known.intervals[known.names.index("gap")]
     assert low < GAP < high
-    assert [play_of(model) for model in known.samples] == ["fitted"] * 2
+    assert [play_of(model) for model in known.samples] == ["fit"] * 2
 
 
 def test_a_dashpot_is_found_around_the_play(elbow):
@@ -63,14 +63,14 @@ def test_a_dashpot_is_found_around_the_play(elbow):
         time = np.concatenate([[0.0], np.cumsum(way)])
         torque = truth.response(curve.angle, time=time) + 0.03 * rng.standard_normal(159)
         curves.append(Curve(curve.angle, torque, curve.name, time=time))
-    found = fit_model("bouc-wen", curves, rng, rate="viscous", play="fitted").model
+    found = fit_model("bouc-wen", curves, rng, rate="viscous", play="fit").model
     assert found.damping == pytest.approx(0.3, rel=0.1)
     assert found.model.gap == pytest.approx(GAP, rel=0.15)
 
 
 def test_what_cannot_be_fitted_is_refused(elbow):
     curves = measured(elbow)
-    with pytest.raises(InputError, match="play is 'fitted', which the method 'pso' does not fit"):
-        identify(curves, play="fitted", method="pso")
-    with pytest.raises(InputError, match=r"'fit'.*did you mean 'fitted'"):
-        identify(curves, play="fit")
+    with pytest.raises(InputError, match="play is 'fit', which the method 'pso' does not fit"):
+        identify(curves, method="pso", corrections=Corrections(play="fit"))
+    with pytest.raises(InputError, match=r"unknown play 'fitted': use one of fit, none"):
+        Corrections(play="fitted")

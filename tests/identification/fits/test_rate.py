@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Held, JilesAtherton, Viscoelastic
-from activesuit.identification import Curve, identify
+from activesuit.identification import Corrections, Curve, identify, select
 from activesuit.identification.fits.rate import rate_of
 from activesuit.identification.fits.registry import FITS, fit_model
 
@@ -70,7 +70,7 @@ def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
 def test_the_truth_is_within_its_interval(viscous):
     inside = []
     for seed in range(15):
-        fit = identify(measured(viscous, seed, samples=40), rate="viscous")
+        fit = identify(measured(viscous, seed, samples=40), corrections=Corrections(rate="viscous"))
         known = fit.uncertainty()
         low, high = known.intervals[known.names.index("damping")]
         inside.append(low <= 0.3 <= high)
@@ -80,9 +80,9 @@ def test_the_truth_is_within_its_interval(viscous):
 def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     curves = measured(viscous)
     slow = identify(curves)
-    assert any("--rate viscous" in remark for remark in slow.diagnostics)
-    fit = identify(curves, rate="viscous")
-    assert not any("rate" in remark for remark in fit.diagnostics)
+    assert ("rate", "viscous") in [remark.option for remark in slow.remarks]
+    fit = identify(curves, corrections=Corrections(rate="viscous"))
+    assert not any("rate" in str(remark) for remark in fit.remarks)
     assert fit.nrmse < 0.5 * slow.nrmse
     assert rate_of(fit.model) == "viscous"
     drawn = fit.uncertainty(samples=3).samples
@@ -90,22 +90,22 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
 
 
 def test_elements_that_were_not_found_are_reported(elbow, viscous):
-    fit = identify(measured(viscous), rate="relaxing")
+    fit = identify(measured(viscous), corrections=Corrections(rate="relaxing"))
     assert rate_of(fit.model) == "viscous"
-    assert "no relaxation was found beside the dashpot: use --rate viscous" in fit.diagnostics
-    fit = identify(measured(Viscoelastic(model=elbow)), play="fitted")
-    assert "no gap was found: leave --play out" in fit.diagnostics
+    assert "no relaxation was found beside the dashpot (rate='viscous')" in map(str, fit.remarks)
+    fit = identify(measured(Viscoelastic(model=elbow)), corrections=Corrections(play="fit"))
+    assert "no gap was found (play='none')" in map(str, fit.remarks)
 
 
 def test_auto_chooses_among_models_beside_the_dashpot(viscous):
-    fit = identify(measured(viscous), method="auto", rate="viscous")
-    assert rate_of(fit.model) == "viscous"
-    assert all(rate_of(one.model) == "viscous" for one in fit.candidates if one.model)
+    found = select(measured(viscous), corrections=Corrections(rate="viscous"))
+    assert rate_of(found.fit.model) == "viscous"
+    assert all(rate_of(one.model) == "viscous" for one in found.candidates if one.model)
 
 
 def test_a_model_with_an_angle_range_keeps_it(shoulder):
     truth = Viscoelastic(model=Held(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
-    fit = identify(measured(truth), rate="viscous")
+    fit = identify(measured(truth), corrections=Corrections(rate="viscous"))
     assert isinstance(fit.model, Viscoelastic)
     inner = fit.model.model.model if isinstance(fit.model.model, Held) else fit.model.model
     assert isinstance(inner, JilesAtherton)
@@ -116,13 +116,17 @@ def test_a_model_with_an_angle_range_keeps_it(shoulder):
 def test_what_cannot_be_fitted_is_refused(viscous):
     curves = measured(viscous)
     with pytest.raises(InputError, match="no times, and the model depends on the rate: add the"):
-        identify([replace(curve, time=None) for curve in curves], rate="viscous")
+        identify(
+            [replace(curve, time=None) for curve in curves], corrections=Corrections(rate="viscous")
+        )
     with pytest.raises(InputError, match=r"weights from 1 to 2: only fits .* without rate"):
-        identify([replace(curves[0], weight=2.0), *curves[1:]], rate="viscous")
+        identify(
+            [replace(curves[0], weight=2.0), *curves[1:]], corrections=Corrections(rate="viscous")
+        )
     with pytest.raises(InputError, match="rate is 'viscous', which the method 'pso' does not fit"):
-        identify(curves, rate="viscous", method="pso")
+        identify(curves, method="pso", corrections=Corrections(rate="viscous"))
     with pytest.raises(InputError, match=r"'visc'.*did you mean 'viscous'"):
-        identify(curves, rate="visc")
+        identify(curves, corrections=Corrections(rate="visc"))
 
 
 def test_torque_that_falls_with_the_rate_is_no_dashpot(elbow):
@@ -130,8 +134,8 @@ def test_torque_that_falls_with_the_rate_is_no_dashpot(elbow):
     late = [
         replace(one, torque=one.torque - 0.3 * np.gradient(one.angle, one.time)) for one in curves
     ]
-    fit = identify(late, rate="viscous")
+    fit = identify(late, corrections=Corrections(rate="viscous"))
     assert fit.verdict == "does not describe the curves"
-    said = " ".join(fit.diagnostics)
+    said = " ".join(map(str, fit.remarks))
     assert "not measured at the same time" in said
     assert "--rate viscous" not in said

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, BoucWen
-from activesuit.identification import Curve, identify, motion_coverage
+from activesuit.identification import Corrections, Curve, Search, identify, motion_coverage
 from activesuit.identification.lost_motion import played
 from activesuit.identification.motion_files import Motion
 from activesuit.identification.residual.loop_work import loop_work, refuse_driven
@@ -44,7 +44,7 @@ def test_a_model_of_the_wrong_kind_is_reported(memory):
     for seed in range(4):
         fit = identify(family(STOPS, memory=memory, seed=seed))
         assert fit.verdict == NOT
-        assert "times the noise" in " ".join(fit.diagnostics)
+        assert "times the noise" in " ".join(map(str, fit.remarks))
     assert identify(family(STOPS, memory=memory), model="bouc-wen").verdict == NOT_BEYOND
 
 
@@ -55,7 +55,7 @@ def test_repeated_curves_tell_the_noise_whatever_the_misfit(elbow):
     assert repeated_noise(family(elbow)) is None
     wandering = family(STOPS, memory=0.97, repeats=2)
     assert repeated_noise(wandering).memory > 0.8
-    assert "of repeated curves" in " ".join(identify(wandering).diagnostics)
+    assert "of repeated curves" in " ".join(map(str, identify(wandering).remarks))
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_a_fault_of_the_measurement_is_named(elbow, name, size, fault):
     found = identify(family(elbow, **fault)).judgement
     assert found.causes[0].name == name
     assert found.causes[0].size == pytest.approx(size, rel=0.3)
-    assert found.causes[0].sentence in " ".join(found.remarks)
+    assert found.causes[0].remark.sentence in " ".join(map(str, found.remarks))
 
 
 def test_a_rate_is_found_where_curves_have_their_time(elbow):
@@ -88,8 +88,8 @@ def test_a_gap_is_named_with_its_remedy(elbow):
     curves = family(Backlash(model=elbow, gap=0.04))
     judged = identify(curves).judgement
     assert judged.causes[0].name == "gap"
-    assert "--play fitted" in " ".join(judged.remarks)
-    assert identify(curves, play="fitted").verdict == NOT_BEYOND
+    assert "play='fit'" in " ".join(map(str, judged.remarks))
+    assert identify(curves, corrections=Corrections(play="fit")).verdict == NOT_BEYOND
 
 
 def test_too_few_samples_are_one_sentence(elbow):
@@ -141,7 +141,7 @@ def test_where_no_memory_is_seen_a_baseline_is_as_good():
     rng = np.random.default_rng(0)
     curves = [Curve(angle, 3 * (angle - 0.52) + 0.05 * rng.standard_normal(angle.size), "spring")]
     fit = identify(curves, model="bouc-wen")
-    assert any("described as well by" in one for one in fit.judgement.remarks)
+    assert any("described as well by" in str(one) for one in fit.judgement.remarks)
     assert fit.judgement.baselines["a spring"] < 1.2 * fit.nrmse
 
 
@@ -161,7 +161,7 @@ def test_the_verdict_knows_the_intended_motion(elbow):
 
 def test_a_search_that_ended_early_is_reported(elbow):
     fit = identify(
-        family(elbow), method="pso", trials=1, swarm_size=10, max_iterations=3, workers=1
+        family(elbow), method=Search("pso", trials=1, swarm_size=10, max_iterations=3), workers=1
     )
     assert fit.verdict == NOT
-    assert "the search ended before the least error" in " ".join(fit.diagnostics)
+    assert "the search ended before the least error" in " ".join(map(str, fit.remarks))

@@ -130,7 +130,7 @@ def test_every_model_has_intervals_and_samples(elbow, name):
 def test_a_binding_certificate_makes_intervals_one_sided(shoulder):
     curves = family(replace(shoulder, alpha=1.05 * shoulder.alpha), 0.05)
     fit = identify(curves)
-    assert "limit of the certificate" in " ".join(fit.diagnostics)
+    assert "limit of the certificate" in " ".join(map(str, fit.remarks))
     low, high = fit.uncertainty().intervals.T
     values = fit.uncertainty().values
     up, down = np.log(high[1:2] / values[1:2]), np.log(values[1:2] / low[1:2])

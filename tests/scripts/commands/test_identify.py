@@ -46,7 +46,7 @@ def fast(tmp_path, elbow):
 
 def test_the_rate_goes_into_the_suit_file(capsys, tmp_path, fast, undrawn):
     out = run(capsys, fast, code=3)
-    assert "fit the rate too with --rate viscous" in " ".join(out.split())
+    assert "fit the rate too (--rate viscous)" in " ".join(out.split())
     out = run(capsys, fast, "--rate", "viscous", "--samples", 2, "--out", tmp_path / "fit")
     assert "damping [N·m·s/rad]" in out
     model = json.loads((tmp_path / "fit/suit.json").read_text())["joints"]["elbow_flexion"]["model"]

@@ -1,0 +1,208 @@
+"""The result of an identification: a model, its errors, its verdict and remarks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import cast
+
+import numpy as np
+
+from ..arrays import Array
+from ..hysteresis.protocol import HysteresisModel
+from ..published import LI_BOUNDS
+from .corrections import Corrected, Corrections, remarks_on
+from .coverage import Coverage, coverage, shortfalls
+from .curves import Curve, Curves
+from .diagnostics import diagnostics
+from .ensemble import NESTED
+from .methods import Method, Search
+from .objective import InitialTorque
+from .prediction import nrmse, predicted, torque_errors
+from .remarks import Remark
+from .residual.verdict import NOT, Judgement, judge
+from .softening import Softening
+from .thinning import thinning_note
+from .trials import Trial
+from .uncertainty.uncertainty import Uncertainty, uncertainty
+
+SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """A model identified from curves, with its verdict: result of `identify`.
+
+    Attributes:
+        model: The best trial's model; if it is safe at the fitted angles only, its torque is
+            constant outside them.
+        model_name: The name of the model.
+        method: The name of the method that found it.
+        initial_torque: The torque with which all curves begin [N·m]; or "measured": each begins
+            with its first sample.
+        fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
+        nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
+        prediction_errors: The largest |Tc - Tm| [N·m] on each curve with role "predict"; infinity
+            where the model meets its pole.
+        trials: Every finished trial, by index.
+        curves: The measured curves, those with role "predict" too, less the tare, and with the
+            torques that they would have had at the end of the measurement.
+        remarks: Reasons to doubt the model; empty if there are none.
+        interrupted: Whether Ctrl-C ended it before all trials, or models, were done.
+        fitted_start: Whether the initial torque was fitted too.
+        coverage: Range, reversals, rates and cycles of the fitted curves.
+        shortfalls: Requirements of the intended motions that the curves do not cover, as sentences.
+        tare: Offset of the torque sensor that was subtracted from the curves [N·m].
+        softening: Change of the torque over the cycles that was removed from the curves; None if
+            none was.
+        judgement: Verdict on the model by its residual; None where the model meets its pole on the
+            curves.
+    """
+
+    model: HysteresisModel
+    model_name: str
+    method: str
+    initial_torque: InitialTorque
+    fitness: float
+    nrmse: float
+    prediction_errors: dict[str, float]
+    trials: tuple[Trial, ...]
+    curves: Curves = field(repr=False, compare=False)
+    remarks: tuple[Remark, ...] = ()
+    interrupted: bool = False
+    fitted_start: bool = False
+    judgement: Judgement | None = field(default=None, compare=False)
+    coverage: Coverage | None = None
+    shortfalls: tuple[str, ...] = ()
+    tare: float = 0.0
+    softening: Softening | None = None
+
+    @property
+    def evaluations(self) -> int | None:
+        """Model evaluations of all trials together; None where the fit does not count."""
+        counts = [trial.evaluations for trial in self.trials]
+        return None if None in counts else sum(cast(list[int], counts))
+
+    @property
+    def agreed(self) -> int | None:
+        """How many starts of the best trial ended at its model; None where it has one start."""
+        return min(self.trials, key=lambda trial: (trial.loss, trial.index)).agreed
+
+    def predict(self, curve: Curve) -> Array:
+        """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""
+        return predicted(self.model, self.initial_torque, curve)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model describes the curves, as a phrase; see `residual.verdict`."""
+        return NOT if self.judgement is None else self.judgement.verdict
+
+    def uncertainty(self, *, samples: int = 0, seed: int = 0) -> Uncertainty:
+        """Returns the uncertainty of the parameters and of the torque of the model.
+
+        Args:
+            samples: Number of models to draw, as fits to noisy repetitions of the curves would give
+                them.
+            seed: Seed of their noise.
+
+        Raises:
+            InputError: See `identification.uncertainty`.
+        """
+        return uncertainty(
+            self.model,
+            self.curves,
+            initial_torque=self.initial_torque,
+            fitted_start=self.fitted_start,
+            samples=samples,
+            seed=seed,
+        )
+
+
+def judged_fit(
+    curves: Corrected,
+    corrections: Corrections,
+    model_name: str,
+    method: Method | str,
+    trials: Sequence[Trial],
+    needed: Coverage | None,
+    *,
+    fitted_start: bool,
+    interrupted: bool,
+    memoryless: str = "",
+) -> Fit:
+    """Returns the best of some trials with its errors, its verdict and all remarks.
+
+    Args:
+        curves: Curves after the corrections.
+        corrections: What was asked for.
+        model_name: Name of the model.
+        method: Method that found it, or a name for it.
+        trials: Finished trials.
+        needed: Coverage of the intended motions.
+        fitted_start: Whether the fit chose the torque with which the curves begin.
+        interrupted: Whether Ctrl-C ended it before all trials were done.
+        memoryless: Why no hysteresis model is needed, as a sentence; empty if one is.
+    """
+    measured = curves.family.fitted()
+    best = min(trials, key=lambda trial: (trial.loss, trial.index))
+    errors = {
+        curve.name: float(np.abs(torque_errors(best.model, best.initial_torque, [curve])).max())
+        for curve in curves.family.held_out()
+    }
+    score, note = best.nrmse, thinning_note(measured)
+    if note:
+        score = nrmse(torque_errors(best.model, best.initial_torque, measured), measured)
+    covered = coverage(measured)
+    short = shortfalls(covered, needed) if needed else []
+    is_search = isinstance(method, Search)
+    judged = judge(
+        best.model,
+        best.initial_torque,
+        measured,
+        fitted_start=fitted_start,
+        beyond=bool(short) if needed else covered.nesting < NESTED,
+        searched=is_search and method.objective != "robust" and method.normalize != "curve",
+    )
+    if memoryless and judged:
+        remarks = (Remark("memoryless", memoryless), *judged.remarks)
+        judged = replace(judged, verdict=NOT, remarks=remarks)
+    remarks = list(diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None))
+    remarks += judged.remarks if judged else ()
+    remarks += [Remark("coverage", sentence) for sentence in short]
+    if judged and not fitted_start:
+        remarks += _begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
+    if note:
+        remarks.insert(0, Remark("thinned", f"{note}, in the fit; errors are those of all"))
+    remarks += remarks_on(corrections, best.model, curves.softening)
+    return Fit(
+        model=best.model,
+        model_name=model_name,
+        method=method if isinstance(method, str) else method.name,
+        initial_torque=best.initial_torque,
+        fitness=score / float(np.sqrt(sum(curve.angle.size for curve in measured))),
+        nrmse=score,
+        prediction_errors=errors,
+        trials=tuple(sorted(trials, key=lambda trial: trial.index)),
+        curves=curves.family,
+        remarks=tuple(remarks),
+        interrupted=interrupted,
+        fitted_start=fitted_start,
+        judgement=judged,
+        coverage=covered,
+        shortfalls=tuple(short),
+        tare=curves.tare,
+        softening=curves.softening,
+    )
+
+
+def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> list[Remark]:
+    """Returns a remark if the curves begin at another torque than the model."""
+    first = curves.start_torque
+    if isinstance(start, str) or abs(first - start) <= max(SURELY * noise, NEAR * curves.peak):
+        return []
+    return [
+        Remark(
+            "start",
+            f"the curves begin at {first:.3g} N·m, and the model at {start:.3g} N·m: subtract the "
+            "sensor's offset as a tare, if it has one; or let the model begin where they do",
+            ("initial_torque", "identified"),
+        )
+    ]

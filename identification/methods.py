@@ -1,0 +1,190 @@
+"""The methods of `identify`: the certified fit, and searches by swarms and other optimizers."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+from ..checks import at_least
+from ..errors import InputError, refuse_old_names, unknown_name
+from ..hysteresis.jiles_atherton.model import JilesAtherton
+from .corrections import Corrections
+from .fits.registry import FITS, is_seeded
+from .objective import InitialTorque, Loss, Normalize
+from .optimizers.registry import OPTIMIZERS, SWARMS
+from .optimizers.swarm import SwarmOptions
+
+DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
+METHODS = ("certified", *OPTIMIZERS)
+SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
+TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
+
+
+@dataclass(frozen=True, init=False)
+class Certified:
+    """Least squares that can only return certified models (ours); every model has it.
+
+    Attributes:
+        trials: Number of runs from different random numbers.
+        options: Options of the model's fit, such as `budget`.
+    """
+
+    trials: int
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __init__(self, *, trials: int = 1, **options: Any) -> None:
+        at_least("trials", trials, 1)
+        object.__setattr__(self, "trials", trials)
+        object.__setattr__(self, "options", options)
+
+    @property
+    def name(self) -> str:
+        """Name of the method."""
+        return "certified"
+
+    def check(self, model: str) -> None:
+        """Refuses what the fit of a model would ignore.
+
+        Raises:
+            InputError: An option is unknown, or several trials would be the same.
+        """
+        if self.trials > 1 and not is_seeded(model):
+            raise InputError(
+                f"trials is {self.trials}: the fit of {model!r} is made once; leave it out"
+            )
+        names = list(inspect.signature(FITS[model]).parameters)
+        _check_options(self, names)
+
+
+@dataclass(frozen=True, init=False)
+class Search:
+    """A search of the Jiles-Atherton parameters in the bounds of Table 1 of Li et al. 2022.
+
+    Attributes:
+        name: Swarm as published, "pso", "sa-pso", "mpso" or "rank-distance-mpso"; or an optimizer
+            of another library, "de", "dual-annealing", "nelder-mead", "ga" or "cma-es" (the last
+            two need the extra `compare`).
+        objective: Loss of `CurveObjective` that it minimizes.
+        normalize: Whether the objective divides errors by the largest torque of the "family" or of
+            each "curve".
+        trials: Number of runs from different random numbers.
+        options: Options of the swarm or optimizer (`swarm_size`, `temperature`,
+            `max_evaluations`, ...).
+    """
+
+    name: str
+    objective: Loss
+    normalize: Normalize
+    trials: int
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __init__(
+        self,
+        name: str,
+        *,
+        objective: Loss = "nrmse",
+        normalize: Normalize = "family",
+        trials: int = TRIALS,
+        **options: Any,
+    ) -> None:
+        at_least("trials", trials, 1)
+        if name not in OPTIMIZERS:
+            raise unknown_name("method", name, OPTIMIZERS)
+        for field_name, value in (
+            ("name", name),
+            ("objective", objective),
+            ("normalize", normalize),
+            ("trials", trials),
+            ("options", options),
+        ):
+            object.__setattr__(self, field_name, value)
+
+    def check(self, model: str) -> None:
+        """Refuses a model that a search cannot identify, and unknown options.
+
+        Raises:
+            InputError: The model is another one than Jiles-Atherton, or an option is unknown.
+        """
+        if model != DEFAULT_MODEL:
+            raise InputError(
+                f"method is {self.name!r}: model {model!r} has the method 'certified' only"
+            )
+        names = list(inspect.signature(OPTIMIZERS[self.name]).parameters)
+        if self.name in SWARMS:
+            names[-1:] = SwarmOptions.__annotations__  # names behind **common
+        _check_options(self, names)
+
+
+Method = Certified | Search
+
+
+def method_of(
+    given: str | Method,
+    *,
+    trials: int | None = None,
+    objective: str | None = None,
+    normalize: str | None = None,
+) -> Method:
+    """Returns a method from its name and plain values; None stands for one that is left out.
+
+    Raises:
+        InputError: The name is unknown, or the method would ignore a value.
+    """
+    if isinstance(given, Certified | Search):
+        return given
+    if given == "auto":
+        refuse_old_names([given], {"auto": "select(curves)"})
+    if given not in METHODS:
+        raise unknown_name("method", given, METHODS)
+    runs: dict[str, Any] = {} if trials is None else {"trials": trials}
+    goal = {"objective": objective, "normalize": normalize}
+    goal = {name: value for name, value in goal.items() if value is not None}
+    if given != "certified":
+        return Search(given, **cast(Any, goal), **runs)
+    for name, value in goal.items():
+        raise InputError(
+            f"{name} is {value!r}: method {given!r} always minimizes the NRMSE over the family; "
+            "leave it out, or use a swarm or a baseline"
+        )
+    return Certified(**runs)
+
+
+def check_together(
+    method: Method, model: str, corrections: Corrections, initial_torque: InitialTorque | None
+) -> None:
+    """Refuses a method, a model, corrections and a beginning that do not go together.
+
+    Raises:
+        InputError: They do not, or the model is unknown.
+    """
+    if model not in FITS:
+        raise unknown_name("model", model, FITS)
+    method.check(model)
+    if isinstance(method, Search):
+        for name, value in corrections.beside.items():
+            raise InputError(
+                f"{name} is {value!r}, which the method {method.name!r} does not fit: use the "
+                f"method 'certified', or {name} 'none'"
+            )
+    if model != DEFAULT_MODEL:
+        check_beginning(initial_torque)
+
+
+def check_beginning(initial_torque: InitialTorque | None) -> None:
+    """Refuses a given torque at the beginning of curves, where fits identify it.
+
+    Raises:
+        InputError: It is given.
+    """
+    if initial_torque not in (None, "identified"):
+        raise InputError(
+            f"initial_torque is {initial_torque!r}: the fits of other models than "
+            f"{DEFAULT_MODEL!r} identify it; leave it out"
+        )
+
+
+def _check_options(method: Method, names: list[str]) -> None:
+    known = [name for name in names if name not in SET_BY_IDENTIFY]
+    for option in method.options:
+        if option not in known:
+            raise unknown_name(f"{method.name} option", option, known or ["none"])

@@ -1,0 +1,65 @@
+"""Remarks on a fit: what to know before trusting it, and which option would act on it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Code = Literal[
+    "coverage",
+    "disorder",
+    "unit",
+    "clock",
+    "coarse",
+    "encoder",
+    "copy",
+    "range",
+    "certificate",
+    "limit",
+    "misfit",
+    "nothing",
+    "outliers",
+    "tare",
+    "rate",
+    "play",
+    "gap",
+    "drift",
+    "softening",
+    "search",
+    "wandering",
+    "memoryless",
+    "start",
+    "thinned",
+]
+"""What a remark is about.
+
+The curves: `coverage` (they do not cover the intended motion), `disorder` (noisy or not in order),
+`unit`, `clock`, `coarse`, `encoder`, `copy`, `outliers`, `thinned` (a part of the samples is used).
+The model: `range` (safe between some angles), `certificate` and `limit` (the fit ended at a limit),
+`misfit`, `nothing` (nothing is explained), `search` (ended early), `wandering` (noise or misfit),
+`memoryless` (no memory is needed), `start` (where curves and model begin).
+Faults of the measurement, or terms that were not found: `tare`, `rate`, `play`, `gap`, `drift`,
+`softening`.
+"""
+
+_IN_PYTHON = {("method", "auto"): "select(curves)"}
+
+
+@dataclass(frozen=True)
+class Remark:
+    """A reason to doubt a fit.
+
+    Attributes:
+        code: What it is about.
+        sentence: The remark in words, with what to do about the measurement.
+        option: Option of `identify`, and its value, that would act on it; None if there is none.
+            The command line writes it as `--tare fit`.
+    """
+
+    code: Code
+    sentence: str
+    option: tuple[str, str] | None = None
+
+    def __str__(self) -> str:
+        if self.option is None:
+            return self.sentence
+        name, value = self.option
+        return f"{self.sentence} ({_IN_PYTHON.get(self.option, f'{name}={value!r}')})"
