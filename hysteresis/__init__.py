@@ -4,7 +4,7 @@ Angles are in radians and torques in N·m throughout. Only `.engine` imports MuJ
 """
 
 from . import first_use  # noqa: F401  (reports long compilation)
-from .around import Asymmetric, Backlash, Held, Viscoelastic
+from .around import Asymmetric, Backlash, Clipped, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
 from .config import ConfigKey
@@ -16,6 +16,16 @@ from .protocol import Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict, register_model
 from .steady import SteadyCycle, steady_cycle
 
+
+_RENAMED = {"Held": "Clipped"}
+
+
+def __getattr__(name: str) -> object:
+    if name in _RENAMED:
+        raise ImportError(f"{name!r} was a name of version 0.2: write {_RENAMED[name]!r} instead")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
 __all__ = [
     "MODELS",
     "TABLE_2",
@@ -23,9 +33,9 @@ __all__ = [
     "Backlash",
     "BoucWen",
     "Certificate",
+    "Clipped",
     "ConfigKey",
     "Energy",
-    "Held",
     "HingedStops",
     "HysteresisModel",
     "JilesAtherton",

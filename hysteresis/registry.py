@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..errors import InputError, shown, unknown_name
-from .around import Asymmetric, Backlash, Held, Viscoelastic, Wrapper
+from .around import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper
 from .bouc_wen import BoucWen
 from .hinged_stops import HingedStops
 from .jiles_atherton import JilesAtherton
@@ -22,11 +22,15 @@ MODELS: dict[str, type[HysteresisModel]] = {
         PrandtlIshlinskii,
         HingedStops,
         Asymmetric,
-        Held,
+        Clipped,
         Backlash,
         Viscoelastic,
     )
 }
+
+
+OLD_NAMES = {"held": Clipped.name}
+"""Names of models in files of version 0.2, which are read."""
 
 
 def register_model(model: type[HysteresisModel]) -> None:
@@ -59,9 +63,10 @@ def model_from_dict(content: Mapping[str, Any]) -> HysteresisModel:
     if not isinstance(content, Mapping):
         raise InputError(f"a model is described by a dictionary, not by {shown(content)}")
     parameters = dict(content)
-    name = parameters.pop("model", None)
-    if not isinstance(name, str) or name not in MODELS:
-        raise unknown_name("model", str(name), MODELS)
+    name = str(parameters.pop("model", None))
+    name = OLD_NAMES.get(name, name)
+    if name not in MODELS:
+        raise unknown_name("model", name, MODELS)
     if issubclass(MODELS[name], Wrapper):
         if "hysteresis" not in parameters:
             raise InputError(

@@ -13,7 +13,7 @@ from .fits.play import Play, play_of
 from .fits.rate import Rate, rate_of
 from .fits.registry import Fitted
 from .remarks import Remark
-from .softening import Count, Softening, Softens, found_softening, settled
+from .softening import Count, Softening, Softens, found_softening, without_change
 from .tare import Tare, checked_tare, found_tare, tared
 
 
@@ -114,7 +114,10 @@ def corrected(
     if corrections.softening == "fit":
         change = found_softening(measured, count, fitted)
     if change is not None:
-        family, measured = settled(family, change, count), settled(measured, change, count)
+        family, measured = (
+            without_change(family, change, count),
+            without_change(measured, change, count),
+        )
     return Corrected(family, measured, offset, change)
 
 
@@ -130,7 +133,7 @@ def remarks_on(
     """
     if corrections.softening == "fit" and change is None:
         yield Remark("softening", "no change from cycle to cycle was found", ("softening", "none"))
-    if change is not None and not change.is_settled:
+    if change is not None and not change.is_complete:
         yield Remark(
             "softening",
             f"the torque still changes at the end of {change.measured:.2g} cycles, so that the "

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..hysteresis.around.asymmetric import Asymmetric
 from ..hysteresis.around.backlash import Backlash
-from ..hysteresis.around.held import Held
+from ..hysteresis.around.clipped import Clipped
 from ..hysteresis.around.viscoelastic import without_rate
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
@@ -51,7 +51,7 @@ def diagnostics(
         found.append(Remark("limit", sentence))
     inner = without_play(inner)
     inner = inner.model if isinstance(inner, Asymmetric) else inner
-    if isinstance(inner, Held):
+    if isinstance(inner, Clipped):
         found += _safety(inner)
         inner = inner.model
     if isinstance(inner, JilesAtherton):
@@ -134,7 +134,7 @@ def _stepped(curve: Curve) -> Remark | None:
     )
 
 
-def _safety(model: Held) -> Iterator[Remark]:
+def _safety(model: Clipped) -> Iterator[Remark]:
     low, high = model.angle_range
     yield Remark(
         "range",

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from .thinning import thinning_note
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
+OLD_NAMES = {
+    "diagnostics": "remarks",
+    **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
+}
 SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
 
 
@@ -74,6 +78,13 @@ class Fit:
     shortfalls: tuple[str, ...] = ()
     tare: float = 0.0
     softening: Softening | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        if name in OLD_NAMES:
+            raise AttributeError(
+                f"{name!r} was a name of version 0.2: write {OLD_NAMES[name]!r} instead"
+            )
+        raise AttributeError(f"a fit has no attribute {name!r}")
 
     @property
     def evaluations(self) -> int | None:

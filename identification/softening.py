@@ -24,7 +24,7 @@ FEWEST = 2.0  # fewest cycles in which a change is identifiable
 SHORTEST, LONGEST = 0.5, 3.0
 TIMES = 12  # number of decays on the grid between them
 ROUNDS = 12  # largest number of rounds; 3 are usual
-SETTLED = 1e-4  # change of the factor between rounds at convergence
+CONVERGED = 1e-4  # change of the factor between rounds at convergence
 MOST = 9.99  # largest ratio of first and steady torque, either way: just within a suit file's
 NEARLY = 0.995  # sufficient share of the fewest cycles, as records end a sample early
 UNSETTLED = 0.2  # share of the change that may remain at the end of the curves
@@ -52,7 +52,7 @@ class Softening(NamedTuple):
         return self.steady + (self.first - self.steady) * np.exp(-cycles / self.cycles)
 
     @property
-    def is_settled(self) -> bool:
+    def is_complete(self) -> bool:
         """Whether little of the change remained at the end of the curves."""
         return math.exp(-self.measured / self.cycles) <= UNSETTLED
 
@@ -77,7 +77,7 @@ class Count:
         return self._before[curve.name] + _way(curve.angle) / self._cycle
 
 
-def settled(curves: Curves, softening: Softening, count: Count) -> Curves:
+def without_change(curves: Curves, softening: Softening, count: Count) -> Curves:
     """Returns curves with the torques that they would have had at the end of the measurement."""
     rest = (
         replace(curve, torque=curve.torque / softening.factor(count(curve))) for curve in curves
@@ -113,9 +113,9 @@ def found_softening(
     slow, found = without, Softening(1.0, 1.0, count.total, count.total)
     for _ in range(ROUNDS):
         before, found = found, _change(slow, curves, count)
-        if max(abs(found.first - before.first), abs(found.steady - before.steady)) <= SETTLED:
+        if max(abs(found.first - before.first), abs(found.steady - before.steady)) <= CONVERGED:
             break
-        slow = fit(settled(curves, found, count))
+        slow = fit(without_change(curves, found, count))
     samples = sum(curve.angle.size for curve in curves)
     constant = Softening(1.0, 1.0, count.total, count.total)
     worth = _error(without, constant, curves, count) / _error(slow, found, curves, count)

@@ -72,6 +72,7 @@ RENAMED = {
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
 }
+OLD_OPTIONS = {"--naive": "--unadapted"}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -197,6 +198,7 @@ def _run_command(name: str, command: Callable[..., None], arguments: Sequence[st
     from .extensions import load_extensions
     from .parsing import parsed
 
+    refuse_old_names(arguments, OLD_OPTIONS)
     load_extensions()
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):

@@ -432,7 +432,10 @@ SUITS = [
     Kind("suit: joints", field("joints", [], 3, None, "elbow", {"knee": {}}, {"\x1b[31m": {}})),
     Kind("suit: joint", field("elbow", [], 3, None, {}, {"x" * 3000: 1})),
     Kind("suit: model", field("elbow.model", "preisach", None, [], {}, {"model": "x" * 3000})),
-    Kind("suit: model name", field("elbow.model.model", "preisac", "", 3, None, ["held"])),
+    Kind(
+        "suit: model name",
+        field("elbow.model.model", "preisac", "", 3, None, ["clipped"]),
+    ),
     Kind("suit: parameter", field("elbow.model.Ms", -1, 0, "x", None, True, [1], 1e400, 10**350)),
     Kind("suit: parameter missing", without("elbow.model.k")),
     Kind("suit: parameter unknown", field("elbow.model.kk", 1)),
@@ -471,7 +474,7 @@ def _folder(path: Path) -> list[str]:
 def run_command(rng: Rng) -> list[str]:
     """Returns a command that reads run/."""
     commands = [
-        ["evaluate", "--policies", "run", "--naive", "--episodes", "8", "--out", "out"],
+        ["evaluate", "--policies", "run", "--unadapted", "--episodes", "8", "--out", "out"],
         ["simulate", "--policy", "run", "--out", "out"],
         ["train", "--resume", "--out", "run", "--steps", "1"],
     ]

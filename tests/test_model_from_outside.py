@@ -10,7 +10,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import (
     MODELS,
     Asymmetric,
-    Held,
+    Clipped,
     HysteresisModel,
     model_from_dict,
     register_model,
@@ -50,7 +50,7 @@ def curves():
 
 def test_dictionaries_know_it():
     assert model_from_dict(TRUTH.to_dict()) == TRUTH
-    kept = Held(model=TRUTH, angle_range=(0.0, 1.0))
+    kept = Clipped(model=TRUTH, angle_range=(0.0, 1.0))
     assert model_from_dict(kept.to_dict()) == kept
 
 
@@ -72,7 +72,7 @@ def test_auto_tries_it(curves):
     "model",
     [
         TRUTH,
-        Held(model=TRUTH, angle_range=(-0.2, 0.3)),
+        Clipped(model=TRUTH, angle_range=(-0.2, 0.3)),
         Asymmetric(model=TRUTH, polynomial=[0.2, -1.0]),
     ],
     ids=lambda model: model.name,

@@ -30,7 +30,7 @@ SMALL = (  # words of an example, and the options that it gets beside its own or
     (["identify", "auto"], ["--samples", "2"]),
     (["reproduce", "li-2022"], ["--trials", "2"]),
     (["evaluate"], ["--episodes", "8"]),
-    (["evaluate", "--table"], ["--policies", "none", "--naive"]),
+    (["evaluate", "--table"], ["--policies", "none", "--unadapted"]),
     (["tasks", "--table"], ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
     (["validate"], ["--episodes", "8"]),
     (["evaluate", "envelope"], ["--spacing", "0.08"]),

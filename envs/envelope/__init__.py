@@ -1,6 +1,6 @@
 """The work envelope: the hand positions that a wearer can hold without getting tired."""
 
-from .envelope import BRANCHES, CONDITIONS, HELD, Envelope, work_envelope
+from .envelope import BRANCHES, CONDITIONS, SUSTAINED, Envelope, work_envelope
 from .holding import Holding
 
-__all__ = ["BRANCHES", "CONDITIONS", "HELD", "Envelope", "Holding", "work_envelope"]
+__all__ = ["BRANCHES", "CONDITIONS", "SUSTAINED", "Envelope", "Holding", "work_envelope"]

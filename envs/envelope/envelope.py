@@ -22,15 +22,15 @@ from .holding import Branch, Condition, Holding
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
 BRANCHES: tuple[Branch, ...] = get_args(Branch)
-_HELD = Quantity(
+_SUSTAINED = Quantity(
     "envelope.share_of_strength",
     0.15,
     "1",
     "Schmidt 2001, SAE 2001-01-2162, as mvl.mit.edu tells it",
     "transcribed",
 )
-PROVENANCE: tuple[Quantity, ...] = (_HELD,)
-HELD = _HELD.value
+PROVENANCE: tuple[Quantity, ...] = (_SUSTAINED,)
+SUSTAINED = _SUSTAINED.value
 SPACING = 0.02  # m
 SPACINGS = (0.004, 0.1)  # m
 WRIST_ANGLES = 65
@@ -68,7 +68,7 @@ class Envelope:
         """Volume that the hand can reach at any effort [l]."""
         return len(self.effort) * 1e3 * self.spacing**3
 
-    def volume(self, share: float = HELD) -> float:
+    def volume(self, share: float = SUSTAINED) -> float:
         """Returns the volume that takes at most a share of strength [l].
 
         Args:
@@ -76,7 +76,7 @@ class Envelope:
         """
         return int(np.count_nonzero(self.effort <= share)) * 1e3 * self.spacing**3
 
-    def volume_error(self, share: float = HELD) -> float:
+    def volume_error(self, share: float = SUSTAINED) -> float:
         """Returns the standard error of `volume` by the choice of the lattice [l].
 
         The lattice is eight lattices of twice the spacing. Each of them gives a volume, and their

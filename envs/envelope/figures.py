@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ..model import arm_spec
 from ..rendering import Renderer
-from .envelope import BRANCHES, HELD, Envelope
+from .envelope import BRANCHES, SUSTAINED, Envelope
 
 AXES = ("forward", "left", "up")
 PLANES = (  # axis across the section, its position from the shoulder [m], axes to the right and up
@@ -83,7 +83,7 @@ def _draw_section(
     # 1 where the hand can be; and 1/2 where holding it there takes the share that counts.
     reached, kept = np.zeros((2, 2 * half, 2 * half))
     reached[rows + half, columns + half] = 1
-    kept[rows + half, columns + half] = np.clip(1 - envelope.effort[inside] / (2 * HELD), 0, 1)
+    kept[rows + half, columns + half] = np.clip(1 - envelope.effort[inside] / (2 * SUSTAINED), 0, 1)
     ax.contourf(line, line, reached, levels=[0.5, 2], colors=["0.5"], alpha=0.12)
     if kept.max() < 0.5:
         return
@@ -109,7 +109,7 @@ def envelope_picture(
     spec = arm_spec(envelopes[0].config)
     torso, shoulder = spec.body("torso"), spec.body("shoulder")
     for envelope in envelopes:
-        kept = envelope.cells[envelope.effort <= HELD]
+        kept = envelope.cells[envelope.effort <= SUSTAINED]
         if not kept.size:
             continue
         mesh = f"envelope_{envelope.condition}"

@@ -167,7 +167,7 @@ def evaluate(
             env_id,
             seeds,
             adapted=adapted,
-            naive=True,
+            unadapted=True,
             **env_options,
             effort_scale=scale,
         )

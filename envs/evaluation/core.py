@@ -50,7 +50,7 @@ def run(
     seeds: Sequence[int],
     *,
     adapted: bool = True,
-    naive: bool = False,
+    unadapted: bool = False,
     **options: Any,
 ) -> Run:
     """Runs a policy on the motions of some seeds.
@@ -61,7 +61,7 @@ def run(
         env_id: Id of a registered environment.
         seeds: Seed of each motion.
         adapted: Whether wearers have learned the motions under the policy.
-        naive: Whether wearers who have not are scored beside.
+        unadapted: Whether wearers who have not are scored beside.
         **options: Options of the environment with an exoskeleton, and of `ArmVectorEnv`.
 
     Raises:
@@ -71,7 +71,7 @@ def run(
     wearers = Wearers(env_id, len(seeds), **options_of(given, options))
     try:
         policy = _policy(name, given, wearers, seeds)
-        first = wearers.naive(policy, seeds) if naive or not adapted else []
+        first = wearers.unadapted(policy, seeds) if unadapted or not adapted else []
         traces = wearers.adapted(policy, seeds) if adapted else first
         return Run(score(name, traces, first), traces, wearers.arms.episodes.effort_scale)
     finally:

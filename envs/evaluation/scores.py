@@ -46,8 +46,8 @@ class Score:
         failures: Number of episodes that ended early.
         guarded: Share of time in which a passivity guard lessened the motors' torque; empty without
             one.
-        naive_effort: Effort of a wearer who has learned nothing; empty where it was not run.
-        naive_tracking: Tracking error of that wearer [rad]; empty where it was not run.
+        unadapted_effort: Effort of a wearer who has learned nothing; empty where it was not run.
+        unadapted_tracking: Tracking error of that wearer [rad]; empty where it was not run.
     """
 
     policy: str
@@ -69,8 +69,8 @@ class Score:
     assist_energy: Values
     failures: int
     guarded: Values = ()
-    naive_effort: Values = ()
-    naive_tracking: Values = ()
+    unadapted_effort: Values = ()
+    unadapted_tracking: Values = ()
 
     @property
     def human_rms(self) -> dict[str, float]:
@@ -82,13 +82,13 @@ class Score:
         return asdict(self)
 
 
-def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> Score:
+def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ()) -> Score:
     """Summarizes the motions of one policy.
 
     Args:
         policy: Name of the policy.
         traces: Motions, one per episode.
-        naive: The same motions of wearers who have learned nothing.
+        unadapted: The same motions of wearers who have learned nothing.
     """
     human = np.concatenate([trace.human_torque for trace in traces])
     error = np.concatenate([trace.angle - trace.target_angle for trace in traces])
@@ -122,8 +122,8 @@ def score(policy: str, traces: Sequence[Trace], naive: Sequence[Trace] = ()) -> 
         guarded=tuple(
             trace.guarded / len(trace.time) for trace in traces if trace.guarded is not None
         ),
-        naive_effort=_effort(naive),
-        naive_tracking=_tracking(naive),
+        unadapted_effort=_effort(unadapted),
+        unadapted_tracking=_tracking(unadapted),
     )
 
 

@@ -30,7 +30,7 @@ class ArmLost(InputError):
 
 
 class Wearers:
-    """Wearers of one kind of arm in three states: naive, guided by stiff hands, and adapted.
+    """Wearers of one kind of arm in three states: unadapted, guided by stiff hands, and adapted.
 
     Args:
         env_id: Id of a registered environment.
@@ -52,7 +52,7 @@ class Wearers:
         self.arms = make_arms(env_id, rows, **options, control=usual, learned_torque=True)
         self._guided = make_arms(env_id, rows, **options, control=calm, learned_torque=True)
 
-    def naive(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
+    def unadapted(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
         """Returns the motions of wearers who foresee nothing but their own arm."""
         return rollout(self.arms, policy, seeds)
 

@@ -58,13 +58,13 @@ class Guard(TorquePolicy):
         rate = seen["rate"][:, self.assisted]
         given, wanted = seen["motor_torque"] * self.peak, self._wanted * self.peak
         needed = self._needed.torque(seen)
-        self._ledger = settled(self._ledger, needed, given, rate, self.dt)
+        self._ledger = updated_ledger(self._ledger, needed, given, rate, self.dt)
         found, lessened = lessen(wanted, needed, rate, self._ledger, self.dt)
         self.acted += lessened
         return found
 
 
-def settled(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
+def updated_ledger(ledger: Array, needed: Array, given: Array, rate: Array, dt: float) -> Array:
     """Returns ledgers after a control period [J], shape (n,).
 
     Args:

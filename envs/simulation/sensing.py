@@ -80,24 +80,24 @@ def touch(
 
     It is the wearer's torque minus that of the bare arm in the present motion.
     """
-    present, felt, step = noisy.present, noisy.interaction_delay, episode.step[row]
+    present, delayed, step = noisy.present, noisy.interaction_delay, episode.step[row]
     for j in range(4):
         present.angle[row, 0, j] = physics.qpos[row, at.joints[j]]
         present.rate[row, 0, j] = physics.qvel[row, at.joints[j]]
         present.acceleration[row, 0, j] = physics.qacc[row, at.joints[j]]
     arm_torque(row, np.int64(0), arm, present)
-    count = felt.shape[1]
+    count = delayed.shape[1]
     place = step % count
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]] - arm.torque[row, j]
         if moved:
             draws = noisy.sensor_draws
             noise = noisy.noise_scale[row] * draws[row, (step - 1) % draws.shape[1], j]
-            felt[row, place, j] = torque * (1.0 + noisy.interaction_noise * noise)
+            delayed[row, place, j] = torque * (1.0 + noisy.interaction_noise * noise)
         else:
             for i in range(count):
-                felt[row, i, j] = torque
-        measured[row, INTERACTION + j] = felt[row, (place + 1) % count, j]
+                delayed[row, i, j] = torque
+        measured[row, INTERACTION + j] = delayed[row, (place + 1) % count, j]
 
 
 @njit(inline="always")

@@ -18,7 +18,7 @@ from ..model import GRAVITY, ArmConfig, Payload, bare_arm, resisting_joints, sta
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import Edits
 from ..person import VoluntaryControl
-from . import compiling, settling
+from . import compiling, equilibrium
 from .addresses import Addresses
 from .bound import bound
 from .cycle import after, before
@@ -208,7 +208,7 @@ class Simulation:
             self._write_start(row, start_of(row))
         self._write_differences(rows)
         self._rest.motor[rows] = 0.0
-        self._settle(rows)
+        self._equilibrate(rows)
         self._waiting.update(rows.tolist())
         if self.config.exo.encoder_delay > 0:
             self._fill_encoders(rows)
@@ -328,9 +328,9 @@ class Simulation:
         )
         rows, action = self._all, np.empty((self.n, at.motors.size))
         intended = (physics, at, state.intention, state.wearer)
-        self._begin_rest = bound(settling.begin, (rows,), intended)
-        self._imbalance = bound(settling.imbalance, (rows,), (physics, at, rest))
-        self._hold = bound(settling.hold, (rows,), (*intended, state.muscles, rest))
+        self._begin_rest = bound(equilibrium.begin, (rows,), intended)
+        self._imbalance = bound(equilibrium.imbalance, (rows,), (physics, at, rest))
+        self._hold = bound(equilibrium.hold, (rows,), (*intended, state.muscles, rest))
         here = (physics, at, state.episode, state.intention)
         muscles, motors, sensors = state.muscles, state.motors, state.sensors
         self._before = bound(before, (rows, action), (*here, state.wearer, muscles, motors))
@@ -401,14 +401,14 @@ class Simulation:
         torque = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
         self._rest.motor[rows] = self._current[rows] = torque
         self._ctrl[rows[:, None], at.motors] = torque
-        self._settle(rows)
+        self._equilibrate(rows)
 
-    def _settle(self, rows: Rows) -> None:
+    def _equilibrate(self, rows: Rows) -> None:
         """Puts arms at rest at their first intention, and exoskeletons at rest on their cuffs."""
         self._begin_rest(rows)
         self._needed(rows)
         unbalanced = rows if self._free.size else rows[:0]
-        for _ in range(settling.MOST_SLOPES):
+        for _ in range(equilibrium.MOST_SLOPES):
             if not unbalanced.size:
                 break
             unbalanced = self._balance(unbalanced)
@@ -421,20 +421,20 @@ class Simulation:
         slope = np.empty((len(rows), free.size, free.size))
         for column, dof in enumerate(free):
             angle = self._qpos[rows, dof]
-            self._qpos[rows, dof] = angle + settling.NUDGE
-            slope[:, :, column] = (self._needed(rows) - torque)[:, free] / settling.NUDGE
+            self._qpos[rows, dof] = angle + equilibrium.NUDGE
+            slope[:, :, column] = (self._needed(rows) - torque)[:, free] / equilibrium.NUDGE
             self._qpos[rows, dof] = angle
         inverse: AnyArray = np.linalg.inv(slope)
         moves = np.zeros((len(rows), 4, free.size))
-        status = np.full(len(rows), settling.FRESH)
+        status = np.full(len(rows), equilibrium.FRESH)
         self._rest.torque[rows] = torque
-        for _ in range(settling.MOST_CORRECTIONS):
-            if not settling.correct(
+        for _ in range(equilibrium.MOST_CORRECTIONS):
+            if not equilibrium.correct(
                 rows, self._rest.torque, inverse, self._qpos, free, moves, status
             ):
                 break
             self._needed(rows)
-        return rows[status != settling.SETTLED]
+        return rows[status != equilibrium.DONE]
 
     def _needed(self, rows: Rows) -> Array:
         """Returns the net torque on arms at rest, without the wearer's, shape (k, dofs)."""

@@ -9,7 +9,7 @@ import numpy as np
 from ...assets import JOINTS
 from ...published import LI_RANGES
 from ..simulation.plan import Motion
-from .motions import growing
+from .motions import ramped
 from .task import SUSTAINED, Task
 
 FREQUENCIES = np.array([0.3, 0.4, 0.5, 0.6, 0.7])  # Hz
@@ -38,7 +38,7 @@ class MinorLoops(Task):
             acceleration = -(speed**2 * np.sin(turned)).sum(axis=1)
             size = (high - low) / 2 / np.abs(wave).max()
             column = JOINTS.index(joint)
-            grown = growing(wave, rate, acceleration, time, BEGINNING)
+            grown = ramped(wave, rate, acceleration, time, BEGINNING)
             motion[:, :, column] = size * np.array(grown)
             motion[0, :, column] += (low + high) / 2
         return motion[0], motion[1], motion[2]

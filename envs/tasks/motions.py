@@ -113,7 +113,7 @@ def through(stops: Sequence[tuple[float, Array]], samples: int, dt: float) -> Mo
     return motion[0], motion[1], motion[2]
 
 
-def growing(
+def ramped(
     wave: AnyArray, rate: AnyArray, acceleration: AnyArray, time: AnyArray, beginning: float
 ) -> tuple[Array, Array, Array]:
     """Returns a wave with its two derivatives that grows from rest.

@@ -12,7 +12,7 @@ from ..model.workplace import add_reaction, draw, grip, holder
 from ..provenance import setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import STRONGEST, Plan
-from .motions import between, growing
+from .motions import between, ramped
 from .task import SUSTAINED, Task
 
 MIDDLE, SWING = 1.2, 0.25  # rad of the elbow
@@ -65,7 +65,7 @@ class Ratchet(Task):
         time = dt * np.arange(samples)
         speed = math.tau * FREQUENCY
         wave, rate = -np.cos(speed * time), speed * np.sin(speed * time)
-        grown = growing(wave, rate, -(speed**2) * wave, time, BEGINNING)
+        grown = ramped(wave, rate, -(speed**2) * wave, time, BEGINNING)
         motion = np.zeros((3, samples, len(JOINTS)))
         motion[0, :, STRAIGHT] = rng.uniform(*SHOULDER)
         motion[:, :, STROKE] = SWING * np.array(grown)

@@ -39,7 +39,7 @@ class RecordedMotion(Task):
     """
 
     path: str
-    duration: float = setting(0.0, "s", SHORTEST, LONGEST)  # 0 is that of the file
+    duration: float = setting(0.0, "s", SHORTEST, LONGEST)  # the duration of the file if 0
 
     source: ClassVar[str] = "a file of yours"
     _recorded: ClassVar[tuple[Array, Array]]

@@ -1,12 +1,12 @@
 """Models around another model.
 
-`Held` keeps the torque constant outside a range, `Asymmetric` adds an elastic polynomial,
+`Clipped` keeps the torque constant outside a range, `Asymmetric` adds an elastic polynomial,
 `Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
 from .asymmetric import LARGEST_DEGREE, Asymmetric, sprung
 from .backlash import Backlash
-from .held import Held
+from .clipped import Clipped
 from .viscoelastic import Viscoelastic, without_rate
 from .wrapper import Wrapper
 
@@ -14,7 +14,7 @@ __all__ = [
     "LARGEST_DEGREE",
     "Asymmetric",
     "Backlash",
-    "Held",
+    "Clipped",
     "Viscoelastic",
     "Wrapper",
     "sprung",

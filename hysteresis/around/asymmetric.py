@@ -13,7 +13,7 @@ from ...checks import number, numbers, scales
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
-from .held import Held
+from .clipped import Clipped
 from .wrapper import Wrapper
 
 LARGEST_DEGREE = 5
@@ -40,10 +40,10 @@ class Asymmetric(Wrapper):
     polynomial: Numbers
 
     def __post_init__(self) -> None:
-        wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Held)
+        wrapped = isinstance(self.model, Wrapper) and not isinstance(self.model, Clipped)
         if not isinstance(self.model, HysteresisModel) or wrapped:
             raise InputError(
-                f"model is {shown(self.model)}: give one hysteresis model, bare or `Held`"
+                f"model is {shown(self.model)}: give one hysteresis model, bare or `Clipped`"
             )
         coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
         if len(coefficients) > LARGEST_DEGREE + 1:
@@ -156,7 +156,7 @@ def sprung(model: HysteresisModel, offset: float, stiffness: float) -> Hysteresi
         stiffness: Its slope [N·m/rad].
     """
     line = [offset, stiffness]
-    if isinstance(model, Wrapper) and not isinstance(model, Asymmetric | Held):
+    if isinstance(model, Wrapper) and not isinstance(model, Asymmetric | Clipped):
         return replace(model, model=sprung(model.model, offset, stiffness))
     if not isinstance(model, Asymmetric):
         return Asymmetric(model=model, polynomial=line)

@@ -16,7 +16,7 @@ from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..protocol import Energy, HysteresisModel, State, finite_series, read_only
 from . import backlash_kernels as kernels
 from .asymmetric import Asymmetric
-from .held import Held
+from .clipped import Clipped
 from .wrapper import Wrapper
 
 
@@ -42,8 +42,8 @@ class Backlash(Wrapper):
     may snap from one face to the other, and the impact dissipates the energy that is released.
 
     Attributes:
-        model: Model of the suit's side, which may be `Held` and `Asymmetric`. A model behind play
-            can have a dashpot beside it (`Viscoelastic`), but not the other way round.
+        model: Model of the suit's side, which may be `Clipped` and `Asymmetric`. A model behind
+            play can have a dashpot beside it (`Viscoelastic`), but not the other way round.
         gap: Angle by which the joint can move without torque [rad].
 
     Raises:
@@ -57,11 +57,11 @@ class Backlash(Wrapper):
     gap: float
 
     def __post_init__(self) -> None:
-        inside = (Asymmetric, Held)
+        inside = (Asymmetric, Clipped)
         refused = isinstance(self.model, Wrapper) and not isinstance(self.model, inside)
         if not isinstance(self.model, HysteresisModel) or refused:
             raise InputError(
-                f"model is {shown(self.model)}: give one model, bare, `Held` or `Asymmetric`; "
+                f"model is {shown(self.model)}: give one model, bare, `Clipped` or `Asymmetric`; "
                 "put a dashpot around the play, not behind it"
             )
         gap = number("gap", self.gap, "rad")
@@ -80,7 +80,7 @@ class Backlash(Wrapper):
         model, polynomial, limits = self.model, np.empty(0), np.empty(0)
         if isinstance(model, Asymmetric):
             model, polynomial = model.model, np.array(model.polynomial)
-        if isinstance(model, Held):
+        if isinstance(model, Clipped):
             limits = np.array(model.angle_range)
         return polynomial, limits
 

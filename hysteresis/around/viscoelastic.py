@@ -33,7 +33,7 @@ class Viscoelastic(Wrapper):
     order of the time step.
 
     Attributes:
-        model: Hysteretic part, which does not depend on the rate; it may be `Held`, `Asymmetric`
+        model: Hysteretic part, which does not depend on the rate; it may be `Clipped`, `Asymmetric`
             and behind play.
         damping: Damping b of the dashpot [N·m·s/rad].
         relaxation_stiffness: Stiffness k of the Maxwell element [N·m/rad].

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import numbers
 from ...errors import InputError, unknown_name
-from ..around import Asymmetric, Backlash, Held, Viscoelastic
+from ..around import Asymmetric, Backlash, Clipped, Viscoelastic
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
 from ..certificate import UncertifiedModelError
@@ -325,7 +325,7 @@ def _parts(model: HysteresisModel) -> _Parts:
         model, play = model.model, np.array([model.gap, 0.0])
     if isinstance(model, Asymmetric):
         model, polynomial = model.model, np.array(model.polynomial)
-    if isinstance(model, Held):
+    if isinstance(model, Clipped):
         model, limits = model.model, np.array(model.angle_range)
     return _Parts(model, polynomial, limits, rate, play)
 

@@ -10,7 +10,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
     "prandtl-ishlinskii": prandtl_ishlinskii.EXAMPLES,
     "hinged-stops": hinged_stops.EXAMPLES,
     "asymmetric": around.ASYMMETRIC_EXAMPLES,
-    "held": around.HELD_EXAMPLES,
+    "clipped": around.CLIPPED_EXAMPLES,
     "backlash": around.BACKLASH_EXAMPLES,
     "viscoelastic": around.VISCOELASTIC_EXAMPLES,
 }

@@ -8,7 +8,7 @@ import numpy as np
 from ...arrays import Array
 from ..around.asymmetric import Asymmetric
 from ..around.backlash import Backlash
-from ..around.held import Held
+from ..around.clipped import Clipped
 from ..around.viscoelastic import Viscoelastic
 from ..jiles_atherton import TABLE_2
 from .reference import Example, Reference, reference_of, refers_to
@@ -40,11 +40,11 @@ class AsymmetricReference(Reference):
         return self.inner.knots(end)
 
 
-@refers_to(Held)
+@refers_to(Clipped)
 class HeldReference(Reference):
     """The reference of the inner model, moved to angles inside the range only."""
 
-    def __init__(self, model: Held, angles: Array, torque: float) -> None:
+    def __init__(self, model: Clipped, angles: Array, torque: float) -> None:
         super().__init__(angles[0], torque)
         self.range = model.angle_range
         self.inner = reference_of(model.model, np.clip(angles, *self.range), torque)
@@ -137,10 +137,10 @@ def slow(model: Viscoelastic, angles: Array, torque: float) -> Reference:
 
 
 _ELBOW = TABLE_2["elbow-sa-pso"]
-HELD_EXAMPLES = (
+CLIPPED_EXAMPLES = (
     Example(
         name="elbow-sa-pso in a range",
-        model=Held(model=_ELBOW, angle_range=(0.7, 1.3)),
+        model=Clipped(model=_ELBOW, angle_range=(0.7, 1.3)),
         low=0.52,
         high=1.57,
     ),

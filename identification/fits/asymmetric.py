@@ -7,7 +7,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.asymmetric import LARGEST_DEGREE, Asymmetric
-from ...hysteresis.around.held import Held
+from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.jiles_atherton import coordinates, kernels
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
@@ -63,7 +63,7 @@ def fit_asymmetric(
     inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha / Ms, c=c, k=k, angle_unit="deg")
     safe = unit.excess(search.best, everywhere=True) <= MARGIN / 2
     return Asymmetric(
-        model=inner if safe else Held(model=inner, angle_range=(beside.low, beside.high)),
+        model=inner if safe else Clipped(model=inner, angle_range=(beside.low, beside.high)),
         polynomial=beside.polynomial(shape),
     )
 

@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around.held import Held
+from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.protocol import HysteresisModel
 from ..curves import Curve, Curves
@@ -64,7 +64,7 @@ def bare(model: HysteresisModel) -> JilesAtherton:
     Raises:
         InputError: The model is of another kind.
     """
-    inner = model.model if isinstance(model, Held) else model
+    inner = model.model if isinstance(model, Clipped) else model
     if not isinstance(inner, JilesAtherton):
         raise InputError(
             f"model is {model.name!r}: give a Jiles-Atherton model, with or without an angle range"

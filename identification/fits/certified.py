@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError
-from ...hysteresis.around.held import Held
+from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.jiles_atherton import coordinates
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
@@ -41,8 +41,8 @@ class CertifiedFit:
         parameters: Ms, a, alpha, c, k in degrees, shape (5,).
         initial_torque: The torque with which every curve begins [N·m]; or "measured": each begins
             with its first sample.
-        held: The range of angles [rad] outside which the torque must be constant for the model to
-            be certified; None if it is certified for all angles.
+        safe_range: The range of angles [rad] outside which the torque must be constant for the
+            model to be certified; None if it is certified for all angles.
         nrmse: Error sqrt(mean(w (Tc - Tm)^2)) / max|Tm| on the curves, whose weights w have the
             mean 1.
         evaluations: How often the model was evaluated on all curves; a response with all its
@@ -53,18 +53,18 @@ class CertifiedFit:
 
     parameters: Array
     initial_torque: InitialTorque
-    held: tuple[float, float] | None
+    safe_range: tuple[float, float] | None
     nrmse: float
     evaluations: int
     agreed: int
     history: tuple[tuple[int, float], ...]
 
     @property
-    def model(self) -> JilesAtherton | Held:
+    def model(self) -> JilesAtherton | Clipped:
         """The certified model; if safe at the fitted angles only, with constant torque outside."""
         Ms, a, alpha, c, k = self.parameters.tolist()
         inner = JilesAtherton(Ms=Ms, a=a, alpha=alpha, c=c, k=k, angle_unit="deg")
-        return Held(model=inner, angle_range=self.held) if self.held else inner
+        return Clipped(model=inner, angle_range=self.safe_range) if self.safe_range else inner
 
 
 def certified_fit(
@@ -233,7 +233,7 @@ class CertifiedProblem:
         return CertifiedFit(
             parameters=search.best[:5],
             initial_torque="measured" if measured else float(first[0]),
-            held=None if safe else self.angle_range,
+            safe_range=None if safe else self.angle_range,
             nrmse=search.score,
             evaluations=search.evaluations,
             agreed=search.agreed,

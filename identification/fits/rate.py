@@ -19,7 +19,7 @@ from ..residual.tangent import coordinates_of, tangent
 
 Rate = Literal["none", "viscous", "relaxing"]
 ROUNDS = 12  # largest number of rounds; 3 to 6 are usual
-SETTLED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
+CONVERGED = 1e-4  # change of the elements' torque between rounds at convergence, over the peak
 TIMES = 24  # relaxation times on the grid
 
 
@@ -76,7 +76,7 @@ def fit_beside_rate(
         found = _with_elements(slow.model, slow.initial_torque, curves, times)
         torques = [_torque(found, curve) for curve in curves]
         now = np.concatenate(torques)
-        if np.abs(now - before).max() <= SETTLED * peak:
+        if np.abs(now - before).max() <= CONVERGED * peak:
             break
         before = now
         rest = [

@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import AliasChoices, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from ...checks import at_least
 from ...errors import InputError, shortened, unknown_name
@@ -127,7 +127,7 @@ class StudyTrial:
     Attributes:
         key: Key of the trial.
         parameters: Ms, a, alpha, c, k in degrees.
-        held: Range [rad] outside which a certified fit needs a constant torque, if any.
+        safe_range: Range [rad] outside which a certified fit needs a constant torque, if any.
         fitness: Eq. (7) of Li et al. 2022 on the fitted curves.
         nrmse: Error sqrt(mean((Tc - Tm)^2)) / max|Tm| on the fitted curves.
         evaluations: How often the model was evaluated on all curves.
@@ -137,7 +137,7 @@ class StudyTrial:
 
     key: TrialKey
     parameters: tuple[float, ...]
-    held: tuple[float, float] | None
+    safe_range: tuple[float, float] | None
     fitness: float
     nrmse: float
     evaluations: int
@@ -212,7 +212,10 @@ class _Saved(BaseModel):
 
     key: tuple[str, str, Count]
     parameters: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
-    held: tuple[FiniteFloat, FiniteFloat] | None
+    # Version 0.2 wrote `held`.
+    safe_range: tuple[FiniteFloat, FiniteFloat] | None = Field(
+        validation_alias=AliasChoices("safe_range", "held")
+    )
     fitness: Error
     nrmse: Error
     evaluations: Count
@@ -246,7 +249,7 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     safe_range = None
     if key.method == "certified":
         fit = certified_fit(measured, rng=rng)
-        parameters, evaluations, safe_range = fit.parameters, fit.evaluations, fit.held
+        parameters, evaluations, safe_range = fit.parameters, fit.evaluations, fit.safe_range
         fitness = float(final(parameters)[0])
         improvements = [(spent, best / fit.nrmse * fitness) for spent, best in fit.history]
     else:
@@ -257,7 +260,7 @@ def run_trial(config: StudyConfig, key: TrialKey, curves: Sequence[Curve]) -> St
     return StudyTrial(
         key=key,
         parameters=tuple(map(float, parameters)),
-        held=safe_range,
+        safe_range=safe_range,
         fitness=fitness,
         nrmse=float(final.nrmse(parameters)[0]),
         evaluations=evaluations,

@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 from ...arrays import Array
 from ...checks import at_least
 from ...errors import InputError, shown
-from ...hysteresis.around.held import Held
+from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.around.viscoelastic import Viscoelastic
 from ...hysteresis.jiles_atherton.kernels import is_exact
 from ...hysteresis.jiles_atherton.model import PARAMETERS, UNIT_PER_RADIAN, JilesAtherton
@@ -257,7 +257,7 @@ def _margin(coordinates: Coordinates, point: Array) -> float:
 
 def _bare(model: HysteresisModel) -> JilesAtherton | None:
     """Returns the Jiles-Atherton model whose valleys can be walked; None for other models."""
-    inner = model.model if isinstance(model, Held) else model
+    inner = model.model if isinstance(model, Clipped) else model
     if not isinstance(inner, JilesAtherton) or inner.c <= 1:
         return None
     return inner if is_exact(inner.parameter_vector) else None
@@ -278,7 +278,7 @@ def _directions(
     inner = _bare(model)
     if inner is None:
         return
-    if isinstance(model, Held):
+    if isinstance(model, Clipped):
         curves = [replace(one, angle=np.clip(one.angle, *model.angle_range)) for one in curves]
     row = _row(inner)
     if fitted_start:
@@ -360,7 +360,7 @@ def _refitted(
     if isinstance(model, Viscoelastic):
         model = model.model
     model = without_play(model)
-    name = model.model.name if isinstance(model, Held) else model.name
+    name = model.model.name if isinstance(model, Clipped) else model.name
     if name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
     return fit_model(name, curves, np.random.default_rng(seed), rate=rate, play=play).model

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ...assets import JOINTS
-from ...envs.envelope import BRANCHES, CONDITIONS, HELD, Envelope, work_envelope
+from ...envs.envelope import BRANCHES, CONDITIONS, SUSTAINED, Envelope, work_envelope
 from ...envs.envelope.envelope import SPACING
 from ...envs.envelope.holding import Branch, Condition
 from ...envs.model import ArmConfig, suit_of_config
@@ -62,7 +62,7 @@ def envelope(
             )
     result = {
         **options,
-        "share_of_strength": HELD,
+        "share_of_strength": SUSTAINED,
         "measured": measured,
         "spacing": spacing,
         "envelopes": [_row(one) for one in found],
@@ -125,7 +125,7 @@ def _write(folder: RunFolder, found: Sequence[Envelope]) -> Iterator[str]:
 
 def _points(found: Sequence[Envelope]) -> Iterator[list[str]]:
     for one in found:
-        kept = one.effort <= HELD
+        kept = one.effort <= SUSTAINED
         columns = (one.position, one.effort[:, None], one.posture)
         for numbers in zip(*(column[kept] for column in columns), strict=True):
             values = (f"{value:.5g}" for column in numbers for value in column)

@@ -53,7 +53,7 @@ def evaluate(
     seed: int = FIRST_SEED,
     suit: Suit = None,
     gravity: Gravity = None,
-    naive: bool = False,
+    unadapted: bool = False,
     table: bool = False,
     out: Path | None = None,
     force: Force = False,
@@ -73,8 +73,8 @@ def evaluate(
         episodes: Number of motions of each policy, at least 8 for intervals; all policies get the
             same motions.
         seed: Seed of the first motion.
-        naive: Score wearers who have learned nothing of suit and exoskeleton, instead of those who
-            have repeated each motion until nothing is left to learn.
+        unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
+            who have repeated each motion until nothing is left to learn.
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
         out: Folder for result.json and motions.csv, and tables.md with --table: a new or an empty
             one, or that of an earlier evaluate.
@@ -104,7 +104,9 @@ def evaluate(
     results, tables, remarks = [], {}, []
     settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
-        found = run(chosen.env, chosen.policies, episodes, seed, naive=naive, **chosen.options)
+        found = run(
+            chosen.env, chosen.policies, episodes, seed, unadapted=unadapted, **chosen.options
+        )
         scores = list(found.scores.values())
         with_references = found if found.suit_cost is not None else None
         results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
@@ -131,7 +133,7 @@ def evaluate(
 
 
 def run(
-    env: str, policies: Policies, episodes: int, seed: int, *, naive: bool, **options: Any
+    env: str, policies: Policies, episodes: int, seed: int, *, unadapted: bool, **options: Any
 ) -> Evaluation:
     """Evaluates policies and shows a progress bar."""
     references = options.get("suit") != NO_SUIT
@@ -147,7 +149,7 @@ def run(
             episodes=episodes,
             seed=seed,
             references=references,
-            adapted=not naive,
+            adapted=not unadapted,
             on_policy=report,
             threads=0,
             **options,

@@ -21,7 +21,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     Backlash,
     BoucWen,
-    Held,
+    Clipped,
     HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
@@ -34,8 +34,8 @@ SAFE, UNSAFE = hysteresis.TABLE_2["elbow-sa-pso"], hysteresis.TABLE_2["shoulder-
 KINDS = [
     SAFE,
     JilesAtherton(Ms=10, a=2, alpha=0.01, c=0.5, k=1, allow_active=True, clamp="jiles"),
-    Held(model=SAFE, angle_range=(0.4, 1.2)),
-    Asymmetric(model=Held(model=SAFE, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
+    Clipped(model=SAFE, angle_range=(0.4, 1.2)),
+    Asymmetric(model=Clipped(model=SAFE, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
     BoucWen(elastic=2.0, hysteretic=15.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=0.5),
     PrandtlIshlinskii(stiffness=-1, thresholds=[0.1, 0.4], weights=[-2, -3], operator="play"),
     HingedStops(

@@ -180,7 +180,7 @@ def test_scores_are_what_they_say():
     assert result.tracking == (pytest.approx(np.sqrt(np.mean(error**2))),) * 2
     assert result.tracking[0] == pytest.approx(result.costs["tracking"][0])
     assert result.reward == (pytest.approx(trace.rewards.mean()),) * 2
-    assert result.naive_effort == ()
+    assert result.unadapted_effort == ()
 
 
 @pytest.mark.parametrize(

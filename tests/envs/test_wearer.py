@@ -132,7 +132,7 @@ def learned():
     """Errors of repetitions with the law of learning, the torque after them, and its limit."""
     wearers = Wearers(MOTION, 1, **SCENE)
     policy = make_policy("none", wearers.arms)
-    traces = wearers.naive(policy, [0])
+    traces = wearers.unadapted(policy, [0])
     simulation = wearers.arms.episodes.simulation
     own, learned_torque = simulation.own_torque(np.array([0])), 0.0
     errors = []

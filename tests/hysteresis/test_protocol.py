@@ -11,7 +11,7 @@ from activesuit.hysteresis import (
     TABLE_2,
     Asymmetric,
     BoucWen,
-    Held,
+    Clipped,
     HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
@@ -39,7 +39,7 @@ EXAMPLES = {
     for name in MODELS
 } | {
     "preisach": preisach(),
-    "held": Held(model=TABLE_2["elbow-sa-pso"], angle_range=(-5.0, 5.0)),
+    "clipped": Clipped(model=TABLE_2["elbow-sa-pso"], angle_range=(-5.0, 5.0)),
 }
 
 

@@ -7,7 +7,7 @@ from activesuit.hysteresis import (
     TABLE_2,
     Asymmetric,
     BoucWen,
-    Held,
+    Clipped,
     HingedStops,
     JilesAtherton,
     PoleError,
@@ -31,8 +31,8 @@ MODELS = [
         slopes=[1, 0.3, 2],
     ),
     Preisach(levels=[0.1, 0.7, 1.5], density=[[0.2], [0.1, 0.3]], elastic=[1.0, 2.0]),
-    Held(model=ELBOW, angle_range=(0.4, 1.2)),
-    Asymmetric(model=Held(model=ELBOW, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
+    Clipped(model=ELBOW, angle_range=(0.4, 1.2)),
+    Asymmetric(model=Clipped(model=ELBOW, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
 ]
 RANGE = (0.2, 1.4)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit
 from activesuit.errors import InputError
-from activesuit.hysteresis import BoucWen, Held
+from activesuit.hysteresis import BoucWen, Clipped
 from activesuit.identification import Curve, first_order_motions, nested_motion, select
 from activesuit.identification.ensemble import NEARLY, ensemble, excess, shared
 from activesuit.identification.fits.registry import FITS
@@ -115,7 +115,7 @@ def test_excess_is_what_noise_does_not_explain():
 
 def test_drawn_models_are_of_all_kinds_by_weight(found, elbow):
     models = found.uncertainty(samples=9, seed=3).samples
-    kinds = [(one.model if isinstance(one, Held) else one).name for one in models]
+    kinds = [(one.model if isinstance(one, Clipped) else one).name for one in models]
     counts = {one.name: 0 for one in found.ensemble.members} | {k: kinds.count(k) for k in kinds}
     assert len(models) == 9
     for one in found.ensemble.members:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit, SuitJoint, curves_path, load_suit
 from activesuit.errors import InputError
-from activesuit.hysteresis import MODELS, BoucWen, Held, JilesAtherton
+from activesuit.hysteresis import MODELS, BoucWen, Clipped, JilesAtherton
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Certified,
@@ -54,7 +54,7 @@ def test_certified_fit_reaches_the_noise_floor(joint):
 def test_a_model_that_is_safe_in_its_range_only_is_constant_outside():
     curves = fitted("shoulder")
     model = identify(curves).model
-    assert isinstance(model, Held)
+    assert isinstance(model, Clipped)
     assert model.angle_range == (0.35, 1.22)
     assert not bare(model).certificate().certified
     rng = np.random.default_rng(0)

@@ -88,7 +88,7 @@ def test_a_change_that_is_not_complete_is_reported(elbow):
     fit = identify(
         [record(elbow, first=1.5, cycles=10.0)], corrections=Corrections(softening="fit")
     )
-    assert not fit.softening.is_settled
+    assert not fit.softening.is_complete
     assert any("is extrapolated: measure more cycles" in str(remark) for remark in fit.remarks)
 
 

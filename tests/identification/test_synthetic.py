@@ -5,7 +5,14 @@ import math
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Asymmetric, BoucWen, Held, PoleError, PrandtlIshlinskii, Preisach
+from activesuit.hysteresis import (
+    Asymmetric,
+    BoucWen,
+    Clipped,
+    PoleError,
+    PrandtlIshlinskii,
+    Preisach,
+)
 from activesuit.hysteresis.loops import reversals
 from activesuit.identification import (
     first_order_motions,
@@ -23,11 +30,11 @@ STOPS = PrandtlIshlinskii(stiffness=1.0, thresholds=(0.1, 0.3), weights=(4.0, 3.
 RELAYS = Preisach(levels=(0.5, 1.0, 1.6), density=((3.0,), (1.0, 2.0)), elastic=(0.5, 0.5))
 
 
-@pytest.fixture(params=["jiles-atherton", "held", "asymmetric", "bouc-wen", "stops", "relays"])
+@pytest.fixture(params=["jiles-atherton", "clipped", "asymmetric", "bouc-wen", "stops", "relays"])
 def model(request, elbow, shoulder):
     return {
         "jiles-atherton": elbow,
-        "held": Held(model=shoulder, angle_range=(0.6, 1.2)),
+        "clipped": Clipped(model=shoulder, angle_range=(0.6, 1.2)),
         "asymmetric": Asymmetric(model=elbow, polynomial=(0.1, 0.5)),
         "bouc-wen": BOUC_WEN,
         "stops": STOPS,

@@ -80,7 +80,7 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
     assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
-    arguments = ["--policies", "oracle", *FEW, "--naive"]
+    arguments = ["--policies", "oracle", *FEW, "--unadapted"]
     out = run(capsys, "evaluate", "--suit", tmp_path / "fit" / "suit.json", *arguments)
     assert json.loads(out)["scores"]["oracle"]["failures"] == 0
 
@@ -159,11 +159,11 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
 
 @pytest.mark.usefixtures("short")
 def test_evaluate_wearers_who_have_learned_nothing(capsys):
-    out = run(capsys, "evaluate", "--policies", "none", "--naive", *FEW)
+    out = run(capsys, "evaluate", "--policies", "none", "--unadapted", *FEW)
     result = json.loads(out)
     assert result["adapted"] is False
     score = result["scores"]["none"]
-    assert score["effort"] == score["naive_effort"]
+    assert score["effort"] == score["unadapted_effort"]
 
 
 def test_evaluate_without_a_suit_has_no_references(capsys, short):
@@ -178,7 +178,7 @@ def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_p
     shorten_tasks(monkeypatch, 0.2)
     monkeypatch.setattr(module, "PLACES", ("earth", "microgravity"))
     monkeypatch.setattr(module, "SUITS", ("emu-like",))
-    arguments = ["--table", "--policies", "none", "--naive", *FEW, "--out", tmp_path]
+    arguments = ["--table", "--policies", "none", "--unadapted", *FEW, "--out", tmp_path]
     settings = json.loads(run(capsys, "evaluate", *arguments))["settings"]
     found = [(one["coupling"], one["suit"], one["gravity"]) for one in settings]
     assert found == [
@@ -399,10 +399,18 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
 
 
 @pytest.mark.parametrize(
-    "model", ["asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach", "held"]
+    "model",
+    [
+        "asymmetric",
+        "bouc-wen",
+        "hinged-stops",
+        "prandtl-ishlinskii",
+        "preisach",
+        "clipped",
+    ],
 )
 def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn, short):
-    joint, chosen = ("shoulder", []) if model == "held" else ("elbow", ["--model", model])
+    joint, chosen = ("shoulder", []) if model == "clipped" else ("elbow", ["--model", model])
     identified(capsys, curves_path(joint), *chosen, "--out", tmp_path)
     suit = tmp_path / "suit.json"
     (entry,) = load_suit(suit).joints.values()
@@ -413,7 +421,7 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
     motion = tmp_path / "motion"
     simulated = run(capsys, "simulate", "--suit", suit, "--out", motion, "--json")
     assert json.loads(simulated)["failures"] == 0
-    if model not in ("bouc-wen", "held"):
+    if model not in ("bouc-wen", "clipped"):
         return
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *FEW))
     (found,) = result["evaluations"].values()

@@ -43,7 +43,7 @@ def answer(capsys, *arguments) -> str:
 
 
 COMMANDS = {
-    "evaluate": ["evaluate", "--naive", "--episodes", "8", "--policies", "{run}"],
+    "evaluate": ["evaluate", "--unadapted", "--episodes", "8", "--policies", "{run}"],
     "simulate": ["simulate", "--policy", "{run}", "--out", "{tmp}/out"],
     "animate": ["animate", "--policy", "{run}", "--out", "{tmp}/film.mp3"],
     "view": ["view", "--policy", "{run}"],

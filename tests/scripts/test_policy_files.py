@@ -23,7 +23,7 @@ class Sneaky:
 """
 COMMANDS = [
     "simulate --out out --policy",
-    "evaluate --episodes 8 --naive --out out --policies",
+    "evaluate --episodes 8 --unadapted --out out --policies",
     "evaluate branch --at 0.2 --horizon 0.1 --out out --policies",
     "evaluate branch --at 0.2 --horizon 0.1 --out out --policies none --base",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",

@@ -193,7 +193,9 @@ def test_an_environment_of_your_own(own, capsys, undrawn, name):
     with open("one/trace.csv") as trace:
         assert len(trace.readlines()) == 51
     capsys.readouterr()
-    main(["evaluate", "--env", env, "--episodes", "8", "--naive", "--policies", "none", "--json"])
+    main(
+        ["evaluate", "--env", env, "--episodes", "8", "--unadapted", "--policies", "none", "--json"]
+    )
     assert json.loads(capsys.readouterr().out)["env"] == env
 
 
@@ -237,7 +239,7 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     main(["train", "--env", own, "--steps", "256", "--out", "run"])
     main(["train", "--resume", "--steps", "512", "--out", "run"])
     capsys.readouterr()
-    main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--naive", "--json"])
+    main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"])
     assert json.loads(capsys.readouterr().out)["env"] == own
 
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS, load_suit
-from activesuit.envs.envelope import HELD, Holding, work_envelope
+from activesuit.envs.envelope import SUSTAINED, Holding, work_envelope
 from activesuit.envs.model import GRAVITY, ArmConfig, compose
 from activesuit.errors import InputError
 
@@ -26,7 +26,7 @@ def envelope(condition="suited", branch="loading", suit="emu-like", gravity="mic
 
 def kept(one):
     """The cells that are held, as a set."""
-    return set(map(tuple, one.cells[one.effort <= HELD].tolist()))
+    return set(map(tuple, one.cells[one.effort <= SUSTAINED].tolist()))
 
 
 def postures(holding, count=40):

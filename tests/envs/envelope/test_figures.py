@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.envs.envelope import HELD, work_envelope
+from activesuit.envs.envelope import SUSTAINED, work_envelope
 from activesuit.envs.envelope.figures import COLORS, PLANES, envelope_picture, sections_figure
 from activesuit.envs.model import ArmConfig
 from activesuit.envs.rendering import RenderingUnavailableError
@@ -22,7 +22,7 @@ def test_sections_show_what_can_be_kept_in_a_plane(suited):
     assert [ax.get_title() for ax in figure.axes] == [title for title, *_ in PLANES]
     frontal = figure.axes[2]
     layer = suited.cells[:, 0] == int(0.3 / 0.04)
-    across = suited.position[layer & (suited.effort <= HELD)][:, [1, 2]]
+    across = suited.position[layer & (suited.effort <= SUSTAINED)][:, [1, 2]]
     drawn = np.concatenate([one.vertices for one in frontal.collections[2].get_paths()])
     assert drawn.min(axis=0) == pytest.approx(across.min(axis=0), abs=0.04)
     assert drawn.max(axis=0) == pytest.approx(across.max(axis=0), abs=0.04)

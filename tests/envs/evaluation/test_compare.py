@@ -133,7 +133,7 @@ def test_scores_keep_one_value_per_motion(weightless):
     for name, score in weightless.scores.items():
         assert score.policy == name
         per_motion = [score.effort, score.tracking, score.reward, score.success]
-        per_motion += [score.naive_effort, score.naive_tracking, score.assist_energy]
+        per_motion += [score.unadapted_effort, score.unadapted_tracking, score.assist_energy]
         per_motion += [*score.torque.values(), *score.costs.values()]
         assert {len(values) for values in per_motion} == {MOTIONS}
         assert set(score.costs) == set(COSTS)
@@ -141,7 +141,7 @@ def test_scores_keep_one_value_per_motion(weightless):
         assert max(score.reward) <= 1
         assert score.failures == 0
     suited = weightless.scores["suited"]
-    assert np.mean(suited.tracking) < 0.5 * np.mean(suited.naive_tracking)  # they have learned
+    assert np.mean(suited.tracking) < 0.5 * np.mean(suited.unadapted_tracking)  # they have learned
     assert weightless.scores["none"].success == (True,) * MOTIONS
     assert not any(weightless.scores["suited"].assist_energy)
 
@@ -164,21 +164,21 @@ def test_what_rewards_say_agrees_with_relief(weightless):
 
 
 @pytest.fixture(scope="module")
-def naive(short):
+def unadapted(short):
     """Two motions of wearers who have learned nothing, under a name and a class."""
     return evaluate(ENV, ["none", Push], episodes=2, adapted=False, threads=1)
 
 
-def test_wearers_who_have_learned_nothing(naive):
-    assert list(naive.scores) == ["unsuited", "suited", "none", "Push"]
-    for score in naive.scores.values():
-        assert score.effort == score.naive_effort
-        assert score.tracking == score.naive_tracking
-    assert not naive.adapted
+def test_wearers_who_have_learned_nothing(unadapted):
+    assert list(unadapted.scores) == ["unsuited", "suited", "none", "Push"]
+    for score in unadapted.scores.values():
+        assert score.effort == score.unadapted_effort
+        assert score.tracking == score.unadapted_tracking
+    assert not unadapted.adapted
 
 
-def test_two_motions_have_no_interval(naive):
-    for ask in (lambda: naive.suit_cost, lambda: naive.relief("none"), naive.to_dict):
+def test_two_motions_have_no_interval(unadapted):
+    for ask in (lambda: unadapted.suit_cost, lambda: unadapted.relief("none"), unadapted.to_dict):
         with pytest.raises(InputError, match="at least 8 motions, and there are 2: give more"):
             ask()
 

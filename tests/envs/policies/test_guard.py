@@ -4,7 +4,7 @@ import numpy as np
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.guard import RESERVE, lessen, settled
+from activesuit.envs.policies.guard import RESERVE, lessen, updated_ledger
 
 DT = 0.01
 
@@ -25,7 +25,7 @@ def test_no_cycle_gains_energy():
             needed = stiffness * angle + friction * np.sign(rate)
             wanted = push * rng.standard_normal((n, 2)) + push * np.sign(rate)
             torque, _ = lessen(wanted, needed, rate, ledger, DT)
-            ledger = settled(ledger, needed, torque, rate, DT)
+            ledger = updated_ledger(ledger, needed, torque, rate, DT)
             given += (torque * rate).sum(axis=1) * DT
             lost += (friction * np.abs(rate)).sum(axis=1) * DT
         gained.append(given - lost)

@@ -8,7 +8,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     Backlash,
     BoucWen,
-    Held,
+    Clipped,
     HingedStops,
     PrandtlIshlinskii,
     Viscoelastic,
@@ -34,8 +34,11 @@ def rising(elbow):
     stops = {"stiffness": 0.5, "thresholds": (0.05, 0.2), "weights": (6.0, 4.0)}
     return (
         elbow,
-        Held(model=elbow, angle_range=(0.6, 1.2)),
-        Asymmetric(model=Held(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.3, 0.5, 0.8]),
+        Clipped(model=elbow, angle_range=(0.6, 1.2)),
+        Asymmetric(
+            model=Clipped(model=elbow, angle_range=(0.6, 1.2)),
+            polynomial=[0.3, 0.5, 0.8],
+        ),
         BoucWen(elastic=0.2, hysteretic=4.0, beta=6.0, gamma=2.0, n=1.5),
         PrandtlIshlinskii(**stops),
         HingedStops(**stops, knots=(-0.5, 0.5), slopes=(1.0, 0.2, 2.0)),
@@ -154,7 +157,7 @@ def test_play_before_a_model_would_give_energy(elbow):
 
 
 def test_it_goes_around_models_and_through_a_dictionary(elbow):
-    inner = Asymmetric(model=Held(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
+    inner = Asymmetric(model=Clipped(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
     joint = Viscoelastic(model=Backlash(model=inner, gap=GAP), damping=0.1)
     assert model_from_dict(joint.to_dict()) == joint
     angle = sweep(0.5, 1.3, 0.5, 0.9)
@@ -175,7 +178,7 @@ def test_the_certificate_is_that_of_what_the_suit_can_reach(elbow, shoulder):
     assert joint.certificate((0.5, 1.5)).torque_bound == wide.torque_bound
     assert joint.certificate((0.5, 1.5)).angle_range == (0.5, 1.5)
     assert joint.free_parameters == 6
-    kept = Held(model=shoulder, angle_range=(0.35, 1.22))
+    kept = Clipped(model=shoulder, angle_range=(0.35, 1.22))
     far, near = kept.start(0.8, 30.0), kept.start(0.8, 0.0)
     behind = Backlash(model=kept, gap=0.0001)
     for state in (far, near):
@@ -203,12 +206,14 @@ def test_wrong_gaps_are_refused(elbow, gap):
 
 def test_wrong_orders_are_refused(joint, elbow):
     for model in (joint, Viscoelastic(model=elbow, damping=0.1), "elbow"):
-        with pytest.raises(InputError, match="bare, `Held` or `Asymmetric`; put a dashpot around"):
+        with pytest.raises(
+            InputError, match="bare, `Clipped` or `Asymmetric`; put a dashpot around"
+        ):
             Backlash(model=model, gap=GAP)
-    with pytest.raises(InputError, match="give one hysteresis model, bare or `Held`"):
+    with pytest.raises(InputError, match="give one hysteresis model, bare or `Clipped`"):
         Asymmetric(model=joint, polynomial=[0.1])
     with pytest.raises(InputError, match="give one hysteresis model without another"):
-        Held(model=joint, angle_range=(0, 1))
+        Clipped(model=joint, angle_range=(0, 1))
 
 
 def test_a_pole_on_the_way_is_reported(shoulder):

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Asymmetric, Held, Viscoelastic, model_from_dict
+from activesuit.hysteresis import Asymmetric, Clipped, Viscoelastic, model_from_dict
 from activesuit.hysteresis.around import viscoelastic_kernels as kernels
 from activesuit.hysteresis.engine import attach, replace_model
 
@@ -181,7 +181,7 @@ ELBOW = {"model": "jiles-atherton", "Ms": 11.4, "a": 129.0, "alpha": -0.05, "c":
 
 
 def test_it_goes_around_other_models_and_through_a_dictionary(elbow):
-    inner = Asymmetric(model=Held(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
+    inner = Asymmetric(model=Clipped(model=elbow, angle_range=(0.6, 1.2)), polynomial=[0.1, 0.2])
     joint = Viscoelastic(model=inner, damping=0.1, relaxation_stiffness=2, relaxation_time=0.2)
     assert model_from_dict(joint.to_dict()) == joint
     time, angle, torque, *_ = simulated(joint, 5e-4)

@@ -10,7 +10,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
-    Held,
+    Clipped,
     HingedStops,
     JilesAtherton,
     PoleError,
@@ -51,9 +51,9 @@ MODELS = {
         offset=0.1,
     ),
     "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
-    "held": Held(model=ELBOW, angle_range=(-0.4, 0.6)),
+    "clipped": Clipped(model=ELBOW, angle_range=(-0.4, 0.6)),
     "asymmetric in a range": Asymmetric(
-        model=Held(model=ELBOW, angle_range=(-0.4, 0.6)), polynomial=[0, 1, 2]
+        model=Clipped(model=ELBOW, angle_range=(-0.4, 0.6)), polynomial=[0, 1, 2]
     ),
 }
 
@@ -222,7 +222,7 @@ def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
 
 def test_replacing_needs_the_same_polynomial_and_range(elbow):
     bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
-    kept = Held(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
+    kept = Clipped(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
     for compiled_with, other in ((bent, kept), (kept, bent), (elbow, bent)):
         compiled = pendulum(compiled_with)
         state = mujoco.MjData(compiled).plugin_state

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Asymmetric, Held
+from activesuit.hysteresis import Asymmetric, Clipped
 from activesuit.identification import Curve, certified_fit
 from activesuit.identification.fits.asymmetric import fit_asymmetric
 from activesuit.identification.fits.beginning import common_torque, paper_model
@@ -69,7 +69,7 @@ def test_what_is_returned_is_certified(name, degree, request):
 def test_a_model_that_is_safe_in_its_range_only_is_constant_outside(shoulder):
     known = Asymmetric(model=shoulder, polynomial=(0.0, 0.0, 1.0))
     found = fit_asymmetric(family(known), 0)
-    assert isinstance(found.model, Held)
+    assert isinstance(found.model, Clipped)
     assert found.model.angle_range == (START, TURNS[-1])
     assert not found.model.model.certificate().certified
     assert prediction(found, known) <= 1.3 * NOISE

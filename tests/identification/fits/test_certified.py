@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held, JilesAtherton
+from activesuit.hysteresis import Clipped, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit
 from activesuit.identification.fits.certified import CertifiedProblem
 from helpers import sweep
@@ -102,8 +102,8 @@ def test_history_and_model(elbow, shoulder):
     assert 32 <= spent[0] <= spent[-1] <= fit.evaluations <= 200
     assert fit.model.in_unit("deg").Ms == fit.parameters[0]
     limited = certified_fit(family(shoulder, 0.0), rng=0)
-    assert isinstance(limited.model, Held)
-    assert limited.model.angle_range == limited.held == (0.52, 1.57)
+    assert isinstance(limited.model, Clipped)
+    assert limited.model.angle_range == limited.safe_range == (0.52, 1.57)
 
 
 def test_two_searches_that_end_in_one_wrong_optimum_are_not_the_end():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held, JilesAtherton, Viscoelastic
+from activesuit.hysteresis import Clipped, JilesAtherton, Viscoelastic
 from activesuit.identification import Corrections, Curve, identify, select
 from activesuit.identification.fits.rate import rate_of
 from activesuit.identification.fits.registry import FITS, fit_model
@@ -104,10 +104,10 @@ def test_auto_chooses_among_models_beside_the_dashpot(viscous):
 
 
 def test_a_model_with_an_angle_range_keeps_it(shoulder):
-    truth = Viscoelastic(model=Held(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
+    truth = Viscoelastic(model=Clipped(model=shoulder, angle_range=(0.3, 1.6)), damping=0.4)
     fit = identify(measured(truth), corrections=Corrections(rate="viscous"))
     assert isinstance(fit.model, Viscoelastic)
-    inner = fit.model.model.model if isinstance(fit.model.model, Held) else fit.model.model
+    inner = fit.model.model.model if isinstance(fit.model.model, Clipped) else fit.model.model
     assert isinstance(inner, JilesAtherton)
     assert fit.model.certificate().certified
     assert fit.uncertainty(samples=2).samples

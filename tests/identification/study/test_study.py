@@ -42,7 +42,7 @@ def made_up(
     return StudyTrial(
         key=key,
         parameters=(10.0, 100.0, 0.0, 5.0, 20.0),
-        held=None,
+        safe_range=None,
         fitness=fitness,
         nrmse=fitness * np.sqrt(CurveObjective(ELBOW.fitted()).torque.size),
         evaluations=130,
@@ -150,7 +150,7 @@ def test_a_broken_trial_is_refused(text):
         ("improvements", []),
         ("improvements", [[1, None]]),
         ("predictions", {"A": [1.0]}),
-        ("held", [0.1]),
+        ("safe_range", [0.1]),
         ("extra", 1),
     ],
 )

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Held, JilesAtherton
+from activesuit.hysteresis import Clipped, JilesAtherton
 from activesuit.hysteresis.jiles_atherton import PARAMETERS
 from activesuit.identification import Curve, certified_fit, identify
 from activesuit.identification.fits.certified import refined
@@ -34,7 +34,7 @@ def family(model, noise, seed=0, first=0.0, samples=60, **options):
 
 
 def parameters(model):
-    inner = model.model if isinstance(model, Held) else model
+    inner = model.model if isinstance(model, Clipped) else model
     return np.array([getattr(inner, name) for name in PARAMETERS])
 
 
@@ -218,7 +218,7 @@ def test_weights_count_like_repetitions(elbow):
 
 
 def test_a_model_with_an_angle_range_counts_in_its_range(elbow):
-    limited = Held(model=elbow, angle_range=(0.52, 1.0))
+    limited = Clipped(model=elbow, angle_range=(0.52, 1.0))
     curves = family(limited, 0.05)
     assert uncertainty(limited, curves).noise.deviation == pytest.approx(0.05, rel=0.1)
     assert uncertainty(elbow, curves).noise.deviation > 0.1

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
-from activesuit.envs.envelope import HELD, Holding, work_envelope
+from activesuit.envs.envelope import SUSTAINED, Holding, work_envelope
 from activesuit.envs.model import ArmConfig
 from activesuit.scripts.main import main
 
@@ -18,7 +18,7 @@ def test_files_hold_what_the_table_says(capsys, tmp_path, undrawn):
     result = json.loads((tmp_path / "result.json").read_text())
     config = ArmConfig(suit="emu-like", gravity="moon", payload={"mass": 1})
     assert len(result["envelopes"]) == 7
-    assert result["share_of_strength"] == HELD
+    assert result["share_of_strength"] == SUSTAINED
     with (tmp_path / "points.csv").open() as file:
         rows = list(csv.DictReader(file))
     for reported in result["envelopes"]:
@@ -32,7 +32,7 @@ def test_files_hold_what_the_table_says(capsys, tmp_path, undrawn):
         posture = np.array([[float(one[joint]) for joint in JOINTS] for one in own])
         holding = Holding.of(config, reported["condition"], branch or "loading")
         assert holding.positions(posture) == pytest.approx(place, abs=2e-4)
-        assert max(float(one["share_of_strength"]) for one in own) <= HELD
+        assert max(float(one["share_of_strength"]) for one in own) <= SUSTAINED
     again = work_envelope(config, "assisted", "unloading", spacing=0.08)
     assert result["envelopes"][4]["held_litres"] == again.volume() > 0
 

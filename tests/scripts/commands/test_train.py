@@ -70,7 +70,7 @@ def test_writes_config_checkpoint_and_logs(run):
 
 
 def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
-    main(["evaluate", "--naive", "--episodes", "8", "--json", "--policies", "none", str(run)])
+    main(["evaluate", "--unadapted", "--episodes", "8", "--json", "--policies", "none", str(run)])
     result = json.loads(capsys.readouterr().out)
     assert result["env"] == "ActiveSuit/ElbowFlexion-v0"
     assert (result["gravity"], result["payload"]) == ("moon", {"mass": 2.0})
@@ -153,7 +153,7 @@ def test_a_suit_file_comes_with_the_run(tmp_path, capsys, monkeypatch):
     save_suit(load_suit("emu-like"), tmp_path / "mine.json")
     monkeypatch.chdir(tmp_path)
     train("run", "--suit", "mine.json")
-    simulated = ["evaluate", "--naive", "--episodes", "8", "--json", "--policies", "run"]
+    simulated = ["evaluate", "--unadapted", "--episodes", "8", "--json", "--policies", "run"]
     main([*simulated, "--suit", "mine.json"])
     capsys.readouterr()
     Path("mine.json").unlink()

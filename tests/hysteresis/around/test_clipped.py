@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import Asymmetric, Held, UncertifiedModelError
+from activesuit.hysteresis import Asymmetric, Clipped, UncertifiedModelError
 from activesuit.hysteresis.engine import attach
 from helpers import sweep
 
@@ -13,7 +13,7 @@ RANGE = (0.35, 1.22)
 
 @pytest.fixture
 def kept(shoulder):
-    return Held(model=shoulder, angle_range=RANGE)
+    return Clipped(model=shoulder, angle_range=RANGE)
 
 
 def test_it_is_the_model_inside_and_constant_outside(kept, shoulder):
@@ -85,11 +85,11 @@ def test_a_polynomial_beside_it_changes_no_start(kept, shoulder):
 @pytest.mark.parametrize("bad", [(1, 0), (0, np.inf), (0, np.nan), 3, (0.5, 0.5)])
 def test_bad_ranges(shoulder, bad):
     with pytest.raises(InputError, match="angle_range is"):
-        Held(model=shoulder, angle_range=bad)
+        Clipped(model=shoulder, angle_range=bad)
 
 
 def test_bad_models(kept):
     asymmetric = Asymmetric(model=kept, polynomial=[0, 1])
     for model in (kept, asymmetric, "shoulder"):
         with pytest.raises(InputError, match="give one hysteresis model without another"):
-            Held(model=model, angle_range=(0, 1))
+            Clipped(model=model, angle_range=(0, 1))

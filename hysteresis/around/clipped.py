@@ -1,4 +1,4 @@
-"""`Held`: any hysteresis model, with its torque constant outside a range of angles."""
+"""`Clipped`: any hysteresis model, with its torque constant outside a range of angles."""
 
 import math
 from dataclasses import dataclass, replace
@@ -16,12 +16,12 @@ from .wrapper import Wrapper
 
 
 @dataclass(frozen=True, kw_only=True)
-class Held(Wrapper):
+class Clipped(Wrapper):
     """A model inside a range of angles; outside, the torque keeps its value at the range's end.
 
-    The literature calls this constant extrapolation of a table's ends. Modelica calls it "hold last
-    point", Simulink "clip". It is not called "clamped" here, because `clamp` already names the rule
-    of magnetics in `JilesAtherton`.
+    The inner model follows the angle clipped to the range, which is constant extrapolation:
+    Simulink's lookup tables call it "clip". It is not called "clamped" here, because `clamp`
+    already names the rule of magnetics in `JilesAtherton`.
 
     A model that was identified in a range of angles says nothing about the torque outside it, and
     many models are certified in a range only. The inner model never leaves the range, so its
@@ -32,15 +32,15 @@ class Held(Wrapper):
     If an arm goes beyond the range, measure there, or use a model that is certified at all angles.
 
     Attributes:
-        model: Inner model, neither `Held` nor `Asymmetric`. A `Held` model can be made asymmetric,
-            but not the other way round.
+        model: Inner model, neither `Clipped` nor `Asymmetric`. A `Clipped` model can be made
+            asymmetric, but not the other way round.
         angle_range: Lowest and highest angle that the inner model follows [rad].
 
     Raises:
         InputError: The range is not two finite ascending angles, or `model` is itself a wrapper.
     """
 
-    name = "held"
+    name = "clipped"
 
     not_fitted: ClassVar[tuple[str, ...]] = ("angle_range",)
 
@@ -98,11 +98,11 @@ class Held(Wrapper):
         asked = checked_range(angle_range)
         return replace(self.model.certificate(self.angle_range), angle_range=asked)
 
-    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Held":
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Clipped":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         low, high = self.angle_range
         inner = self.model.scaled(torque=torque, angle=angle)
-        return Held(model=inner, angle_range=(low * angle, high * angle))
+        return Clipped(model=inner, angle_range=(low * angle, high * angle))
 
     @property
     def free_parameters(self) -> int:

@@ -16,7 +16,7 @@ MOST_SLOPES = 4  # greatest number of slopes, where these steps do not converge
 FARTHEST = 0.1  # [rad], longest step: far from equilibrium the slope is wrong
 NUDGE = 1e-6  # [rad], step of finite differences
 BALANCE = 1e-10  # [N·m], greatest net torque on an exoskeleton in equilibrium
-FRESH, MOVED, SETTLED = range(3)
+FRESH, MOVED, DONE = range(3)
 
 
 @njit(cache=True)
@@ -66,18 +66,18 @@ def correct(
         dofs: Degrees of freedom of the exoskeleton alone, shape (d,).
         moves: The last step of each row, the torque before it, and two scratch vectors of the
             update, shape (k, 4, d).
-        status: FRESH before the first step, MOVED after it, `SETTLED` at the end, shape (k,).
+        status: FRESH before the first step, MOVED after it, `DONE` at the end, shape (k,).
     """
     n, unbalanced = dofs.shape[0], 0
     for k in range(rows.shape[0]):
         row = rows[k]
-        if status[k] == SETTLED:
+        if status[k] == DONE:
             continue
         largest = 0.0
         for i in range(n):
             largest = max(largest, abs(torque[row, dofs[i]]))
         if not largest > BALANCE:
-            status[k] = SETTLED
+            status[k] = DONE
             continue
         unbalanced += 1
         if status[k] == MOVED:

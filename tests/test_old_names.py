@@ -1,0 +1,64 @@
+"""Names of version 0.2 are answered with the new ones, and its files are read."""
+
+import json
+
+import pytest
+from activesuit.assets import FOLDER, curves_path, load_suit
+from activesuit.hysteresis import Clipped, model_from_dict
+from activesuit.identification import identify, load_curves
+from activesuit.scripts import main as program
+from activesuit.scripts.main import COMMANDS, OLD_OPTIONS, RENAMED, main
+
+
+@pytest.mark.parametrize("old", RENAMED)
+def test_old_commands(capsys, old):
+    with pytest.raises(SystemExit) as stop:
+        main([old, "--out", "here"])
+    assert stop.value.code == 2
+    said = capsys.readouterr().err
+    assert f"{old!r} was a name of version 0.2: write {RENAMED[old]!r} instead" in said
+    assert RENAMED[old] in COMMANDS
+
+
+@pytest.mark.parametrize("old", OLD_OPTIONS)
+def test_old_options(capsys, old):
+    with pytest.raises(SystemExit):
+        main(["evaluate", old])
+    assert f"write {OLD_OPTIONS[old]!r} instead" in capsys.readouterr().err
+
+
+def test_a_suit_file_with_the_old_name_of_a_model(tmp_path):
+    content = json.loads((FOLDER / "suits" / "mock-suit.json").read_text())
+    model = content["joints"]["shoulder_flexion"]["model"]
+    assert model["model"] == "clipped"
+    model["model"] = "held"
+    (tmp_path / "old.json").write_text(json.dumps(content))
+    old = load_suit(tmp_path / "old.json").joints["shoulder_flexion"].model
+    assert isinstance(old, Clipped)
+    assert old == load_suit("mock-suit").joints["shoulder_flexion"].model == model_from_dict(model)
+
+
+def test_the_old_class():
+    with pytest.raises(ImportError, match=r"'Held' was a name of version 0.2: write 'Clipped'"):
+        from activesuit.hysteresis import Held  # noqa: F401
+
+
+@pytest.mark.parametrize("old", ["why", "candidates", "ensemble", "band", "diagnostics"])
+def test_old_attributes_of_a_fit(old):
+    fit = identify(load_curves(curves_path("elbow")))
+    new = "remarks" if old == "diagnostics" else f"select(curves).{old}"
+    with pytest.raises(AttributeError) as error:
+        getattr(fit, old)
+    assert str(error.value) == f"{old!r} was a name of version 0.2: write {new!r} instead"
+    assert not hasattr(fit, "anything")
+
+
+def test_bench_is_not_installed(capsys, monkeypatch):
+    def missing(name, package):
+        raise ModuleNotFoundError(name="activesuit.benchmarks")
+
+    monkeypatch.setattr(program, "import_module", missing)
+    with pytest.raises(SystemExit) as stop:
+        main(["bench", "env"])
+    assert stop.value.code == 2
+    assert "bench is part of the source repository" in capsys.readouterr().err
