@@ -16,7 +16,6 @@ from .protocol import Energy, HysteresisModel, State
 from .registry import MODELS, model_from_dict, register_model
 from .steady import SteadyCycle, steady_cycle
 
-
 _RENAMED = {"Held": "Clipped"}
 
 
