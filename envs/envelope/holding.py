@@ -13,7 +13,7 @@ from ...hysteresis import steady_cycle
 from ..model import ASSISTED, ArmConfig, Exo, compose, resisting_joints
 from ..model.config import NO_SUIT
 from ..person import isometric_strength, strength_limits
-from .kernels import easiest_postures, holding_torque
+from .kernels import Statics, easiest_postures, holding_torque
 
 Condition = Literal["unsuited", "suited", "assisted", "unlimited"]
 Branch = Literal["loading", "unloading"]
@@ -108,10 +108,9 @@ class Holding:
             angle: Joint angles within their ranges [rad], shape (n, 4).
         """
         found = np.empty_like(angle)
-        low, _, step = self._table
-        weight = (self.gravity, self.outward, self.lengths, self.mass, self.center)
+        arm = self._statics
         for one, torque in zip(angle, found, strict=True):
-            holding_torque(one, *weight, low, step, self.resistance, torque)
+            holding_torque(one, arm, torque)
         return found
 
     def positions(self, angle: Array) -> Array:
@@ -141,33 +140,28 @@ class Holding:
             examined: How many postures were examined.
         """
         effort, posture = np.empty(len(position)), np.zeros((len(position), len(JOINTS)))
-        low, high, step = self._table
-        examined = easiest_postures(
-            position,
-            wrist,
-            self.grip,
-            self.gravity,
-            self.outward,
-            self.lengths,
-            self.mass,
-            self.center,
-            low,
-            high,
-            step,
-            self.resistance,
-            self.strength[0],
-            self.strength[1],
-            self.motor,
-            np.empty((2, len(JOINTS))),
-            effort,
-            posture,
-        )
+        scratch = np.empty((2, len(JOINTS)))
+        examined = easiest_postures(position, wrist, self._statics, scratch, effort, posture)
         return effort, posture, examined
 
     @property
-    def _table(self) -> tuple[Array, Array, Array]:
+    def _statics(self) -> Statics:
         low, high = np.ascontiguousarray(self.range.T)
-        return low, high, (high - low) / (SAMPLES - 1)
+        return Statics(
+            gravity=self.gravity,
+            outward=self.outward,
+            lengths=self.lengths,
+            grip=self.grip,
+            mass=self.mass,
+            center=self.center,
+            low=low,
+            high=high,
+            step=(high - low) / (SAMPLES - 1),
+            resistance=self.resistance,
+            weakest=self.strength[0],
+            strongest=self.strength[1],
+            motor=self.motor,
+        )
 
 
 def _variant(config: ArmConfig, condition: Condition) -> ArmConfig:

@@ -5,48 +5,66 @@ shoulder. In that plane the upper arm, the forearm and the hand are a chain of t
 directions are angles from straight down towards forward.
 """
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false
-
 import math
+from typing import NamedTuple
 
 from numba import njit
 
-from ...arrays import AnyArray
+from ...arrays import AnyArray, Array
 
 ROUNDING = 1e-9  # [rad], distance by which an angle may miss its range
 
 
+class Statics(NamedTuple):
+    """An arm at rest, as the kernels read it; positions are in the frame of the torso.
+
+    Attributes:
+        gravity: Acceleration of free fall [m/s²], shape (3,).
+        outward: 1 where abduction turns about the axis forward, -1 where backward.
+        lengths: Lengths of the upper arm and of the forearm [m], shape (2,).
+        grip: Distance of the grip from the wrist [m], and its direction with the wrist straight
+            [rad], shape (2,).
+        mass: Mass of each link with all that it wears and carries [kg], shape (4,).
+        center: Its center in the frame of the link [m], shape (4, 3).
+        low: Lower end of the range of each joint [rad], shape (4,).
+        high: Upper end [rad], shape (4,).
+        step: Distance of the angles of the tables [rad], shape (4,).
+        resistance: Torque of suit and relaxed joint over the angle [N·m], shape (4, samples).
+        weakest: Least torque of the wearer over the angle [N·m], shape (4, samples).
+        strongest: Greatest one [N·m], the same shape.
+        motor: Torque up to which a motor takes over [N·m], shape (4,).
+    """
+
+    gravity: Array
+    outward: float
+    lengths: Array
+    grip: Array
+    mass: Array
+    center: Array
+    low: Array
+    high: Array
+    step: Array
+    resistance: Array
+    weakest: Array
+    strongest: Array
+    motor: Array
+
+
 @njit(cache=True)
-def holding_torque(
-    angle: AnyArray,
-    gravity: AnyArray,
-    outward: float,
-    lengths: AnyArray,
-    mass: AnyArray,
-    center: AnyArray,
-    low: AnyArray,
-    step: AnyArray,
-    resistance: AnyArray,
-    torque: AnyArray,
-) -> None:
+def holding_torque(angle: AnyArray, arm: Statics, torque: AnyArray) -> None:
     """Computes the torque [N·m] that holds an arm still at every joint.
 
     Args:
         angle: Joint angles [rad], shape (4,).
-        gravity: Acceleration of free fall in the frame of the torso [m/s²], shape (3,).
-        outward: 1 where abduction turns about the axis forward, -1 where backward.
-        lengths: Lengths of the upper arm and of the forearm [m], shape (2,).
-        mass: Mass of each link with all that it wears and carries [kg], shape (4,).
-        center: Its center in the frame of the link [m], shape (4, 3).
-        low: Lower end of the range of each joint [rad], shape (4,).
-        step: Distance of the angles of the table [rad], shape (4,).
-        resistance: Torque of suit and relaxed joint over the angle [N·m], shape (4, samples).
+        arm: The arm.
         torque: The result, shape (4,).
     """
+    gravity, outward, lengths = arm.gravity, arm.outward, arm.lengths
+    mass, center = arm.mass, arm.center
     s, c = math.sin(outward * angle[0]), math.cos(outward * angle[0])
     gx, gy, gz = gravity[0], c * gravity[1] + s * gravity[2], c * gravity[2] - s * gravity[1]
     for i in range(4):
-        torque[i] = look_up(resistance[i], (angle[i] - low[i]) / step[i])
+        torque[i] = look_up(arm.resistance[i], (angle[i] - arm.low[i]) / arm.step[i])
     ex, ez = 0.0, 0.0  # the elbow, then the wrist: where the link begins
     s, c = 0.0, 1.0
     direction = 0.0
@@ -78,31 +96,21 @@ def look_up(table: AnyArray, place: float) -> float:
 
 
 @njit(cache=True)
-def share_of_strength(
-    angle: AnyArray,
-    torque: AnyArray,
-    motor: AnyArray,
-    low: AnyArray,
-    step: AnyArray,
-    weakest: AnyArray,
-    strongest: AnyArray,
-) -> float:
+def share_of_strength(angle: AnyArray, arm: Statics, torque: AnyArray) -> float:
     """Returns the largest share of isometric strength that any joint of the wearer gives.
 
     Args:
         angle: Joint angles [rad], shape (4,).
+        arm: The arm.
         torque: Torques from `holding_torque` [N·m], shape (4,).
-        motor: Torque up to which a motor takes over [N·m], shape (4,).
-        low: Lower end of the range of each joint [rad], shape (4,).
-        step: Distance of the angles of the tables [rad], shape (4,).
-        weakest: Least torque of the wearer over the angle [N·m], shape (4, samples).
-        strongest: Greatest one [N·m], the same shape.
     """
+    motor = arm.motor
     largest = 0.0
     for i in range(4):
         left = torque[i] - min(max(torque[i], -motor[i]), motor[i])
-        strength = strongest[i] if left > 0.0 else weakest[i]
-        share = left / look_up(strength, (angle[i] - low[i]) / step[i]) if left != 0.0 else 0.0
+        strength = arm.strongest[i] if left > 0.0 else arm.weakest[i]
+        place = (angle[i] - arm.low[i]) / arm.step[i]
+        share = left / look_up(strength, place) if left != 0.0 else 0.0
         largest = max(largest, share)
     return largest
 
@@ -118,19 +126,7 @@ def into_range(angle: float, low: float, high: float) -> float:
 def easiest_postures(
     points: AnyArray,
     wrist: AnyArray,
-    grip: AnyArray,
-    gravity: AnyArray,
-    outward: float,
-    lengths: AnyArray,
-    mass: AnyArray,
-    center: AnyArray,
-    low: AnyArray,
-    high: AnyArray,
-    step: AnyArray,
-    resistance: AnyArray,
-    weakest: AnyArray,
-    strongest: AnyArray,
-    motor: AnyArray,
+    arm: Statics,
     scratch: AnyArray,
     effort: AnyArray,
     posture: AnyArray,
@@ -142,20 +138,7 @@ def easiest_postures(
     Args:
         points: Hand positions from the shoulder, in the frame of the torso [m], shape (n, 3).
         wrist: Angles of the wrist [rad], shape (w,).
-        grip: Distance of the grip from the wrist [m], and its direction with the wrist straight
-            [rad], shape (2,).
-        gravity: Gravity, as in `holding_torque`, which also describes the next four.
-        outward: Outward direction.
-        lengths: Lengths of the links.
-        mass: Masses of the links.
-        center: Centers of mass of the links.
-        low: Lower end of the range of each joint [rad], shape (4,).
-        high: Upper end [rad], shape (4,).
-        step: Distance of the angles of the tables [rad], shape (4,).
-        resistance: Resistance, as in `holding_torque`.
-        weakest: Weakest torque, as in `share_of_strength`, which also describes the next two.
-        strongest: Strongest torque.
-        motor: Motor torque.
+        arm: The arm.
         scratch: Angles and torques of a posture, shape (2, 4).
         effort: The least share, NaN where the hand cannot be, shape (n,).
         posture: The posture that takes it [rad], shape (n, 4).
@@ -163,7 +146,8 @@ def easiest_postures(
     Returns:
         How many postures were examined.
     """
-    examined = 0
+    examined, lengths, grip = 0, arm.lengths, arm.grip
+    low, high, outward = arm.low, arm.high, arm.outward
     angle, torque = scratch[0], scratch[1]
     for row in range(points.shape[0]):
         x, y, z = points[row, 0], points[row, 1], points[row, 2]
@@ -193,19 +177,8 @@ def easiest_postures(
                     if math.isnan(angle[1]) or math.isnan(angle[2]):
                         continue
                     examined += 1
-                    holding_torque(
-                        angle,
-                        gravity,
-                        outward,
-                        lengths,
-                        mass,
-                        center,
-                        low,
-                        step,
-                        resistance,
-                        torque,
-                    )
-                    share = share_of_strength(angle, torque, motor, low, step, weakest, strongest)
+                    holding_torque(angle, arm, torque)
+                    share = share_of_strength(angle, arm, torque)
                     if not share >= effort[row]:
                         effort[row] = share
                         posture[row] = angle

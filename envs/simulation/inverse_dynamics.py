@@ -120,7 +120,20 @@ def _dress(link: Array, arm: mujoco.MjModel, data: mujoco.MjData, body: int, *, 
 
 
 @inner(forceinline=True)
-def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None:  # noqa: PLR0915
+def turned(
+    x: float, y: float, z: float, ux: float, uy: float, uz: float, s: float, c: float
+) -> tuple[float, float, float]:
+    """Returns a vector in a frame turned about u: c x + (1 - c)(u x)u - s u x x."""
+    dot = (1.0 - c) * (ux * x + uy * y + uz * z)
+    return (
+        c * x + dot * ux - s * (uy * z - uz * y),
+        c * y + dot * uy - s * (uz * x - ux * z),
+        c * z + dot * uz - s * (ux * y - uy * x),
+    )
+
+
+@inner(forceinline=True)
+def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None:
     """Computes the torque that moves a bare arm at a sample of a motion, in `arm.torque` [N·m].
 
     One pass goes out along the links and one comes back, in scalars. `arm.scratch` takes sine and
@@ -142,25 +155,10 @@ def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None
         q, v, d = angle[row, sample, i], rate[row, sample, i], acceleration[row, sample, i]
         s, c = math.sin(q), math.cos(q)
         scratch[row, i, 0], scratch[row, i, 1] = s, c
-        # Into the frame of the link, turned by q about u: x' = c x + (1 - c)(u x)u - s u x x.
-        dot = (1.0 - c) * (ux * ax + uy * ay + uz * az)
-        ax, ay, az = (
-            c * ax + dot * ux - s * (uy * az - uz * ay),
-            c * ay + dot * uy - s * (uz * ax - ux * az),
-            c * az + dot * uz - s * (ux * ay - uy * ax),
-        )
-        dot = (1.0 - c) * (ux * wx + uy * wy + uz * wz)
-        wx, wy, wz = (
-            c * wx + dot * ux - s * (uy * wz - uz * wy),
-            c * wy + dot * uy - s * (uz * wx - ux * wz),
-            c * wz + dot * uz - s * (ux * wy - uy * wx),
-        )
-        dot = (1.0 - c) * (ux * bx + uy * by + uz * bz)
-        bx, by, bz = (
-            c * bx + dot * ux - s * (uy * bz - uz * by),
-            c * by + dot * uy - s * (uz * bx - ux * bz),
-            c * bz + dot * uz - s * (ux * by - uy * bx),
-        )
+        # Into the frame of the link, which is turned by q about u.
+        ax, ay, az = turned(ax, ay, az, ux, uy, uz, s, c)
+        wx, wy, wz = turned(wx, wy, wz, ux, uy, uz, s, c)
+        bx, by, bz = turned(bx, by, bz, ux, uy, uz, s, c)
         bx, by, bz = (
             bx + d * ux + v * (wy * uz - wz * uy),
             by + d * uy + v * (wz * ux - wx * uz),
@@ -195,18 +193,8 @@ def arm_torque(row: Index, sample: Index, arm: BareArm, motion: Motions) -> None
         torque[row, i] = ux * nx + uy * ny + uz * nz + passive
         # Back into the frame above, and to its origin.
         s, c = scratch[row, i, 0], scratch[row, i, 1]
-        dot = (1.0 - c) * (ux * fx + uy * fy + uz * fz)
-        fx, fy, fz = (
-            c * fx + dot * ux + s * (uy * fz - uz * fy),
-            c * fy + dot * uy + s * (uz * fx - ux * fz),
-            c * fz + dot * uz + s * (ux * fy - uy * fx),
-        )
-        dot = (1.0 - c) * (ux * nx + uy * ny + uz * nz)
-        nx, ny, nz = (
-            c * nx + dot * ux + s * (uy * nz - uz * ny),
-            c * ny + dot * uy + s * (uz * nx - ux * nz),
-            c * nz + dot * uz + s * (ux * ny - uy * nx),
-        )
+        fx, fy, fz = turned(fx, fy, fz, ux, uy, uz, -s, c)
+        nx, ny, nz = turned(nx, ny, nz, ux, uy, uz, -s, c)
         px, py, pz = links[row, i, 0], links[row, i, 1], links[row, i, 2]
         nx, ny, nz = nx + py * fz - pz * fy, ny + pz * fx - px * fz, nz + px * fy - py * fx
 
