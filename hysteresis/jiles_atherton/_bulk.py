@@ -15,6 +15,7 @@ local error is bounded beforehand (`field_step_limit`), so no step is ever rejec
 # compute the Langevin function at its beginning again.
 
 import math
+from typing import NamedTuple
 
 from numba import njit
 
@@ -29,6 +30,46 @@ SHORT = 0.25  # |dx / k| below which the decay weights come from their series
 MARCH_LIMIT = 1_000_000
 RECOVERY_TOLERANCE = 1e-6  # relative to min(a, k); the energy is stationary there
 P0, P1, P2, P3, P4, P5, P6, P7 = (1 / math.factorial(j + 3) for j in range(8))
+
+
+class Point(NamedTuple):
+    """A point of a motion.
+
+    Attributes:
+        x: Effective field.
+        u: Lag M - Man.
+        man: Anhysteretic torque Man.
+        slope: First derivative of Man with respect to x.
+        curvature: Second derivative of Man with respect to x.
+    """
+
+    x: float
+    u: float
+    man: float
+    slope: float
+    curvature: float
+
+
+class Law(NamedTuple):
+    """A model, as its steps need it.
+
+    Attributes:
+        Ms: Saturation torque.
+        alpha: Coupling of torque into the effective field.
+        c: Reversibility.
+        per_a: Reciprocal 1 / a of the shape parameter.
+        per_k: Reciprocal 1 / k of the loss parameter.
+        dx_max: Longest step in the effective field, from `field_step_limit`.
+        tolerance: Tolerance of the effective field at the end.
+    """
+
+    Ms: float
+    alpha: float
+    c: float
+    per_a: float
+    per_k: float
+    dx_max: float
+    tolerance: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -105,40 +146,40 @@ def weigh(dx, u0, man0, slope0, man1, slope1, c, weights):
 
 
 @njit(inline="always", error_model="numpy")
-def predict(left, u, slope, curvature, alpha, c, per_k):
+def predict(left, at, law, per_k):
     """Returns 1 / (1 - alpha f), f = dM/dHe, and the step in He to first and to second order.
 
-    `left` is the change of the angle that the step is to reach.
+    `left` is the change of the angle that the step is to reach, `per_k` has the sign of the motion.
     """
-    tangent = fma(c, slope, -u * per_k)
-    per_g = 1 / fma(-alpha, tangent, 1.0)
+    tangent = fma(law.c, at.slope, -at.u * per_k)
+    per_g = 1 / fma(-law.alpha, tangent, 1.0)
     dx = left * per_g
-    bend = alpha * fma(tangent - slope, per_k, -c * curvature)
+    bend = law.alpha * fma(tangent - at.slope, per_k, -law.c * at.curvature)
     return per_g, dx, fma(-0.5 * bend * per_g * dx, dx, dx)
 
 
 @njit(inline="always", error_model="numpy")
-def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights):
-    """Returns the residual of a step dx in He, its Newton correction, and the state after both.
+def correct(dx, H1, at, law, per_k, at_end, weights):
+    """Returns the residual of a step dx in He, its Newton correction, and the point after both.
 
     `at_end` is the Langevin function at x + dx, `weights` the step's `decay_weights`. The
     correction is NaN past the pole.
     """
     L, dL, ddL = at_end
-    chi = Ms * per_a
-    man1, slope1, curvature1 = Ms * L, chi * dL, chi * per_a * ddL
-    u1 = weigh(dx, u, man, slope, man1, slope1, c, weights)
-    tangent = fma(c, slope1, -u1 * per_k)
-    g = fma(-alpha, tangent, 1.0)
-    residual = fma(-alpha, man1 + u1, x + dx - H1)
+    chi = law.Ms * law.per_a
+    man1, slope1, curvature1 = law.Ms * L, chi * dL, chi * law.per_a * ddL
+    u1 = weigh(dx, at.u, at.man, at.slope, man1, slope1, law.c, weights)
+    tangent = fma(law.c, slope1, -u1 * per_k)
+    g = fma(-law.alpha, tangent, 1.0)
+    residual = fma(-law.alpha, man1 + u1, at.x + dx - H1)
     # NaN fails every comparison, so that neither path takes a point past the pole for a landing.
     newton = -residual / g if g > 0 else math.nan
     # The correction is added to first order, without another Langevin function (NEWTON_TOLERANCE).
     return (
         residual,
         newton,
-        (
-            x + dx + newton,
+        Point(
+            at.x + dx + newton,
             fma(tangent - slope1, newton, u1),
             fma(slope1, newton, man1),
             fma(curvature1, newton, slope1),
@@ -148,9 +189,7 @@ def correct(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weight
 
 
 @njit(inline="always", error_model="numpy")
-def advance_short(
-    H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance
-):
+def advance_short(H0, H1, at, law):
     """Does what `advance` does, without a branch, where one step inside both series is enough.
 
     Returns whether that is so, and the end of the motion, which is valid only if it is so. It then
@@ -158,87 +197,72 @@ def advance_short(
     """
     # Every expression stands here as in `advance` and `land`: another order would round otherwise.
     delta = 1.0 if H1 > H0 else -1.0
-    per_k *= delta
-    limit = stretched(dx_max, x, per_a)
-    per_g, first, dx = predict(H1 - H0, u, slope, curvature, alpha, c, per_k)
-    end, z = (x + dx) * per_a, abs(dx * per_k)
+    per_k = law.per_k * delta
+    limit = stretched(law.dx_max, at.x, law.per_a)
+    per_g, first, dx = predict(H1 - H0, at, law, per_k)
+    end, z = (at.x + dx) * law.per_a, abs(dx * per_k)
     at_end, weights = langevin_series(end), short_decay_weights(z)
-    _, newton, moved = correct(
-        dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
-    )
+    _, newton, moved = correct(dx, H1, at, law, per_k, at_end, weights)
     # `and` would branch, and LLVM would no longer vectorize the loop over the models.
     in_series = (abs(end) < SERIES_BELOW) & (z < SHORT)
     in_limit = (per_g > 0) & (abs(first) <= limit) & (0 < delta * dx) & (delta * dx <= 2 * limit)
-    landed = abs(newton) <= fma(RESOLUTION, abs(H1), tolerance)
+    landed = abs(newton) <= fma(RESOLUTION, abs(H1), law.tolerance)
     return in_series & in_limit & landed, moved
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def advance(H0, H1, x, u, man, slope, curvature, Ms, alpha, c, per_a, per_k, dx_max, tolerance):
+def advance(H0, H1, at, law):
     """Moves the model monotonically from the angle H0 to H1.
 
     Args:
         H0: Angle of the memory before the motion.
         H1: Angle to reach.
-        x: Effective field at H0.
-        u: Lag M - Man at H0.
-        man: Anhysteretic torque Man at H0.
-        slope: First derivative of Man with respect to x at H0.
-        curvature: Second derivative of Man with respect to x at H0.
-        Ms: Saturation torque.
-        alpha: Coupling of torque into the effective field.
-        c: Reversibility.
-        per_a: Reciprocal 1 / a of the shape parameter.
-        per_k: Reciprocal 1 / k of the loss parameter.
-        dx_max: Longest step in the effective field, from `field_step_limit`.
-        tolerance: Tolerance of the effective field at the end.
+        at: Point of H0.
+        law: The model.
 
     Returns:
-        The five numbers x, u, man, slope, curvature at H1. u is NaN when H1 is not finite, or when
-        the motion meets the pole 1 - alpha f = 0, where dM/dH is infinite and the model has no
-        continuation.
+        The point of H1. u is NaN when H1 is not finite, or when the motion meets the pole
+        1 - alpha f = 0, where dM/dH is infinite and the model has no continuation.
     """
     if not math.isfinite(H1):
-        return x, math.nan, man, slope, curvature
+        return Point(at.x, math.nan, at.man, at.slope, at.curvature)
     delta = 1.0 if H1 > H0 else -1.0
-    per_k *= delta
-    chi = Ms * per_a
+    per_k = law.per_k * delta
+    chi = law.Ms * law.per_a
     left = H1 - H0
     for _ in range(MARCH_LIMIT):
-        per_g, first, dx = predict(left, u, slope, curvature, alpha, c, per_k)
+        per_g, first, dx = predict(left, at, law, per_k)
         if not per_g > 0:  # the state is past the pole, or NaN
-            return x, math.nan, man, slope, curvature
-        limit = stretched(dx_max, x, per_a)
+            return Point(at.x, math.nan, at.man, at.slope, at.curvature)
+        limit = stretched(law.dx_max, at.x, law.per_a)
         if abs(first) <= limit:
             # Near the pole the second-order guess can run off, even backwards.
             if not 0 < delta * dx <= 2 * limit:
                 dx = delta * limit
             break
         dx = delta * limit
-        L, dL, ddL = langevin((x + dx) * per_a)
-        man1, slope1 = Ms * L, chi * dL
-        u1 = step_field(dx, u, man, slope, man1, slope1, c, per_k)
-        left1 = H1 - (x + dx - alpha * (man1 + u1))
+        L, dL, ddL = langevin((at.x + dx) * law.per_a)
+        man1, slope1 = law.Ms * L, chi * dL
+        u1 = step_field(dx, at.u, at.man, at.slope, man1, slope1, law.c, per_k)
+        left1 = H1 - (at.x + dx - law.alpha * (man1 + u1))
         if delta * left1 <= 0:  # the step passes H1: `land` shortens it
             break
-        x, u, man, slope, curvature, left = x + dx, u1, man1, slope1, chi * per_a * ddL, left1
+        at, left = Point(at.x + dx, u1, man1, slope1, chi * law.per_a * ddL), left1
     else:
-        return x, math.nan, man, slope, curvature
-    return land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
+        return Point(at.x, math.nan, at.man, at.slope, at.curvature)
+    return land(dx, H1, at, law, delta)
 
 
 @njit(cache=True, forceinline=True, error_model="numpy")
-def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance):
+def land(dx, H1, at, law, delta):
     """Ends a motion at H1 by Newton's method on the length dx of the last step; see `advance`."""
     # H rises with dx up to the pole, so signs of the residual bracket the end. Newton alone can
     # leap past the pole, where g is near 0: a bisection or a doubled step replaces such a leap.
-    tolerance = fma(RESOLUTION, abs(H1), tolerance)
+    tolerance, per_k = fma(RESOLUTION, abs(H1), law.tolerance), law.per_k * delta
     low, high = 0.0, math.inf
     for _ in range(NEWTON_LIMIT):
-        at_end, weights = langevin((x + dx) * per_a), decay_weights(abs(dx * per_k))
-        residual, newton, moved = correct(
-            dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, at_end, weights
-        )
+        at_end, weights = langevin((at.x + dx) * law.per_a), decay_weights(abs(dx * per_k))
+        residual, newton, moved = correct(dx, H1, at, law, per_k, at_end, weights)
         if abs(newton) <= tolerance:
             return moved
         if delta * residual > 0:
@@ -251,7 +275,7 @@ def land(dx, H1, x, u, man, slope, Ms, alpha, c, per_a, per_k, delta, tolerance)
         if not low < reach < high:
             reach = 0.5 * (low + high) if high < math.inf else 2 * abs(dx)
         dx = delta * reach
-    return x, math.nan, man, slope, 0.0
+    return Point(at.x, math.nan, at.man, at.slope, 0.0)
 
 
 @njit(cache=True, error_model="numpy")

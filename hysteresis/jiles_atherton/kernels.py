@@ -61,22 +61,9 @@ def remember(p, s, angle, torque):
 @njit(inline="always", error_model="numpy")
 def travel(p, s, angle, step: Callable = bulk.advance):
     """Returns the end of a motion to `angle` by the exact step; see `bulk.advance`."""
-    return step(
-        s[ANGLE],
-        angle,
-        s[FIELD],
-        s[LAG],
-        s[MAN],
-        s[SLOPE],
-        s[CURVATURE],
-        p[MS],
-        p[ALPHA],
-        p[C],
-        p[PER_A],
-        p[PER_K],
-        p[STEP_LIMIT],
-        p[TOLERANCE],
-    )
+    at = bulk.Point(s[FIELD], s[LAG], s[MAN], s[SLOPE], s[CURVATURE])
+    law = bulk.Law(p[MS], p[ALPHA], p[C], p[PER_A], p[PER_K], p[STEP_LIMIT], p[TOLERANCE])
+    return step(s[ANGLE], angle, at, law)
 
 
 @njit(inline="always", error_model="numpy")
@@ -99,21 +86,16 @@ def loss_between(p, s, angle, lag, man):
     return delta * p[K] * ((p[C] - 1) * (man - s[MAN]) - (lag - s[LAG]))
 
 
+@njit(inline="always", error_model="numpy")
+def any_form(p):
+    """Returns the model as `_forms` needs it."""
+    return forms.Law(p[MS], p[A], p[ALPHA], p[C], p[K], int(p[FORM]), int(p[CLAMP]))
+
+
 @njit(cache=True, error_model="numpy")
 def other_form(p, s, angle):
     """Returns torque and loss by the adaptive step of the other forms and clamps."""
-    return forms.advance(
-        s[ANGLE],
-        s[TORQUE],
-        angle,
-        p[MS],
-        p[A],
-        p[ALPHA],
-        p[C],
-        p[K],
-        int(p[FORM]),
-        int(p[CLAMP]),
-    )
+    return forms.advance(s[ANGLE], s[TORQUE], angle, any_form(p))
 
 
 @njit(cache=True, error_model="numpy")
@@ -150,7 +132,7 @@ def commit(p, s, angle):
 def stiffness(p, s, angle, torque, delta):
     """Returns dM/dH for a motion that goes on in direction `delta`."""
     x = angle + p[ALPHA] * torque
-    f = forms.rate(x, torque, delta, p[MS], p[A], p[ALPHA], p[C], p[K], int(p[FORM]), int(p[CLAMP]))
+    f = forms.rate(x, torque, delta, any_form(p))
     return f / (1 - p[ALPHA] * f)
 
 
