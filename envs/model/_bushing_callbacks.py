@@ -16,6 +16,7 @@ from ...hysteresis.engine.native import (
     doubles,
     int32_at,
     pointer_at,
+    sensor_kind,
     sensor_name,
     sensor_values,
     set_word,
@@ -28,13 +29,13 @@ from ._bushing_configuration import (
     FINE,
     FORCE_SENSOR,
     LIMB,
+    SENSORS,
     SENTENCES,
     TORQUE_SENSOR,
     Layout,
     configure,
     connect,
     number_of,
-    sensor_kind,
 )
 from ._bushing_kernels import PARAMETER_SIZE, add, cross, dot, load, out_of, scale, subtract, triple
 
@@ -123,7 +124,8 @@ def build(at: Layout) -> Any:
 
     @callback
     def nsensordata(m, instance, sensor):
-        return 1 if sensor_kind(sensor_name(m, sensor, at)) == ENERGY_SENSOR else 3
+        kind = FORCE_SENSOR + sensor_kind(sensor_name(m, sensor, at), SENSORS)
+        return 1 if kind == ENERGY_SENSOR else 3
 
     @callback
     def init(m, d, instance):

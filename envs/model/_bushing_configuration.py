@@ -4,19 +4,21 @@
 
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from ...hysteresis.engine.native import (
+    FOUND,
+    UNKNOWN,
     config,
     count_words,
     doubles,
-    ends_with,
     int32_at,
-    is_sensor_of,
     name2id,
+    pack_sensors,
+    packed,
     parse_numbers,
     pointer_at,
-    sensor_name,
 )
 from ._bushing_kernels import OFFSET
 
@@ -37,7 +39,10 @@ LARGEST_OFFSET = 0.1  # m
 
 # Five numbers of 12 bits in one pointer-sized word, counting from 1; 0 is none.
 BITS, LARGEST = 12, 2**12 - 1
-LIMB, EXO, FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = range(5)
+WIDTH = np.int64(BITS)
+SENSORS = b"force torque energy"  # endings of the names of sensors, from `FORCE_SENSOR` on
+LIMB, EXO = range(2)
+FORCE_SENSOR, TORQUE_SENSOR, ENERGY_SENSOR = map(np.int64, (2, 3, 4))
 
 # A fault is a reason and the config key it is about, LIMB where it is about the instance.
 FINE, NO_SITE, SAME_BODY, NOT_STIFFNESS, NOT_OFFSET, SENSOR_NAME, SENSOR_TWICE, TOO_LARGE = range(8)
@@ -91,17 +96,7 @@ class Layout(NamedTuple):
 @njit(inline="always")
 def number_of(ids, kind):
     """Returns the number of a site or sensor, or -1."""
-    return ((ids >> (BITS * kind)) & LARGEST) - 1
-
-
-@njit(cache=True)
-def sensor_kind(name):
-    """Returns what a sensor measures, as its name says, or -1."""
-    if ends_with(name, b"force"):
-        return FORCE_SENSOR
-    if ends_with(name, b"torque"):
-        return TORQUE_SENSOR
-    return ENERGY_SENSOR if ends_with(name, b"energy") else -1
+    return packed(ids, kind, WIDTH)
 
 
 @njit(cache=True)
@@ -118,14 +113,9 @@ def connect(m, instance, at):
     bodies = pointer_at(m + at.m_site_bodyid)
     if int32_at(bodies, number_of(ids, LIMB)) == int32_at(bodies, number_of(ids, EXO)):
         return (SAME_BODY, EXO), 0
-    for i in range(pointer_at(m + at.m_nsensor)):
-        if is_sensor_of(m, i, instance, at):
-            kind = sensor_kind(sensor_name(m, i, at))
-            if kind < 0:
-                return (SENSOR_NAME, LIMB), 0
-            if number_of(ids, kind) >= 0:
-                return (SENSOR_TWICE, LIMB), 0
-            ids |= (i + 1) << (BITS * kind)
+    outcome, ids = pack_sensors(m, instance, ids, FORCE_SENSOR, WIDTH, SENSORS, at)
+    if outcome != FOUND:
+        return (SENSOR_NAME if outcome == UNKNOWN else SENSOR_TWICE, LIMB), 0
     return (FINE, LIMB), ids
 
 

@@ -49,8 +49,6 @@ from ._faults import (
     WORD,
 )
 from ._state import (
-    BITS,
-    ENERGY_SENSOR,
     HELD_SHIFT,
     LARGEST,
     MEMORY,
@@ -58,29 +56,29 @@ from ._state import (
     PLAY_SHIFT,
     POLYNOMIAL_LIMIT,
     POLYNOMIAL_SHIFT,
-    STIFFNESS_SENSOR,
+    SENSORS,
     TORQUE_SENSOR,
     VISCOELASTIC_SHIFT,
+    WIDTH,
     joint_of,
     parts,
-    sensor_of,
 )
 from .native import (
+    FOUND,
+    UNKNOWN,
     choice_of,
     config,
     count_words,
     doubles,
-    ends_with,
     equals,
     int32_at,
-    is_sensor_of,
     key_name,
     length,
     name2id,
+    pack_sensors,
     parse_numbers,
     plugin_name,
     pointer_at,
-    sensor_name,
     starts_with,
 )
 
@@ -97,16 +95,6 @@ def is_hysteretic(m, instance, at):
     return equals(key_name(m, instance, JOINT, at), b"joint") and equals(
         key_name(m, instance, START_ANGLE, at), SECOND_COMMON_KEY
     )
-
-
-@inner
-def sensor_kind(name):
-    """Returns what a sensor measures, by the end of its name; -1 for another ending."""
-    if ends_with(name, b"torque"):
-        return TORQUE_SENSOR
-    if ends_with(name, b"stiffness"):
-        return STIFFNESS_SENSOR
-    return ENERGY_SENSOR if ends_with(name, b"energy") else -1
 
 
 @inner
@@ -141,14 +129,9 @@ def connect(m, instance, at):
     ids |= is_given(m, instance, ANGLE_RANGE, at) << HELD_SHIFT
     ids |= is_given(m, instance, VISCOELASTIC, at) << VISCOELASTIC_SHIFT
     ids |= is_given(m, instance, GAP, at) << PLAY_SHIFT
-    for sensor in range(pointer_at(m + at.m_nsensor)):
-        if is_sensor_of(m, sensor, instance, at):
-            kind = sensor_kind(sensor_name(m, sensor, at))
-            if kind < 0:
-                return (SENSOR_NAME, JOINT), 0
-            if sensor_of(ids, kind) >= 0:
-                return (SENSOR_TWICE, JOINT), 0
-            ids |= (sensor + 1) << (BITS * kind)
+    outcome, ids = pack_sensors(m, instance, ids, TORQUE_SENSOR, WIDTH, SENSORS, at)
+    if outcome != FOUND:
+        return (SENSOR_NAME if outcome == UNKNOWN else SENSOR_TWICE, JOINT), 0
     return (FINE, JOINT), ids
 
 

@@ -8,12 +8,13 @@ integer. A state may be set on any MuJoCo model: the ids always fit the model at
 sizes, which come from mjModel.
 """
 
+import numpy as np
 from numba import njit
 
 from ...kernels import inner
 from ..around.backlash_kernels import SIZE as PLAY_SIZE
 from ..around.viscoelastic_kernels import SIZE
-from .native import doubles
+from .native import doubles, packed
 
 FAULT, MEMORY = 0, 1
 OFF = 2.0  # flag of an instance that is taken off: it gives no torque
@@ -23,7 +24,9 @@ POLYNOMIAL_LIMIT = 6  # number of coefficients, those of angle^0 to angle^5
 # torque is constant outside a range, whether there is a viscoelastic part and whether there is play
 # (1 bit each). Sensors count from 1; 0 is none.
 BITS, LARGEST = 14, 2**14 - 1
-TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = 1, 2, 3
+WIDTH = np.int64(BITS)
+SENSORS = b"torque stiffness energy"  # endings of the names of sensors, from `TORQUE_SENSOR` on
+TORQUE_SENSOR, STIFFNESS_SENSOR, ENERGY_SENSOR = map(np.int64, (1, 2, 3))
 POLYNOMIAL_SHIFT, HELD_SHIFT, VISCOELASTIC_SHIFT = 4 * BITS, 4 * BITS + 3, 4 * BITS + 4
 PLAY_SHIFT = 4 * BITS + 5
 
@@ -66,4 +69,4 @@ def has_sensors(ids):
 @inner(cache=False)
 def sensor_of(ids, kind):
     """Returns the id of the sensor of a kind, or -1."""
-    return ((ids >> (BITS * kind)) & LARGEST) - 1
+    return packed(ids, kind, WIDTH)

@@ -38,6 +38,7 @@ from ._registration import (
     compile_plugin,
     register_plugin,
 )
+from ._sensors import FOUND, TWICE, UNKNOWN, pack_sensors, packed, sensor_kind
 from ._text import (
     add,
     add_choices,
@@ -53,9 +54,12 @@ from ._text import (
 )
 
 __all__ = [
+    "FOUND",
     "STAGE_ACC",
     "STAGE_POS",
     "STAGE_VEL",
+    "TWICE",
+    "UNKNOWN",
     "add",
     "add_choices",
     "add_text",
@@ -77,10 +81,13 @@ __all__ = [
     "layout",
     "length",
     "name2id",
+    "pack_sensors",
+    "packed",
     "parse_numbers",
     "plugin_name",
     "pointer_at",
     "register_plugin",
+    "sensor_kind",
     "sensor_name",
     "sensor_values",
     "set_word",
