@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import JOINTS
+from ..scripts.main import command_of
 
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "commands.md"
@@ -26,22 +27,22 @@ ELSEWHERE = {  # how examples begin that are not run here, and why
     "view --policy": "it needs a display",
     "view --web": "it serves until somebody stops it",
 }
-SMALL = (  # words of an example, and the options that it gets beside its own or instead of them
-    (["identify", "auto"], ["--samples", "2"]),
-    (["reproduce", "li-2022"], ["--trials", "2"]),
-    (["evaluate"], ["--episodes", "8"]),
-    (["evaluate", "--table"], ["--policies", "none", "--unadapted"]),
-    (["tasks", "--table"], ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
-    (["validate"], ["--episodes", "8"]),
-    (["evaluate", "envelope"], ["--spacing", "0.08"]),
-    (["benchmark", "run"], ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
-    (["benchmark", "tune"], ["--evaluations", "2"]),
-    (["evaluate", "knowledge"], ["--tasks", "ElbowFlexion", "--episodes", "8"]),
-    (["train"], ["--steps", "2048"]),
-    (["train", "--resume"], ["--steps", "4096"]),
-    (["animate", "--quality"], ["--fps", "5", "--width", "320", "--height", "240"]),
-    (["reproduce", "kao-fung-2009"], ["--trials", "1", "--iterations", "20"]),
-    (["bench"], ["--repeats", "1"]),
+SMALL = (  # command, further words of an example, and options beside its own or instead of them
+    ("identify", "auto", ["--samples", "2"]),
+    ("reproduce li-2022", "", ["--trials", "2"]),
+    ("evaluate", "", ["--episodes", "8"]),
+    ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
+    ("tasks", "--table", ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
+    ("validate", "", ["--episodes", "8"]),
+    ("evaluate envelope", "", ["--spacing", "0.08"]),
+    ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
+    ("benchmark tune", "", ["--evaluations", "2"]),
+    ("evaluate knowledge", "", ["--tasks", "ElbowFlexion", "--episodes", "8"]),
+    ("train", "", ["--steps", "2048"]),
+    ("train", "--resume", ["--steps", "4096"]),
+    ("animate", "--quality", ["--fps", "5", "--width", "320", "--height", "240"]),
+    ("reproduce kao-fung-2009", "", ["--trials", "1", "--iterations", "20"]),
+    ("bench", "", ["--repeats", "1"]),
 )
 SECONDS = 300  # longest time of an example
 
@@ -56,9 +57,9 @@ def examples() -> Iterator[list[str]]:
 
 def small(words: Sequence[str]) -> list[str]:
     """Returns an example with the options of `SMALL`, in place of its own where it has them."""
-    found = list(words)
-    for some, options in SMALL:
-        if all(word in words for word in some):
+    found, name = list(words), command_of(words)[0]
+    for command, word, options in SMALL:
+        if command == name and (not word or word in words):
             starts = [i for i, word in enumerate(options) if word.startswith("--")]
             for begin, end in zip(starts, [*starts[1:], len(options)], strict=True):
                 found = _without(found, options[begin]) + options[begin:end]
