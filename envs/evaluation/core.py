@@ -5,25 +5,28 @@ that a policy has one score.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import asdict
+from functools import partial
 from typing import Any, NamedTuple
 
 from ...errors import unknown_name
 from ..model.config import NO_SUIT
+from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
 from ..policies.outside import own_policy
 from ..randomization import Randomization
-from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
 from .rollout import Trace
 from .scores import Score, score
 from .wearers import Wearers
 
-Make = Callable[[ArmVectorEnv], Policy]
+Make = Callable[[Plant], Policy]
 Runnable = PolicySpec | str | Make
 """A policy as data, the name of a reference or a bound, or a function that makes a policy."""
 
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
+FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
 REFERENCES = ("unsuited", "suited")
 _EXO = ("exo", "misalignment", "belief", "sensors", "sensing")
 _SUIT = ("pressure", "preconditioned", "allow_uncertified")
@@ -70,9 +73,9 @@ def run(
     """
     wearers = Wearers(env_id, len(seeds), **options_of(given, options))
     try:
-        policy = _policy(name, given, wearers, seeds)
-        first = wearers.unadapted(policy, seeds) if unadapted or not adapted else []
-        traces = wearers.adapted(policy, seeds) if adapted else first
+        make = _practiced(_maker(name, given, wearers, seeds), wearers)
+        first = wearers.unadapted(make(), seeds) if unadapted or not adapted else []
+        traces = wearers.adapted(make, seeds) if adapted else first
         return Run(score(name, traces, first), traces, wearers.arms.episodes.effort_scale)
     finally:
         wearers.close()
@@ -107,14 +110,33 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     return {**kept, "coupling": "none"}
 
 
-def _policy(name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]) -> Policy:
-    arms = wearers.arms
+def _maker(
+    name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
+) -> Callable[[], Policy]:
+    """Returns a function that makes a policy anew, so that it carries nothing between rollouts."""
+    plant = Plant.of(wearers.arms.episodes)
     if isinstance(given, PolicySpec):
-        return make_policy(given, arms)
+        return partial(make_policy, given, plant)
     if callable(given):
-        return own_policy(name, given, arms.episodes.motors, arms)
+        return partial(own_policy, name, given, plant.motors, plant)
     if given in REFERENCES:
-        return make_policy("none", arms)
-    if not arms.episodes.motors:
+        return partial(make_policy, "none", plant)
+    if not plant.motors:
         raise unknown_name("policy without motors", given, ("none",))
-    return clairvoyant(wearers, seeds, suit_only=given == BOUNDS[0])
+    plan = clairvoyant(wearers, seeds, suit_only=given == BOUNDS[0])
+    return lambda: plan
+
+
+def _practiced(make: Callable[[], Policy], wearers: Wearers) -> Callable[[], Policy]:
+    """Returns a function that makes a policy which has learned over its episodes of practice.
+
+    The motions of practice are others than those that are scored.
+    """
+    policy = make()
+    rollouts, rows = getattr(policy, "practice", 0), wearers.arms.num_envs
+    if not rollouts:
+        return make
+    for i in range(rollouts):
+        first = FIRST_PRACTICE + i * rows
+        wearers.unadapted(policy, range(first, first + rows))
+    return partial(deepcopy, policy)

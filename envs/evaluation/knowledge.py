@@ -11,9 +11,8 @@ from ...assets import JOINTS
 from ...errors import InputError
 from ..belief import BelievedSuit, JointBelief, count_of
 from ..model import ASSISTED
-from ..policies.base import believed_arm
+from ..plant import Plant
 from ..policies.model_based import SHARE, ModelBased
-from ..vector_env import ArmVectorEnv
 from .compare import evaluate
 from .metrics import LEAST_COST, relief, root_mean_squares
 from .rollout import Trace
@@ -66,15 +65,15 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
         InputError: The suit costs so little that relief has no meaning, or `evaluate` raises it.
     """
 
-    def made(arms: ArmVectorEnv, joints: Mapping[str, JointBelief] | None) -> ModelBased:
-        arm = believed_arm(arms)
+    def made(plant: Plant, joints: Mapping[str, JointBelief] | None) -> ModelBased:
+        arm = plant.believed()
         known = arm.joints if joints is None else joints
-        suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits), arms.control_dt)
-        return ModelBased(arms, weight=arm.whole_weight(), suit=suit, friction=SHARE)
+        suit = BelievedSuit(known, count_of(arm.config.exo.encoder_bits), plant.dt)
+        return ModelBased(plant, weight=arm.whole_weight(), suit=suit, friction=SHARE)
 
     policies = {
-        **{name: (lambda arms, of=joints: made(arms, of)) for name, joints in beliefs.items()},
-        TRUE: lambda arms: made(arms, None),
+        **{name: (lambda plant, of=joints: made(plant, of)) for name, joints in beliefs.items()},
+        TRUE: lambda plant: made(plant, None),
     }
     found = evaluate(env_id, policies, episodes=episodes, **options)
     efforts = {name: score.effort for name, score in found.scores.items()}

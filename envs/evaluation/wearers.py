@@ -5,7 +5,7 @@ that the motion takes under the policy. That torque is read from rollouts of an 
 hands lead along the intention. Two are enough: the second one starts from what the first one found.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -56,19 +56,29 @@ class Wearers:
         """Returns the motions of wearers who foresee nothing but their own arm."""
         return rollout(self.arms, policy, seeds)
 
-    def adapted(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
+    def adapted(self, make: Callable[[], Policy], seeds: Sequence[int]) -> list[Trace]:
         """Returns the motions of wearers who have learned them under the policy.
+
+        Args:
+            make: Function that makes the policy anew, for each rollout: only the wearers learn the
+                motions, the policy meets each for the first time.
+            seeds: Seed of each motion.
 
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
-        torque = self.learned_torque(policy, seeds)
-        return rollout(self.arms, policy, seeds, learned_torque=torque)
+        torque = self.learned_torque(make, seeds)
+        return rollout(self.arms, make(), seeds, learned_torque=torque)
 
     def learned_torque(
-        self, policy: Policy, seeds: Sequence[int], *, rollouts: int = ROLLOUTS
+        self, make: Callable[[], Policy], seeds: Sequence[int], *, rollouts: int = ROLLOUTS
     ) -> Array:
         """Returns what wearers learn of the net load under a policy [N·m].
+
+        Args:
+            make: Function that makes the policy anew, for each rollout.
+            seeds: Seed of each motion.
+            rollouts: Number of guided rollouts.
 
         Returns:
             The torque beside that of the bare arm, shape (rows, samples, 4).
@@ -78,7 +88,7 @@ class Wearers:
         """
         torque = np.zeros((len(seeds), self._guided.episodes.simulation.samples, len(JOINTS)))
         for _ in range(rollouts):
-            torque = self.learned(self.guided(policy, seeds, torque))
+            torque = self.learned(self.guided(make(), seeds, torque))
         return torque
 
     def learned(self, traces: Sequence[Trace]) -> Array:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, Belief
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .carried import Carried, person
 from .filters import LowPass
 from .model_based import SHARE, ModelBased
@@ -38,7 +39,7 @@ class Adaptive(ModelBased):
     Source: Tan and Baras 2004 (recursive identification of hysteresis), Åström and Wittenmark 1995.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes at first of person, suit and load.
         forgetting: Time after which old data count for a third [s], 1 to 1,000.
         delay: Age of the torque between person and suit [s], 0 to 0.5.
@@ -54,7 +55,7 @@ class Adaptive(ModelBased):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         forgetting: float = 20.0,
@@ -62,12 +63,12 @@ class Adaptive(ModelBased):
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        arm = believed_arm(arms, belief)
-        super().__init__(arms, suit=arm.suit(), lead=lead, friction=friction)
+        arm = plant.believed(belief)
+        super().__init__(plant, suit=arm.suit(), lead=lead, friction=friction)
         within("forgetting", forgetting, 1, 1000, " s")
         within("delay", delay, 0, 0.5, " s")
         self._weight, self._whole = arm.carried_weight(), arm.whole_weight()
-        self._carried = Carried(arms, belief)
+        self._carried = Carried(plant, belief)
         self._keep, self._late = 1 - self.dt / forgetting, round(delay / self.dt)
         self._terms_slowly, self._torque_slowly, self._momentum_slowly = (
             LowPass(CUTOFF, self.dt) for _ in range(3)

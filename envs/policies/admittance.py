@@ -6,7 +6,8 @@ from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, Belief
 from ..belief.cuff_levers import CuffLevers
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .model_based import SHARE, ModelBased
 
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
@@ -30,7 +31,7 @@ class Admittance(ModelBased):
     interaction, Int. J. Robotics Research 37(11).
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         rho: Share of the suit's torque that the cuffs give, 0 to 1; 0 is transparent.
         mass: Virtual mass over the exoskeleton's, 0.5 to 5.
@@ -42,7 +43,7 @@ class Admittance(ModelBased):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         rho: float = RELIEVED,
@@ -50,8 +51,8 @@ class Admittance(ModelBased):
         damping: float = DAMPING,
         lead: float = LEAD,
     ) -> None:
-        arm = believed_arm(arms, belief)
-        super().__init__(arms, weight=arm.exo_weight(), suit=arm.suit(), friction=SHARE, lead=lead)
+        arm = plant.believed(belief)
+        super().__init__(plant, weight=arm.exo_weight(), suit=arm.suit(), friction=SHARE, lead=lead)
         within("rho", rho, 0, 1)
         within("mass", mass, 0.5, 5)
         within("damping", damping, 0, 10, " 1/s")

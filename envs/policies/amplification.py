@@ -5,7 +5,8 @@ from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
-from .base import Arms, Seen
+from ..plant import Plant
+from .base import Seen
 from .filters import LowPass
 from .transparent import Transparent
 
@@ -26,7 +27,7 @@ class ForceAmplification(Transparent):
     signals, IEEE T-SMC 20.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         alpha: Amplification, from 1, which adds nothing, to `greatest_amplification`.
         cutoff: Cutoff of the low-pass [Hz], 0.1 to 5.
     """
@@ -34,8 +35,10 @@ class ForceAmplification(Transparent):
     sensors = ("encoders", "interaction")
     tunable: ClassVar = {"cutoff": (0.3, 3.0), "alpha": (1.1, 2.0)}
 
-    def __init__(self, arms: Arms, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF) -> None:
-        super().__init__(arms)
+    def __init__(
+        self, plant: Plant, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF
+    ) -> None:
+        super().__init__(plant)
         within("cutoff", cutoff, 0.1, 5, " Hz")
         within("alpha", alpha, 1, greatest_amplification(cutoff))
         self._gain, self._low = alpha - 1, LowPass(cutoff, self.dt)

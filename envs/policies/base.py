@@ -8,28 +8,10 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...errors import InputError
-from ..belief import Belief, BelievedArm
-from ..episodes import Episodes
+from ..plant import Plant
 
 Seen = Mapping[str, Array]
 """Parts of the observations of n arms by name, shape (n, size) each."""
-
-
-class Arms(Protocol):
-    """An environment that policies are made for: `ArmEnv` or `ArmVectorEnv`."""
-
-    episodes: Episodes
-
-
-def believed_arm(arms: Arms, belief: Belief | None = None) -> BelievedArm:
-    """Returns the arm that a policy believes in.
-
-    Args:
-        arms: Environment in which the policy acts, whose exoskeleton and tools are known.
-        belief: What differs from the options of the environment.
-    """
-    simulation, edits = arms.episodes.simulation, arms.episodes.task.edits
-    return BelievedArm(simulation.config, edits, simulation.control_dt, belief)
 
 
 class Policy(Protocol):
@@ -39,10 +21,12 @@ class Policy(Protocol):
     period. The observation is all that a policy learns of the simulation. Its memory, if it has
     any, lasts from `reset` to `reset`, and is of as many arms as it saw first.
 
-    A policy that is made by name is called with the environment and its options as keywords:
-    `Class(arms, gain=0.5)`. A class that takes a `belief` gets a `Belief` of its options `suit`,
-    `pressure`, `load` and `wearer`. `sensors`, where the class has it, names the sensor suites that
-    it needs.
+    A policy that is made by name is called with the plant and its options as keywords:
+    `Class(plant, gain=0.5)`; the plant is all that it knows beside its observations. A class that
+    takes a `belief` gets a `Belief` of its options `suit`, `pressure`, `load` and `wearer`.
+    `sensors`, where the class has it, names the sensor suites that it needs. A policy that learns
+    over episodes has `practice`, the number of rollouts on other motions in which it learns before
+    it is scored; without it, each rollout of an evaluation gets a policy that is made anew.
     """
 
     def reset(self) -> None:
@@ -66,7 +50,7 @@ class TorquePolicy:
     A subclass has `torque`, and where it has memory `begin`, which makes it anew.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
 
     Attributes:
         assisted: Indices of the assisted joints, shoulder and elbow, among the four.
@@ -76,12 +60,9 @@ class TorquePolicy:
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
-    def __init__(self, arms: Arms) -> None:
-        episodes = arms.episodes
-        addresses = episodes.simulation.addresses
-        self.assisted, self.peak = addresses.assisted, addresses.peak_torque
-        self.dt = episodes.simulation.control_dt
-        self._layout = dict(episodes.observer.layout)
+    def __init__(self, plant: Plant) -> None:
+        self.assisted, self.peak, self.dt = plant.assisted, plant.peak, plant.dt
+        self._layout = dict(plant.layout)
         self._rows = 0
 
     def reset(self) -> None:

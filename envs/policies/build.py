@@ -3,7 +3,7 @@
 import inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
 from typing import Any, cast, get_type_hints
@@ -15,6 +15,7 @@ from ...json_files import read_json
 from ..arm_env import ArmEnv
 from ..belief import Belief
 from ..model import resisting_joints
+from ..plant import Plant
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
 from .admittance import Admittance
@@ -212,49 +213,58 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
     return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
 
-def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv) -> Policy:
+def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     """Returns a policy for an ActiveSuit environment.
 
     Args:
         given: A policy; see `policy_spec`.
-        env: Environment in which the policy will act, single or vector, wrapped or not.
+        env: Environment in which the policy will act, single or vector, wrapped or not; or its
+            plant, which is all of it that the policy gets.
 
     Raises:
         InputError: See `policy_spec`; or the environment has no motors or not the sensors that the
             policy needs, or an option is out of its range.
     """
-    arm, spec = getattr(env, "unwrapped", env), policy_spec(given)
-    if not isinstance(arm, ArmEnv | ArmVectorEnv):
-        raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
-    episodes, needed = arm.episodes, needed_options(spec)
+    spec = policy_spec(given)
+    plant, needed = _plant_of(env), needed_options(spec)
     name, sensors = spec.name, needed.get("sensors", ())
-    if name != "none" and not episodes.motors:
+    if name != "none" and not plant.motors:
         raise InputError(
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
             "policy 'none'"
         )
-    if set(sensors) - set(episodes.observer.sensors):
+    if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
-            f"{', '.join(episodes.observer.sensors)}: make it with sensors={list(sensors)}"
+            f"{', '.join(plant.sensors)}: make it with sensors={list(sensors)}"
         )
-    if needed and name != "none" and episodes.observer.normalized:
+    if needed and name != "none" and plant.normalized:
         raise InputError(
             f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
             "without"
         )
     maker = maker_of(name)
     if maker is None:
-        return TrainedPolicy(name, arm)
+        return TrainedPolicy(name, plant)
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})
-    resisting_joints(belief.of(episodes.simulation.config))  # a mistake in it is reported here
+    plant = replace(plant, config=belief.of(plant.config))
+    resisting_joints(plant.config)  # a mistake in it is reported here
     if believes(name):
         options["belief"] = belief
-    made = maker if name in POLICIES else partial(own_policy, name, maker, episodes.motors)
-    policy = made(arm, **options)
-    return Guard(arm, policy, belief) if guarded else policy
+    made = maker if name in POLICIES else partial(own_policy, name, maker, plant.motors)
+    policy = made(plant, **options)
+    return Guard(plant, policy, belief) if guarded else policy
+
+
+def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
+    if isinstance(env, Plant):
+        return env
+    arm = getattr(env, "unwrapped", env)
+    if not isinstance(arm, ArmEnv | ArmVectorEnv):
+        raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
+    return Plant.of(arm.episodes)
 
 
 def is_saved(text: str) -> bool:

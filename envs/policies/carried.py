@@ -5,7 +5,8 @@ import numpy as np
 from ...arrays import Array
 from ..belief import Belief
 from ..belief.inertia import ASSISTED_PLACES
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .model_based import friction_of
 
 
@@ -18,12 +19,12 @@ class Carried:
     bare arm needs, and moves these alone.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
     """
 
-    def __init__(self, arms: Arms, belief: Belief | None) -> None:
-        arm = believed_arm(arms, belief)
+    def __init__(self, plant: Plant, belief: Belief | None) -> None:
+        arm = plant.believed(belief)
         self._inertia, self._weight = arm.carried_inertia(), arm.carried_weight()
         self._friction = friction_of(arm.config.exo, 1.0, viscous=False)
         self._peak = np.array([motor.peak_torque for motor in arm.config.exo.motors.values()])

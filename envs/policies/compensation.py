@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 from ..belief import LEAD, Belief, BelievedArm, BelievedWeight
-from .base import Arms, believed_arm
+from ..plant import Plant
 from .model_based import SHARE, ModelBased
 
 
@@ -13,7 +13,7 @@ class Compensation(ModelBased):
     Law: gravity, feedforward and the motors' friction together. Tuning: as of its parts.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         lead: Time by which the motors answer late [s], 0 to 0.2.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
@@ -23,15 +23,15 @@ class Compensation(ModelBased):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        arm = believed_arm(arms, belief)
+        arm = plant.believed(belief)
         weight, suit = self.weight_of(arm), arm.suit()
-        super().__init__(arms, weight=weight, suit=suit, friction=friction, lead=lead)
+        super().__init__(plant, weight=weight, suit=suit, friction=friction, lead=lead)
 
     @staticmethod
     def weight_of(arm: BelievedArm) -> BelievedWeight:
@@ -46,7 +46,7 @@ class Complement(Compensation):
     suit. Tuning: as of compensation.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         lead: Time by which the motors answer late [s], 0 to 0.2.
         friction: Share of the motors' friction that is cancelled, 0 to 1.

@@ -9,7 +9,8 @@ from ...arrays import Array
 from ..belief import LEAD, Belief
 from ..belief.cuff_levers import CuffLevers
 from ..model.cuffs import CUFFS
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .compensation import Compensation
 from .filters import LowPass
 from .model_based import SHARE
@@ -32,7 +33,7 @@ class CorrectedCompensation(Compensation):
     error; the correction is ours.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         lead: Time by which the motors answer late [s], 0 to 0.2.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
@@ -43,14 +44,14 @@ class CorrectedCompensation(Compensation):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        super().__init__(arms, belief, lead=lead, friction=friction)
-        self._levers = CuffLevers(believed_arm(arms, belief).model())
+        super().__init__(plant, belief, lead=lead, friction=friction)
+        self._levers = CuffLevers(plant.believed(belief).model())
         self._stiffness = np.concatenate([cuff.stiffness for cuff in CUFFS.values()])
         damping = np.concatenate([cuff.damping for cuff in CUFFS.values()])
         self._elastic = LowPass(self._stiffness / damping / math.tau, self.dt)

@@ -5,7 +5,8 @@ from typing import ClassVar
 from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
-from .base import Arms, Seen
+from ..plant import Plant
+from .base import Seen
 from .carried import Carried, person
 from .compensation import Compensation
 from .filters import SecondOrderLowPass
@@ -27,7 +28,7 @@ class DisturbanceObserver(Compensation):
     Source: Ohnishi, Shibata and Murakami 1996, IEEE/ASME T-Mech 1; Chen et al. 2016, IEEE T-IE 63.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         bandwidth: Natural frequency of the filter Q [Hz], 0.1 to 5.
     """
@@ -36,11 +37,11 @@ class DisturbanceObserver(Compensation):
     tunable: ClassVar = {"bandwidth": (0.3, 5.0)}
 
     def __init__(
-        self, arms: Arms, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH
+        self, plant: Plant, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH
     ) -> None:
-        super().__init__(arms, belief)
+        super().__init__(plant, belief)
         within("bandwidth", bandwidth, 0.1, 5, " Hz")
-        self._carried = Carried(arms, belief)
+        self._carried = Carried(plant, belief)
         self._moving = SecondOrderLowPass(bandwidth, self.dt)
         self._known = SecondOrderLowPass(bandwidth, self.dt)
 

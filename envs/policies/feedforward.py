@@ -3,7 +3,7 @@
 from typing import ClassVar
 
 from ..belief import LEAD, Belief
-from .base import Arms, believed_arm
+from ..plant import Plant
 from .model_based import ModelBased
 
 
@@ -15,12 +15,12 @@ class HysteresisFeedforward(ModelBased):
     Source: inverse compensation of hysteresis, Hassani et al. 2014 (survey).
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of the suit; a joint that it lacks gets no assist.
         lead: Time by which the motors answer late [s], 0 to 0.2.
     """
 
     tunable: ClassVar = {"lead": (0.005, 0.06)}
 
-    def __init__(self, arms: Arms, belief: Belief | None = None, *, lead: float = LEAD) -> None:
-        super().__init__(arms, suit=believed_arm(arms, belief).suit(), lead=lead)
+    def __init__(self, plant: Plant, belief: Belief | None = None, *, lead: float = LEAD) -> None:
+        super().__init__(plant, suit=plant.believed(belief).suit(), lead=lead)

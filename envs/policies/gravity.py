@@ -1,7 +1,7 @@
 """Gravity compensation: the motors carry the weight of arm, suit, exoskeleton and load."""
 
 from ..belief import Belief
-from .base import Arms, believed_arm
+from ..plant import Plant
 from .model_based import ModelBased
 
 
@@ -13,9 +13,9 @@ class GravityCompensation(ModelBased):
     Source: weight support of arm exoskeletons, such as Bardi et al. 2024 (arXiv 2406.18412).
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
     """
 
-    def __init__(self, arms: Arms, belief: Belief | None = None) -> None:
-        super().__init__(arms, weight=believed_arm(arms, belief).whole_weight())
+    def __init__(self, plant: Plant, belief: Belief | None = None) -> None:
+        super().__init__(plant, weight=plant.believed(belief).whole_weight())

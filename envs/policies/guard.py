@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ..belief import Belief
-from .base import Arms, Policy, Seen, TorquePolicy
+from ..plant import Plant
+from .base import Policy, Seen, TorquePolicy
 from .compensation import Compensation
 
 RESERVE = 1.0  # J, which motors may give beyond what the belief needs: 10 cm of a 1 kg load
@@ -22,7 +23,7 @@ class Guard(TorquePolicy):
     motors then give at most the reserve more than the belief stores and dissipates.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         policy: The policy that is guarded.
         belief: What the guard believes of person, suit and load.
 
@@ -30,10 +31,10 @@ class Guard(TorquePolicy):
         acted: Number of control periods in which it lessened a torque, shape (n,), since the reset.
     """
 
-    def __init__(self, arms: Arms, policy: Policy, belief: Belief | None = None) -> None:
-        super().__init__(arms)
+    def __init__(self, plant: Plant, policy: Policy, belief: Belief | None = None) -> None:
+        super().__init__(plant)
         self._policy = policy
-        self._needed = Compensation(arms, belief)
+        self._needed = Compensation(plant, belief)
         self._needed.lead = 0.0  # its work now
 
     def reset(self) -> None:

@@ -6,7 +6,8 @@ from typing import ClassVar
 from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .compensation import Compensation
 from .intention import intended
 
@@ -24,7 +25,7 @@ class Impedance(Compensation):
     Source: Hogan 1985, Impedance control, J. Dyn. Syst. Meas. Control 107, 1-24.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         bandwidth: Natural frequency of the believed arm on the springs [Hz], 0 to 3.
         damping_ratio: Damping ratio, 0 to 3.
@@ -35,16 +36,16 @@ class Impedance(Compensation):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         bandwidth: float = BANDWIDTH,
         damping_ratio: float = 1.0,
     ) -> None:
-        super().__init__(arms, belief)
+        super().__init__(plant, belief)
         within("bandwidth", bandwidth, 0, 3, " Hz")
         within("damping_ratio", damping_ratio, 0, 3)
-        inertia, pole = believed_arm(arms, belief).inertia().nominal(), math.tau * bandwidth
+        inertia, pole = plant.believed(belief).inertia().nominal(), math.tau * bandwidth
         self.stiffness, self.damping = inertia * pole**2, 2 * damping_ratio * inertia * pole
 
     def torque(self, seen: Seen) -> Array:

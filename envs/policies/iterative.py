@@ -8,7 +8,8 @@ from scipy.ndimage import gaussian_filter1d
 from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, Belief
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .compensation import Compensation
 from .model_based import SHARE
 
@@ -27,7 +28,7 @@ class IterativeLearning(Compensation):
     compensation. Source: Zhang, Cheah and Collins (the best of nine torque controllers).
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         gain: Share L of what is missing that is added, 0 to 1.
         period: Time of a cycle [s]; 0 is that of the task.
@@ -44,7 +45,7 @@ class IterativeLearning(Compensation):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         gain: float = 0.5,
@@ -53,14 +54,14 @@ class IterativeLearning(Compensation):
         lead: float = LEAD,
         friction: float = SHARE,
     ) -> None:
-        super().__init__(arms, belief, lead=lead, friction=friction)
+        super().__init__(plant, belief, lead=lead, friction=friction)
         within("gain", gain, 0, 1)
         within("period", period, 0, LONGEST, " s")
         within("delay", delay, 0, 0.5, " s")
-        arm = believed_arm(arms, belief)
+        arm = plant.believed(belief)
         self._own = arm.whole_weight() - arm.carried_weight()
         self._gain, self._late = gain, round(delay / self.dt)
-        self._cycle = round((period or arms.episodes.task.period or 0.0) / self.dt)
+        self._cycle = round((period or plant.period or 0.0) / self.dt)
 
     def begin(self, seen: Seen) -> None:
         """Begins with nothing learned."""

@@ -12,8 +12,9 @@ from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, BelievedSuit
 from ..model import Exo
+from ..plant import Plant
 from ..provenance import Quantity
-from .base import Arms, Seen, TorquePolicy
+from .base import Seen, TorquePolicy
 
 _TURNING = Quantity(
     "friction.turning_rate",
@@ -40,7 +41,7 @@ class ModelBased(TorquePolicy):
     """Gives the sum of believed torques.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         weight: Function from angles [rad], shape (n, 4), to the torque that carries what shall be
             carried [N·m], shape (n, 2); None carries nothing.
         suit: Follower of the suit whose torque is cancelled; None cancels none.
@@ -53,18 +54,18 @@ class ModelBased(TorquePolicy):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         *,
         weight: Weight | None = None,
         suit: BelievedSuit | None = None,
         friction: float = 0.0,
         lead: float = LEAD,
     ) -> None:
-        super().__init__(arms)
+        super().__init__(plant)
         within("lead", lead, 0, LONGEST_LEAD, " s")
         self._weight, self._suit, self.lead = weight, suit, lead
         within("friction", friction, 0, 1)
-        self._friction = friction_of(arms.episodes.simulation.config.exo, friction)
+        self._friction = friction_of(plant.config.exo, friction)
 
     def begin(self, seen: Seen) -> None:
         """Begins the suit's memory in the state in which the true suit begins."""

@@ -8,7 +8,8 @@ import numpy as np
 from ...arrays import Array
 from ...checks import within
 from ..belief import LEAD, Belief
-from .base import Arms, Seen, believed_arm
+from ..plant import Plant
+from .base import Seen
 from .carried import Carried, person
 from .model_based import SHARE, ModelBased
 
@@ -59,7 +60,7 @@ class ObserverAssist(ModelBased):
     Source: De Luca and Mattone 2003 (see `MomentumObserver`).
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of masses; it needs no suit.
         bandwidth: Bandwidth K of the observer [rad/s], 0.1 to 20.
         lead: Time by which the motors answer late [s], 0 to 0.2.
@@ -70,16 +71,16 @@ class ObserverAssist(ModelBased):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         bandwidth: float = BANDWIDTH,
         lead: float = LEAD,
     ) -> None:
-        weight = believed_arm(arms, belief).whole_weight()
-        super().__init__(arms, weight=weight, friction=SHARE, lead=lead)
+        weight = plant.believed(belief).whole_weight()
+        super().__init__(plant, weight=weight, friction=SHARE, lead=lead)
         within("bandwidth", bandwidth, 0.1, 20, " rad/s")
-        self._carried = Carried(arms, belief)
+        self._carried = Carried(plant, belief)
         self._observer = MomentumObserver(bandwidth, self.dt)
 
     def begin(self, seen: Seen) -> None:

@@ -10,7 +10,7 @@ class NoAssist(TorquePolicy):
     """Gives no torque: the wearer alone works against suit, weight and motor friction.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
     """
 
     def torque(self, seen: Seen) -> Array:

@@ -8,7 +8,7 @@ class Oracle(TorquePolicy):
     """Cancels the true suit torque of this moment; only the delay of the motors remains.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
     """
 
     sensors = ("encoders", "privileged")

@@ -8,7 +8,8 @@ import numpy as np
 from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
-from .base import Arms, Seen
+from ..plant import Plant
+from .base import Seen
 from .compensation import Compensation
 from .transparent import Transparent
 
@@ -99,17 +100,17 @@ class AdaptiveOscillators(Compensation):
     Source: Ronsse et al. 2010, BioRob; 2011, Med. Biol. Eng. Comput. 49, 1173-1185.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         rate: Rate of learning [1/s], 0.1 to 4.
     """
 
     tunable: ClassVar = {"rate": (0.2, 4.0)}
 
-    def __init__(self, arms: Arms, belief: Belief | None = None, *, rate: float = RATE) -> None:
-        super().__init__(arms, belief)
+    def __init__(self, plant: Plant, belief: Belief | None = None, *, rate: float = RATE) -> None:
+        super().__init__(plant, belief)
         within("rate", rate, 0.1, 4, " 1/s")
-        self._transparent = Transparent(arms)
+        self._transparent = Transparent(plant)
         self.oscillators = Oscillators(rate, self.dt)
 
     def begin(self, seen: Seen) -> None:

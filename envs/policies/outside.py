@@ -20,10 +20,12 @@ class Outside:
 
     Attributes:
         policy: The policy.
+        practice: Number of rollouts in which it learns before it is scored.
     """
 
     def __init__(self, name: str, policy: Policy, motors: int) -> None:
         self.policy, self._name, self._motors = policy, name, motors
+        self.practice = getattr(policy, "practice", 0)
 
     def reset(self) -> None:
         """Clears the memory of the policy.

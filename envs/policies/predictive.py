@@ -13,8 +13,9 @@ from ...checks import at_least, within
 from ..belief import Belief
 from ..person import isometric_strength
 from ..person.control import STIFF
+from ..plant import Plant
 from ..simulation.addresses import Addresses
-from .base import Arms, Seen, believed_arm
+from .base import Seen
 from .compensation import Compensation
 from .filters import LowPass
 
@@ -42,7 +43,7 @@ class PredictiveSampling(Compensation):
     With the true suit as belief it is a bound for its kind, and no controller.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of person, suit and load.
         samples: Number of plans, 4 to 64.
         horizon: Time that a plan covers [s], 0.02 to 0.5.
@@ -57,7 +58,7 @@ class PredictiveSampling(Compensation):
 
     def __init__(
         self,
-        arms: Arms,
+        plant: Plant,
         belief: Belief | None = None,
         *,
         samples: int = 8,
@@ -65,12 +66,12 @@ class PredictiveSampling(Compensation):
         spread: float = 0.01,
         seed: int = 0,
     ) -> None:
-        super().__init__(arms, belief)
+        super().__init__(plant, belief)
         within("samples", samples, FEWEST, MOST)
         within("horizon", horizon, 0.02, 0.5, " s")
         within("spread", spread, 0, 0.5)
         at_least("seed", seed, 0)
-        arm = believed_arm(arms, belief)
+        arm = plant.believed(belief)
         self._model, self._samples, self._seed = arm.model(), samples, seed
         self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR  # plans measure nothing
         self._at = Addresses.of(self._model)

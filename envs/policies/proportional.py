@@ -4,7 +4,8 @@ from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
-from .base import Arms, Seen
+from ..plant import Plant
+from .base import Seen
 from .transparent import Transparent
 
 GAIN = 0.5  # half of the gain at which learning no longer settles (see the rule)
@@ -21,15 +22,15 @@ class ProportionalAssist(Transparent):
     Source: Lenzi et al. 2012, Intention-based EMG control for powered exoskeletons, IEEE T-BME 59.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         gain: Torque of the motors over that of the wearer, 0 to 1.
     """
 
     sensors = ("encoders", "emg")
     tunable: ClassVar = {"gain": (0.1, 1.0)}
 
-    def __init__(self, arms: Arms, *, gain: float = GAIN) -> None:
-        super().__init__(arms)
+    def __init__(self, plant: Plant, *, gain: float = GAIN) -> None:
+        super().__init__(plant)
         within("gain", gain, 0, 1)
         self._gain = gain
 

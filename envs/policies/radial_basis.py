@@ -8,7 +8,8 @@ import numpy as np
 from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
-from .base import Arms, Seen, TorquePolicy, believed_arm
+from ..plant import Plant
+from .base import Seen, TorquePolicy
 from .impedance import BANDWIDTH
 from .intention import intended
 
@@ -30,7 +31,7 @@ class RadialBasisTracker(TorquePolicy):
     Liu et al. 2025, Electronics 14(10) 1969, without their fuzzy terms.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
         belief: What the controller believes of masses, for its gains alone.
         bandwidth: Bandwidth w of tracking [Hz], 0.1 to 3.
     """
@@ -39,11 +40,11 @@ class RadialBasisTracker(TorquePolicy):
     tunable: ClassVar = {"bandwidth": (0.2, 3.0)}
 
     def __init__(
-        self, arms: Arms, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH
+        self, plant: Plant, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH
     ) -> None:
-        super().__init__(arms)
+        super().__init__(plant)
         within("bandwidth", bandwidth, 0.1, 3, " Hz")
-        inertia, pole = believed_arm(arms, belief).inertia().nominal(), math.tau * bandwidth
+        inertia, pole = plant.believed(belief).inertia().nominal(), math.tau * bandwidth
         self._slope, self._gain = pole / 2, 2 * inertia * pole
         self._learning = self._gain * pole / 2
         grid = np.meshgrid(CENTERS, CENTERS, RATES, RATES)

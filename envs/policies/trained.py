@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
 from ..model import ArmConfig
-from .base import Arms
+from ..plant import Plant
 from .network import ARCHITECTURES, load_actor
 
 CONFIG, CHECKPOINT = "config.json", "model.zip"
@@ -77,21 +77,21 @@ class TrainedPolicy:
 
     Args:
         folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
-        env: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
 
     Raises:
         InputError: The folder holds no finished checkpoint, or the network does not fit.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], env: Arms) -> None:
+    def __init__(self, folder: str | os.PathLike[str], plant: Plant) -> None:
         folder, algorithm = Path(folder), training_config(folder)["algo"]
         path = folder / CHECKPOINT
         if not path.is_file():
             raise InputError(
                 f"{str(folder)!r} has no {CHECKPOINT}: train it first, or with --resume"
             )
-        actions = Box(-1.0, 1.0, (env.episodes.motors,), np.float32)
-        self._actor = load_actor(algorithm, path, env.episodes.observer.space, actions)
+        actions = Box(-1.0, 1.0, (plant.motors,), np.float32)
+        self._actor = load_actor(algorithm, path, plant.observation_space, actions)
 
     def reset(self) -> None:
         """Does nothing, because the network has no memory."""

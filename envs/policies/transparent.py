@@ -1,6 +1,6 @@
 """Transparency: the exoskeleton carries itself and no more."""
 
-from .base import Arms, believed_arm
+from ..plant import Plant
 from .model_based import SHARE, ModelBased
 
 
@@ -11,8 +11,8 @@ class Transparent(ModelBased):
     its inertia. Tuning: none.
 
     Args:
-        arms: Environment in which the policy acts, single or vector.
+        plant: What the policy may know of the arms.
     """
 
-    def __init__(self, arms: Arms) -> None:
-        super().__init__(arms, weight=believed_arm(arms).exo_weight(), friction=SHARE)
+    def __init__(self, plant: Plant) -> None:
+        super().__init__(plant, weight=plant.believed().exo_weight(), friction=SHARE)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 from arms import physics
 
@@ -131,20 +132,27 @@ def test_a_lost_arm_ends_the_episode_and_earns_nothing(env, part, joint, value):
     assert info["reward_terms"]["tracking"] > 25  # a rad at one of four joints
 
 
-def test_a_diverged_episode_is_scored_as_failed():
+def test_a_diverged_episode_is_scored_as_failed(monkeypatch):
     class Saboteur:
-        def __init__(self, arms):
-            self.velocity = arms.episodes.simulation.batch.bind("qvel")
+        steps = 0
+
+        def __init__(self, plant):
+            pass
 
         def reset(self):
-            self.steps = 0
+            Saboteur.steps = 0
 
         def act(self, observation):
-            self.steps += 1
-            if self.steps == 80:
-                self.velocity[:] = np.nan
+            Saboteur.steps += 1
             return np.zeros((*observation.shape[:-1], 2))
 
+    def diverging(self, action, step=ArmVectorEnv.step):
+        if Saboteur.steps == 80:
+            self.episodes.simulation.batch.bind("qvel")[:] = np.nan
+            Saboteur.steps = 81
+        return step(self, action)
+
+    monkeypatch.setattr(ArmVectorEnv, "step", diverging)
     fixed = {"episodes": 2, "references": False, "adapted": False}
     policies = {"saboteur": Saboteur, "none": "none"}
     found = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **fixed).scores

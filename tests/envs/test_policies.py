@@ -132,15 +132,15 @@ def test_a_policy_without_its_sensors():
 
 def test_a_policy_of_your_own():
     class Push:
-        def __init__(self, arms):
-            self.action = np.full(arms.action_space.shape, 0.2)
+        def __init__(self, plant):
+            self.action = np.full(plant.motors, 0.2)
 
         def reset(self):
             self.steps = 0
 
         def act(self, observation):
             self.steps += 1
-            return self.action
+            return np.broadcast_to(self.action, (*observation.shape[:-1], 2))
 
     found = evaluate(ELBOW, {"none": "none", "push": Push}, episodes=1, **NAIVE).scores
     assert found["push"].policy == "push"

@@ -95,7 +95,7 @@ def test_code_that_ends_the_process_is_a_mistake():
 )
 def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, message, monkeypatch):
     class Careless:
-        def __init__(self, arms, belief=None):
+        def __init__(self, plant, belief=None):
             pass
 
         def act(self, observation):
@@ -146,8 +146,8 @@ def outside(monkeypatch):
 
         sensors = ("encoders", "interaction")
 
-        def __init__(self, arms, *, gain: float = 0.1, bad: str = ""):
-            self.gain, self.bad, self.rows = gain, bad, arms.episodes.n
+        def __init__(self, plant, *, gain: float = 0.1, bad: str = ""):
+            self.gain, self.bad, self.motors = gain, bad, plant.motors
 
         def reset(self):
             pass

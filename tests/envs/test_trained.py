@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import TrainedPolicy
 from activesuit.envs.policies.network import algorithm_class
 from activesuit.errors import InputError
@@ -15,7 +16,7 @@ pytest.importorskip("stable_baselines3")
 def test_acts_as_the_learner(tmp_path, algo):
     run = make_run(tmp_path / "run", algo)
     env = ArmEnv("ElbowFlexion", gravity="moon")
-    policy = TrainedPolicy(run, env)
+    policy = TrainedPolicy(run, Plant.of(env.episodes))
     whole = algorithm_class(algo).load(run / "model.zip", device="cpu")
     observation, _ = env.reset(seed=3)
     for _ in range(20):
@@ -29,4 +30,4 @@ def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
     arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
     with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: give it the sensors"):
-        TrainedPolicy(run, arm)
+        TrainedPolicy(run, Plant.of(arm.episodes))

@@ -143,7 +143,7 @@ def learned():
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
         learned_torque = (1 - FORGETTING) * learned_torque + RATE * late
         traces = rollout(wearers.arms, policy, [0], learned_torque=learned_torque)
-    lesson = wearers.learned_torque(policy, [0])
+    lesson = wearers.learned_torque(lambda: policy, [0])
     wearers.close()
     return SimpleNamespace(errors=errors, torque=learned_torque, lesson=lesson)
 
@@ -166,7 +166,9 @@ def adapted():
         wearers = Wearers(MOTION, 1, threads=1)
         policy = make_policy(name, wearers.arms)
         for rollouts in (2, 3):
-            learned_torque = wearers.learned_torque(policy, [0], rollouts=rollouts)
+            learned_torque = wearers.learned_torque(
+                lambda policy=policy: policy, [0], rollouts=rollouts
+            )
             (found[name, rollouts],) = rollout(
                 wearers.arms, policy, [0], learned_torque=learned_torque
             )

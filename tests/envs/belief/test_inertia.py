@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.belief.trigonometric import Trigonometric
-from activesuit.envs.policies.base import believed_arm
+from activesuit.envs.plant import Plant
 
 POSES = np.random.default_rng(0).uniform(-1, 2, (6, 4))
 RATES = np.random.default_rng(1).normal(size=(6, 4))
@@ -13,7 +13,7 @@ RATES = np.random.default_rng(1).normal(size=(6, 4))
 
 @pytest.fixture(scope="module")
 def arm():
-    return believed_arm(ArmEnv())
+    return Plant.of(ArmEnv().episodes).believed()
 
 
 def test_it_is_the_mass_matrix_of_the_model(arm):
@@ -46,7 +46,7 @@ def test_what_is_carried_and_cuffs(arm):
     assert (0 < exo.nominal()).all()
     assert (exo.nominal() < carried.nominal()).all()
     assert (carried.nominal() < whole.nominal()).all()
-    cuffs = believed_arm(ArmEnv(coupling="cuffs"))
+    cuffs = Plant.of(ArmEnv(coupling="cuffs").episodes).believed()
     np.testing.assert_allclose(cuffs.inertia()(POSES), whole(POSES), atol=1e-9)
 
 

@@ -29,21 +29,21 @@ class Push:
 
     sensors = ("encoders",)
 
-    def __init__(self, arms):
-        self.shape = arms.action_space.shape
+    def __init__(self, plant):
+        self.motors = plant.motors
 
     def reset(self):
         pass
 
     def act(self, observation):
-        return np.full(self.shape, -0.1)
+        return np.full((*observation.shape[:-1], self.motors), -0.1)
 
 
 class Lose(Push):
     """Pushes with all it has."""
 
     def act(self, observation):
-        return np.full(self.shape, -1.0)
+        return np.full((*observation.shape[:-1], self.motors), -1.0)
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from activesuit.envs.model import Exo, compose
 from activesuit.envs.model.cuffs import CUFF_SITES
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.base import believed_arm
 from activesuit.errors import InputError
 from shown import asked, made
 
@@ -54,7 +54,7 @@ def test_it_renders_the_virtual_mass(mass):
     # accelerates as the virtual mass does, since the inner loop lags by a constant velocity.
     name = f"admittance:mass={mass},damping=0"
     policy, env = made(name, exo=EXO, **CUFFS)
-    inertia = believed_arm(env).exo_inertia().nominal()
+    inertia = Plant.of(env.episodes).believed().exo_inertia().nominal()
     np.testing.assert_allclose(policy.virtual_mass, mass * inertia)
     force = np.array([0, 0, 0, 4.0, 0, 0, 0, 0, 0])
     push = policy.cuff_torque({"angle": BENT[None], "cuff_force": force[None]})[0]

@@ -3,6 +3,7 @@
 import numpy as np
 from activesuit.envs.evaluation.rollout import rollout
 from activesuit.envs.making import make_arms
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.policies.corrected import CorrectedCompensation
 from shown import made
@@ -37,7 +38,7 @@ def test_the_corrected_angles_are_those_of_the_arm():
         **{"coupling": "cuffs", "suit": "emu-like", "gravity": "microgravity"},
         **needed_options("corrected"),
     )
-    policy = Watched(arms)
+    policy = Watched(Plant.of(arms.episodes))
     true = np.array([trace.angle for trace in rollout(arms, policy, SEEDS)]).swapaxes(0, 1)
     # The first one begins the memory; what is seen in a period is of the end of the one before.
     seen = np.array(angles)[2:].swapaxes(0, 1)

@@ -56,8 +56,8 @@ def test_it_leaves_the_right_compensation_alone():
 class Drive:
     """Drives the arm with its motion, which is unstable."""
 
-    def __init__(self, arms):
-        self.rate = arms.episodes.observer.layout["rate"]
+    def __init__(self, plant):
+        self.rate = plant.layout["rate"]
 
     def reset(self):
         pass

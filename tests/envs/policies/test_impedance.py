@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.base import believed_arm
 from activesuit.envs.policies.intention import intended
 from activesuit.envs.simulation.simulation import PREVIEW
 from activesuit.errors import InputError
@@ -25,7 +25,7 @@ def test_pull_of_springs_and_dampers():
 
 def test_springs_give_the_believed_arm_its_bandwidth():
     policy, env = made("impedance:bandwidth=1.5,damping_ratio=0.7")
-    inertia = believed_arm(env).inertia().nominal()
+    inertia = Plant.of(env.episodes).believed().inertia().nominal()
     pole = 2 * np.pi * 1.5
     np.testing.assert_allclose(policy.stiffness / inertia, pole**2)
     np.testing.assert_allclose(policy.damping / inertia, 2 * 0.7 * pole)

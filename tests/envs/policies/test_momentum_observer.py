@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.base import believed_arm
 from activesuit.envs.policies.momentum_observer import MomentumObserver
 from activesuit.errors import InputError
 from shown import made
@@ -27,7 +27,7 @@ def test_the_residual_of_a_step_is_exponential(bandwidth):
 
 def test_it_finds_a_torque_on_a_moving_arm():
     # The believed arm swings from rest under gravity, with an unknown constant torque.
-    arm, unknown = believed_arm(ArmEnv(suit="none")), np.array([4.0, -1.5])
+    arm, unknown = Plant.of(ArmEnv(suit="none").episodes).believed(), np.array([4.0, -1.5])
     inertia, weight, model = arm.inertia(), arm.whole_weight(), arm.model()
     model.dof_frictionloss[:] = 0
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION

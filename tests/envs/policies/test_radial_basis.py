@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from activesuit.envs.plant import Plant
 from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.base import believed_arm
 from activesuit.errors import InputError
 from shown import asked, made
 
@@ -18,7 +18,7 @@ def test_activities_add_up_to_one():
 
 def test_it_learns_a_constant_load():
     policy, env = made("radial-basis")
-    inertia, load = believed_arm(env).inertia().nominal(), np.array([8.0, 3.0])
+    inertia, load = Plant.of(env.episodes).believed().inertia().nominal(), np.array([8.0, 3.0])
     angle, rate, target, errors = np.zeros(2), np.zeros(2), np.array([0.6, 0.6]), []
     angle += target
     for _ in range(1500):
