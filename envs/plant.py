@@ -48,12 +48,11 @@ class Plant:
     edits: Edits | None = field(repr=False)
 
     @classmethod
-    def of(cls, episodes: Episodes, belief: Belief | None = None) -> "Plant":
+    def of(cls, episodes: Episodes) -> "Plant":
         """Returns what a controller may know of the arms of an environment.
 
         Args:
             episodes: Episodes of the environment, `env.episodes`.
-            belief: What the controller believes otherwise than the options say.
         """
         simulation, observer = episodes.simulation, episodes.observer
         return cls(
@@ -66,7 +65,7 @@ class Plant:
             peak=simulation.addresses.peak_torque.copy(),
             dt=simulation.control_dt,
             period=episodes.task.period,
-            config=(belief or Belief()).of(simulation.config),
+            config=simulation.config,
             edits=episodes.task.edits,
         )
 

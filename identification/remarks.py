@@ -40,7 +40,10 @@ Faults of the measurement, or terms that were not found: `tare`, `rate`, `play`,
 `softening`.
 """
 
-_IN_PYTHON = {("method", "auto"): "select(curves)"}
+_PARTS = {
+    **dict.fromkeys(("tare", "rate", "play", "softening"), "corrections=Corrections({})"),
+    "objective": "method=Search(..., {})",
+}
 
 
 @dataclass(frozen=True)
@@ -61,5 +64,7 @@ class Remark:
     def __str__(self) -> str:
         if self.option is None:
             return self.sentence
+        if self.option == ("method", "auto"):
+            return f"{self.sentence} (select(curves))"
         name, value = self.option
-        return f"{self.sentence} ({_IN_PYTHON.get(self.option, f'{name}={value!r}')})"
+        return f"{self.sentence} ({_PARTS.get(name, '{}').format(f'{name}={value!r}')})"

@@ -1,5 +1,6 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -96,15 +97,17 @@ def identify(
             empty one, or that of an earlier identify.
     """
     family = load_curves(curves)
-    mean = averaged(family, corrections)
-    if corrections.average_cycles and not json:
+    if corrections.average_cycles:
         counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        say(f"mean of the cycles after the first: {counts}")
+        family = averaged(family, corrections)
+        corrections = replace(corrections, average_cycles=False)
+        if not json:
+            say(f"mean of the cycles after the first: {counts}")
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
-    needed = needed_coverage(mean, curves, use, joint)
+    needed = needed_coverage(family, curves, use, joint)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     if method == AUTO:

@@ -88,7 +88,7 @@ def test_a_gap_is_named_with_its_remedy(elbow):
     curves = family(Backlash(model=elbow, gap=0.04))
     judged = identify(curves).judgement
     assert judged.causes[0].name == "gap"
-    assert "play='fit'" in " ".join(map(str, judged.remarks))
+    assert "corrections=Corrections(play='fit')" in " ".join(map(str, judged.remarks))
     assert identify(curves, corrections=Corrections(play="fit")).verdict == NOT_BEYOND
 
 
