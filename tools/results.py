@@ -333,18 +333,23 @@ def better() -> str:
     """Returns the table of the best causal policies at each level."""
     header, rows = ["policy"], []
     for level in standings().levels:
-        header += [f"{level}: success", "relief", "better"]
+        header += [f"{level}: success", "relief", "better / worse"]
     for policy in (*CAUSAL, "compensation"):
         cells = [f"`{policy}`"]
         for level in standings().levels:
             one = standing(policy, level)
-            relief, improvement = (
-                "" if found is None else interval(found.to_dict())
-                for found in (one.relief, one.improvement)
-            )
-            cells += [percent(one.success, 0), relief, improvement]
+            relief = "" if one.relief is None else interval(one.relief.to_dict())
+            cells += [percent(one.success, 0), relief, shares(one)]
         rows.append(cells)
     return markdown_table(header, rows)
+
+
+def shares(one: Standing) -> str:
+    """Returns the shares of motions with more relief than compensation, and with less."""
+    if one.compared is None:
+        return ""
+    better, _, worse = (percent(share, 0) for share in one.compared)
+    return f"{better} / {worse}"
 
 
 def relief_at(policy: str, level: str) -> str:

@@ -37,12 +37,15 @@ def _benchmark() -> Iterator[str]:
     yield f"`observer` rises {change('observer', 'shift')}"
     best = [relief_at("clairvoyant", level) for level in standings().levels]
     yield f"most relief at every level: {best[0]}, {best[1]} and {best[2]}"
-    better = standing("predictive", "nominal").improvement
-    if better is not None:
-        ends = f"({100 * better.low:.0f} to {100 * better.high:.0f})"
-        yield f"in {100 * better.value:.0f} % {ends} of the motions at nominal"
-    reliefs = (relief_at(name, "nominal") for name in ("predictive", "compensation"))
-    yield f"gives back {' instead of '.join(reliefs)}"
+    alike = standing("predictive", "nominal").compared
+    if alike is not None:
+        yield f"about as much relief in {100 * alike[1]:.0f} % of the motions at nominal"
+    adaptive = standing("adaptive", "shift").compared
+    if adaptive is not None:
+        yield f"in {100 * adaptive[0]:.0f} % of the motions, and less in {100 * adaptive[2]:.0f} %"
+    tuned = standing("adaptive-tuned", "shift").compared
+    if tuned is not None:
+        yield f"more relief than compensation in {100 * tuned[0]:.0f} % of the motions at shift"
 
 
 def _environments() -> Iterator[str]:

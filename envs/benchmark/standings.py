@@ -1,4 +1,9 @@
-"""What results say: success, relief, and which policy is better, by level and by task."""
+"""What results say: success, relief, and which policy is better, by level and by task.
+
+Motion i has the same wearer, sensors and, in tasks of one kind, the same movement in every setting.
+So intervals draw motions anew for all settings together. What other *tasks* would tell is another
+question, with intervals that draw tasks anew.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -9,14 +14,20 @@ from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
 from ..evaluation.metrics import relief
-from ..evaluation.statistics import Interval, difference_interval
-from ..evaluation.stratified import paired_improvement, stratified_interval
+from ..evaluation.statistics import (
+    FEWEST_RUNS,
+    Interval,
+    difference_interval,
+    interquartile_mean,
+    interquartile_mean_interval,
+)
 from ..levels import LEVELS
 from .results import Result
 from .suite import BASELINE, Setting, where
 
 BOUND = BOUNDS[1]
 FIXED = (*REFERENCES, BOUND)
+MARGIN = 0.02  # difference of relief below which two policies are alike
 
 
 @dataclass(frozen=True)
@@ -26,18 +37,27 @@ class Standing:
     Attributes:
         policy: Name of the policy.
         success: Share of motions that went well.
-        relief: Interquartile mean of relief over motions and tasks; None where no suit costs enough
-            for relief to have a meaning, or the policy ran fewer motions than the references.
-        improvement: Probability of less effort than the baseline on the same motion.
-        better: Share of the tasks in which that probability is at least 0.9.
+        relief: Interquartile mean of relief over motions and settings, and what other motions would
+            tell; None where no suit costs enough for relief to have a meaning.
+        over_tasks: The same mean, and what other tasks would tell; None with fewer than 5 tasks, or
+            where relief has a meaning in only a part of a task's settings.
+        mean: Mean relief, in which harm counts in full; None as `relief`.
+        worst: Least mean relief in a setting, and the setting; None as `relief`.
+        gain: Interquartile mean of relief less that of the baseline in the same motions; None for
+            the baseline itself.
+        compared: Shares of these motions with more relief than the baseline by more than `MARGIN`,
+            about as much, and less; None as `gain`.
         failed: Number of trials in which the policy could not act.
     """
 
     policy: str
     success: float
     relief: Interval | None
-    improvement: Interval | None
-    better: float | None
+    over_tasks: Interval | None
+    mean: float | None
+    worst: tuple[float, Setting] | None
+    gain: Interval | None
+    compared: tuple[float, float, float] | None
     failed: int
 
 
@@ -91,15 +111,19 @@ class Standings:
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
         reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
-        pairs = [self._paired(s, policy, BASELINE) for s in reliefs]
-        ours, theirs = ([pair[i] for pair in pairs if pair is not None] for i in (0, 1))
-        each = [paired_improvement([x], [y]).value for x, y in zip(ours, theirs, strict=True)]
+        means = {s: float(np.mean(relief)) for s, relief in reliefs.items()}
+        worst = min(means, key=lambda s: means[s]) if means else None
+        pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
+        gains = [np.subtract(*pair) for pair in pairs if pair is not None]
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
-            relief=stratified_interval(list(reliefs.values())) if reliefs else None,
-            improvement=paired_improvement(ours, theirs) if ours and policy != BASELINE else None,
-            better=float(np.mean(np.array(each) >= 0.9)) if ours and policy != BASELINE else None,
+            relief=_over_motions(list(reliefs.values())),
+            over_tasks=_over_tasks(reliefs),
+            mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
+            worst=None if worst is None else (means[worst], worst),
+            gain=_over_motions(gains),
+            compared=_compared(np.concatenate(gains)) if gains else None,
             failed=sum(one.failed is not None for one in mine),
         )
 
@@ -156,3 +180,40 @@ class Standings:
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
         return None if mine is None or theirs is None else (mine, theirs)
+
+
+def _compared(gains: Array) -> tuple[float, float, float]:
+    """Returns the shares of gains beyond the margin, within it, and of losses beyond it."""
+    better, worse = float(np.mean(gains > MARGIN)), float(np.mean(gains < -MARGIN))
+    return better, float(np.mean(np.abs(gains) <= MARGIN)), worse
+
+
+def _over_motions(values: Sequence[Array]) -> Interval | None:
+    """Returns the interquartile mean of all values, and what other motions would tell.
+
+    Args:
+        values: Values of each setting, shape (motions,); the first ones of all count.
+    """
+    motions = min((one.size for one in values), default=0)
+    return _clustered(np.array([one[:motions] for one in values]).T) if motions else None
+
+
+def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:
+    """Returns the interquartile mean of relief, and what other tasks would tell."""
+    tasks: dict[str, list[Array]] = {}
+    for setting, values in reliefs.items():
+        tasks.setdefault(setting.task, []).append(values)
+    found = [np.concatenate(values) for values in tasks.values()]
+    if len(found) < FEWEST_RUNS or len({one.size for one in found}) > 1:
+        return None
+    return _clustered(np.array(found))
+
+
+def _clustered(values: Array) -> Interval:
+    """Returns the interquartile mean of values, shape (clusters, size), with its interval.
+
+    It has no limits where a policy failed or there are too few clusters.
+    """
+    if len(values) < FEWEST_RUNS or not np.isfinite(values).all():
+        return Interval(float(interquartile_mean(values.ravel())), -np.inf, np.inf)
+    return interquartile_mean_interval(values)

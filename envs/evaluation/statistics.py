@@ -164,7 +164,10 @@ def interquartile_mean(scores: ArrayLike) -> Array:
 def interquartile_mean_interval(
     scores: ArrayLike, *, level: float = 0.95, resamples: int = 2000, seed: int = 0
 ) -> Interval:
-    """Returns the interval of the interquartile mean of all scores over other trainings.
+    """Returns the interval of the interquartile mean of all scores over other runs, or clusters.
+
+    A run is one training. The scores of the benchmark in one motion, or in one task, are such a
+    cluster as well: `tests/envs/benchmark/test_coverage.py` has the coverage with those.
 
     Agarwal et al. (2021) resample runs task by task, as their runs of two tasks are two trainings.
     Here all episodes of a run share one training, so that whole runs are resampled: with 10 runs

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...envs.benchmark.standings import FIXED, Standings
+from ...envs.benchmark.standings import FIXED, MARGIN, Standings
 from ...envs.benchmark.suite import BASELINE, Setting
+from ...envs.evaluation import Interval
 from ...envs.policies import POLICIES
 from ..output import Rows, markdown_table
 from .motions import interval_text
@@ -22,21 +23,31 @@ COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best 
 
 def level_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per policy over all tasks of a level."""
-    header = ["policy", "sensors", "success", "relief\n(95 % interval)", f"better than\n{BASELINE}"]
+    header = [
+        *("policy", "sensors", "success", "relief\n(other motions)", "other tasks"),
+        *("mean", "worst setting", f"relief less\n{BASELINE}'s", "better / alike / worse"),
+    ]
     rows = []
     for one in standings.by_level(level):
-        improvement = None if one.policy in FIXED else one.improvement
+        free = one.policy not in FIXED
         rows.append(
             [
                 one.policy if not one.failed else f"{one.policy} ({one.failed} failed)",
                 _sensors(one.policy),
                 f"{one.success:.0%}",
                 interval_text(one.relief),
-                interval_text(improvement),
-                "-" if improvement is None or one.better is None else f"{one.better:.0%}",
+                _ends(one.over_tasks),
+                "-" if one.mean is None else f"{one.mean:.2f}",
+                "-" if one.worst is None else f"{one.worst[0]:.2f} {one.worst[1].task}",
+                interval_text(one.gain if free else None),
+                " / ".join(f"{share:.0%}" for share in one.compared or ()) if free else "-",
             ]
         )
-    return [*header, "nearly always\nbetter in"], rows
+    return header, [[cell or "-" for cell in row] for row in rows]
+
+
+def _ends(interval: Interval | None) -> str:
+    return "-" if interval is None else f"{interval.low:.2f} to {interval.high:.2f}"
 
 
 def _sensors(policy: str) -> str:
@@ -77,12 +88,15 @@ def page(standings: Standings, title: str, figure: str) -> str:
         "**How to read this.** Each table is a level: how much differs from what a controller was "
         "made for. *Success* is the share of motions that meet the limits of their task. *Relief* "
         "is the share of the suit's cost that the wearer gets back: 0 is the suit without an "
-        "exoskeleton, 1 is no suit. It is the interquartile mean over tasks with a 95 % interval. "
-        f"*Better than {BASELINE}* is the probability of less effort on the same motion. *Nearly "
-        "always better in* is the share of settings where that probability is at least 0.9. A "
-        "setting is a task with a believed suit. *Sensors* are the suites that a policy needs. "
-        "`clairvoyant` is a plan that knows the true suit and the whole motion; it is the bound, "
-        f"not a controller.{_best(standings)}\n\n"
+        "exoskeleton, 1 is no suit. It is the interquartile mean over settings, and a setting is "
+        "a task with a believed suit. The 95 % interval beside it is what *other motions* of these "
+        "tasks would tell; the next column is what *other tasks* like these would. *Mean* counts "
+        "harm in full, which the interquartile mean leaves out. *Worst setting* is the least mean "
+        f"relief. *Relief less {BASELINE}'s* compares both in the same motions. *Better / alike / "
+        f"worse* are the shares of these motions with at least {MARGIN:g} more relief, about as "
+        "much, and less. *Sensors* are the suites that a policy needs. `clairvoyant` is a plan "
+        "that knows the true suit and the whole motion; it is the bound, not a controller."
+        f"{_best(standings)}\n\n"
         f"![Share of motions with at least a relief, by policy and level]({figure})\n"
     ]
     for level in standings.levels:

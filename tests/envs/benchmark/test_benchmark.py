@@ -98,8 +98,13 @@ def test_standings(results):
     assert found["suited"].relief.value == pytest.approx(0, abs=1e-12)
     right, wrong = found["compensation"], found["compensation:suit=mock-suit"]
     assert right.relief.value > wrong.relief.value
-    assert wrong.improvement.high < 0.5
-    assert right.improvement is None  # it is what the others are compared with
+    assert wrong.gain.high < 0
+    assert wrong.compared[2] > 0.5 > wrong.compared[0]
+    assert sum(wrong.compared) == pytest.approx(1)
+    assert right.gain is None  # it is what the others are compared with
+    assert right.compared is None
+    assert right.mean == pytest.approx(right.worst[0])  # in the only setting
+    assert right.over_tasks is None  # there is only one
     (setting,) = standings.settings
     difference = standings.difference(setting, "compensation", "compensation:suit=mock-suit")
     assert difference.low > 0
@@ -138,7 +143,9 @@ def test_a_policy_with_fewer_motions_is_compared_on_those():
     (setting,) = standings.settings
     np.testing.assert_allclose(standings.relief(setting, "short"), 0.6)
     assert standings.relief(setting, "compensation").mean() == pytest.approx(0.5)
-    assert standings.standing("short", [setting]).improvement.value == 1
+    short = standings.standing("short", [setting])
+    np.testing.assert_allclose(list(short.gain.to_dict().values()), 0.1)
+    assert short.compared == (1, 0, 0)
 
 
 def test_a_policy_stands_only_at_levels_where_it_ran(results):
