@@ -92,9 +92,12 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
 def test_elements_that_were_not_found_are_reported(elbow, viscous):
     fit = identify(measured(viscous), corrections=Corrections(rate="relaxing"))
     assert rate_of(fit.model) == "viscous"
-    assert "no relaxation was found beside the dashpot (rate='viscous')" in map(str, fit.remarks)
+    assert (
+        "no relaxation was found beside the dashpot (corrections=Corrections(rate='viscous'))"
+        in map(str, fit.remarks)
+    )
     fit = identify(measured(Viscoelastic(model=elbow)), corrections=Corrections(play="fit"))
-    assert "no gap was found (play='none')" in map(str, fit.remarks)
+    assert "no gap was found (corrections=Corrections(play='none'))" in map(str, fit.remarks)
 
 
 def test_auto_chooses_among_models_beside_the_dashpot(viscous):
