@@ -78,12 +78,14 @@ class Corrected(NamedTuple):
         measured: The curves to fit, perhaps thinned.
         tare: Offset that was subtracted [N·m].
         softening: Change over the cycles that was removed; None if none was.
+        faults: Remarks on mistakes of the recording.
     """
 
     family: Curves
     measured: Curves
     tare: float
     softening: Softening | None
+    faults: tuple[Remark, ...] = ()
 
 
 def averaged(curves: Curves, corrections: Corrections) -> Curves:

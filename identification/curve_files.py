@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..csv_rows import LARGEST, angle_in, next_time, number_in, rows_of
+from ..csv_rows import LARGEST, RADIANS_AT_MOST, angle_in, next_time, number_in, rows_of
 from ..errors import InputError
 from ..files import content_of, write_text
 from .curves import Curve, Curves
@@ -41,6 +41,7 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
     angle_column = _angle_column(path, header)
     samples: dict[str, tuple[array, array, array]] = {}
     labels: dict[str, dict[str, Any]] = {}
+    lines: dict[str, array] = {}
     for line, row in rows:
         if len(row) != len(header):
             raise InputError(
@@ -67,8 +68,14 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
                 f"{path}, line {line}: curve {name!r} has a time at some samples only: fill the "
                 "column time_s for all of them, or for none"
             )
-        angle.append(angle_in(cells, angle_column, path, line))
         torque.append(number_in(cells, "torque_nm", path, line))
+        try:
+            angle.append(angle_in(cells, angle_column, path, line))
+        except InputError as error:
+            if max(map(abs, torque)) > RADIANS_AT_MOST:
+                raise
+            raise InputError(f"{error}; or the columns of angle and torque are exchanged") from None
+        lines.setdefault(name, array("l")).append(line)
     if not samples:
         raise InputError(f"{path} has a header but no samples")
     try:
@@ -84,7 +91,8 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
         ]
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    return Curves(curves, source=path.name, sha256=hashlib.sha256(content).hexdigest())
+    sha256 = hashlib.sha256(content).hexdigest()
+    return Curves(curves, source=path.name, sha256=sha256, lines=lines)
 
 
 def save_curves(

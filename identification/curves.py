@@ -1,6 +1,6 @@
 """Measured angle-torque curves: one curve with its checks, and the curves of one joint."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -108,16 +108,22 @@ class Curves(list[Curve]):
     Attributes:
         source: The name of the file they were read from; empty if they were made in Python.
         sha256: The hash of that file's bytes; None if there is no file.
+        lines: The line of each sample in that file, by curve; empty if there is no file.
     """
 
     def __init__(
-        self, curves: Iterable[Curve] = (), *, source: str = "", sha256: str | None = None
+        self,
+        curves: Iterable[Curve] = (),
+        *,
+        source: str = "",
+        sha256: str | None = None,
+        lines: Mapping[str, Sequence[int]] | None = None,
     ) -> None:
-        """Makes the list; without `source` and `sha256` it keeps those of other `Curves`."""
+        """Makes the list; without a `source` it keeps that of other `Curves`."""
         super().__init__(curves)
         if isinstance(curves, Curves) and not source:
-            source, sha256 = curves.source, curves.sha256
-        self.source, self.sha256 = source, sha256
+            source, sha256, lines = curves.source, curves.sha256, curves.lines
+        self.source, self.sha256, self.lines = source, sha256, lines or {}
 
     def fitted(self) -> "Curves":
         """Returns the curves with role "fit"."""
@@ -143,6 +149,12 @@ class Curves(list[Curve]):
         angle = np.concatenate([curve.angle for curve in self])
         return float(angle.min()), float(angle.max())
 
+    def place(self, name: str, sample: int) -> str:
+        """Returns where a sample of a curve as it was read is, in words."""
+        if name in self.lines:
+            return f"line {self.lines[name][sample]}"
+        return f"sample {sample} of curve {name!r}"
+
     @property
     def names(self) -> list[str]:
         """The names of the curves."""
@@ -166,7 +178,7 @@ class Curves(list[Curve]):
 
     def _with_role(self, role: Role) -> "Curves":
         chosen = (curve for curve in self if curve.role == role)
-        return Curves(chosen, source=self.source, sha256=self.sha256)
+        return Curves(chosen, source=self.source, sha256=self.sha256, lines=self.lines)
 
 
 def noise_floor(curves: Sequence[Curve]) -> float:

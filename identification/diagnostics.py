@@ -1,7 +1,6 @@
-"""Remarks on the numbers of a fit and of its curves, by rules of thumb."""
+"""Remarks on the numbers of a fit, by rules of thumb."""
 
-from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from ..hysteresis.around.clipped import Clipped
 from ..hysteresis.around.viscoelastic import without_rate
 from ..hysteresis.jiles_atherton.model import PARAMETERS, JilesAtherton
 from ..hysteresis.protocol import HysteresisModel
-from .curves import Curve, Curves
+from .curves import Curve
 from .fits.certified import EXCESS, SHAPE
 from .fits.play import LARGEST, without_play
 from .fits.search import MARGIN
@@ -19,13 +18,6 @@ from .remarks import Remark
 
 NEAR = 1e-3  # relative distance at which a parameter counts as being at its limit
 DISORDER = 0.2  # largest plausible error, as a share of the peak
-LITTLE_MOTION = 0.05  # smallest plausible range of angles [rad]
-# Peak torques of a joint in a suit [N·m], with a factor of ten or more on each side.
-USUAL_PEAK = (0.01, 1000.0)
-USUAL_RATE = (1e-3, 30.0)  # rates of a branch [rad/s]; slower takes an hour, faster is no joint's
-COARSE = 0.1  # largest distance between two samples, as a share of the range
-COUNTS = 100  # encoder counts over the range: fewer hide torques of 0.3 % of the peak
-REPEATED = 0.2  # share of samples that repeat the angle of the one before
 RETURNED = 0.05  # shortest way back that counts, as a share of the span
 
 
@@ -43,7 +35,12 @@ def diagnostics(
         curves: The fitted curves.
         bounds: The search box of Ms, a, alpha, c, k in degrees; None for certified fits.
     """
-    found = [*_unusual(nrmse, curves)]
+    found = []
+    if nrmse > DISORDER:
+        sentence = (
+            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement"
+        )
+        found.append(Remark("disorder", sentence))
     span = max(float(np.ptp(curve.angle)) for curve in curves)
     inner = without_rate(model)
     if isinstance(inner, Backlash) and inner.gap >= (1 - NEAR) * LARGEST * span:
@@ -57,81 +54,6 @@ def diagnostics(
     if isinstance(inner, JilesAtherton):
         found += _limits(inner.in_unit("deg"), bounds)
     return tuple(found)
-
-
-def _unusual(nrmse: float, curves: Sequence[Curve]) -> Iterator[Remark]:
-    """Yields remarks on numbers of the curves that hint at a mistake."""
-    if nrmse > DISORDER:
-        yield Remark(
-            "disorder",
-            f"NRMSE {nrmse:.1%}: the curves are very noisy, or not in the order of measurement",
-        )
-    span = max(float(np.ptp(curve.angle)) for curve in curves)
-    if span < LITTLE_MOTION:
-        yield Remark("unit", f"the angles span only {span:.3g} rad: check their unit")
-    peak = Curves(curves).peak
-    low, high = USUAL_PEAK
-    if not low <= peak <= high:
-        yield Remark(
-            "unit",
-            f"the torque peaks at {peak:,.3g} N·m, and that of a joint between {low:g} and "
-            f"{high:,g} N·m: check its unit",
-        )
-    rates = [
-        float(np.abs(np.diff(one.angle)).sum() / np.ptp(one.time))
-        for one in curves
-        if one.time is not None
-    ]
-    low, high = USUAL_RATE
-    if rates and not low <= min(rates) <= max(rates) <= high:
-        yield Remark(
-            "clock",
-            f"the joint moves at {min(rates):.2g} to {max(rates):.2g} rad/s, and joints are "
-            f"measured between {low:g} and {high:g}: check that time_s is in seconds",
-        )
-    yield from _first(curves, _coarse)
-    yield from _first(curves, _stepped)
-    copies = [
-        (one.name, other.name)
-        for one, other in combinations(curves, 2)
-        if np.array_equal(one.angle, other.angle) and np.array_equal(one.torque, other.torque)
-    ]
-    if copies:
-        yield Remark(
-            "copy",
-            f"curve {copies[0][1]!r} is a copy of {copies[0][0]!r} to the last digit, and no "
-            f"second measurement (copies in all: {len(copies)}): remove it",
-        )
-
-
-def _first(curves: Sequence[Curve], look: Callable[[Curve], Remark | None]) -> list[Remark]:
-    """Returns the remark on the first curve that deserves one."""
-    return list(filter(None, map(look, curves)))[:1]
-
-
-def _coarse(curve: Curve) -> Remark | None:
-    step = float(np.abs(np.diff(curve.angle)).max())
-    if step <= COARSE * np.ptp(curve.angle):
-        return None
-    return Remark(
-        "coarse",
-        f"samples of curve {curve.name!r} are up to {step:.2g} rad apart, more than "
-        f"{COARSE:.0%} of its range, and the torque between them is unknown: sample finer",
-    )
-
-
-def _stepped(curve: Curve) -> Remark | None:
-    steps, span = np.abs(np.diff(curve.angle)), float(np.ptp(curve.angle))
-    count = float(steps[steps > 0].min())
-    whole = np.allclose(steps / count, np.round(steps / count), atol=0.01)
-    if span >= COUNTS * count or not whole or np.mean(steps == 0) <= REPEATED:
-        return None
-    return Remark(
-        "encoder",
-        f"the angles of curve {curve.name!r} come in steps of {count:.2g} rad, "
-        f"{span / count:.0f} over its range, and the torque changes within a "
-        "step: measure with a finer encoder, or keep one sample of each step",
-    )
 
 
 def _safety(model: Clipped) -> Iterator[Remark]:

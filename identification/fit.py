@@ -17,8 +17,9 @@ from .ensemble import NESTED
 from .methods import Method, Search
 from .objective import InitialTorque
 from .prediction import nrmse, predicted, torque_errors
+from .recording import IF_WRONG
 from .remarks import Remark
-from .residual.verdict import NOT, Judgement, judge
+from .residual.verdict import NOT, UNKNOWN, Judgement, judge
 from .softening import Softening
 from .thinning import thinning_note
 from .trials import Trial
@@ -175,7 +176,9 @@ def judged_fit(
     if memoryless and judged:
         remarks = (Remark("memoryless", memoryless), *judged.remarks)
         judged = replace(judged, verdict=NOT, remarks=remarks)
-    remarks = list(diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None))
+    doubted = judged is None or judged.verdict in (NOT, UNKNOWN)
+    remarks = [one for one in curves.faults if doubted or one.code not in IF_WRONG]
+    remarks += diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None)
     remarks += judged.remarks if judged else ()
     remarks += [Remark("coverage", sentence) for sentence in short]
     if judged and not fitted_start:

@@ -18,6 +18,7 @@ from .fit import Fit, judged_fit
 from .fits.registry import Fitted, fit_model
 from .methods import DEFAULT_MODEL, Method, Search, check_together, method_of
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
+from .recording import recording_faults
 from .residual.loop_work import refuse_driven
 from .thinning import thinned
 from .trials import Trial, fit_trial, optimizer_trial
@@ -140,7 +141,8 @@ def prepared(
         rng = np.random.default_rng(seed)
         return fit_model(model, some, rng, **start, **corrections.beside)
 
-    return corrected(family, measured, corrections, fitted)
+    faults = tuple(recording_faults(Curves(curves).fitted()))
+    return corrected(family, measured, corrections, fitted)._replace(faults=faults)
 
 
 def refuse_unknown(given: dict[str, Any]) -> None:

@@ -11,6 +11,10 @@ Code = Literal[
     "coarse",
     "encoder",
     "copy",
+    "work",
+    "clipped",
+    "turn",
+    "label",
     "range",
     "certificate",
     "limit",
@@ -19,9 +23,12 @@ Code = Literal[
     "outliers",
     "tare",
     "rate",
+    "lag",
     "play",
     "gap",
     "drift",
+    "offset",
+    "gain",
     "softening",
     "search",
     "wandering",
@@ -32,12 +39,14 @@ Code = Literal[
 """What a remark is about.
 
 The curves: `coverage` (they do not cover the intended motion), `disorder` (noisy or not in order),
-`unit`, `clock`, `coarse`, `encoder`, `copy`, `outliers`, `thinned` (a part of the samples is used).
+`unit`, `clock`, `coarse`, `encoder`, `copy`, `outliers`, `work` (the loops give energy back),
+`clipped`, `turn` (it is missing), `label` (one for several curves), `thinned` (a part of the
+samples is used).
 The model: `range` (safe between some angles), `certificate` and `limit` (the fit ended at a limit),
 `misfit`, `nothing` (nothing is explained), `search` (ended early), `wandering` (noise or misfit),
 `memoryless` (no memory is needed), `start` (where curves and model begin).
-Faults of the measurement, or terms that were not found: `tare`, `rate`, `play`, `gap`, `drift`,
-`softening`.
+Faults of the measurement, or terms that were not found: `tare`, `rate`, `lag`, `play`, `gap`,
+`drift`, `offset` and `gain` of one curve, `softening`.
 """
 
 _PARTS = {

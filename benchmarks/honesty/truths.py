@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ...arrays import Array
 from ...hysteresis import BoucWen, JilesAtherton, PrandtlIshlinskii
 from ...hysteresis.certificate import PoleError
+from ...hysteresis.dahl import Dahl
 from ...hysteresis.jiles_atherton.margins import margin_in_range
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Curve, first_order_motions
@@ -17,6 +19,7 @@ from ...identification.fits.search import MARGIN
 from ...identification.residual.noise import slow_noise
 
 PEAK, NOISE, TURNS, STEP = 10.0, 0.1, 5, 0.015  # N·m, N·m, curves, rad
+CYCLES = 8  # of a record that grows
 
 Torque = Callable[[Array], Array]
 
@@ -101,6 +104,79 @@ def cubic(rng: np.random.Generator) -> Truth:
     return scaled(torque, truth.low, truth.high)
 
 
+def dahl(rng: np.random.Generator) -> Truth:
+    """Draws a Dahl friction beside an exponential spring."""
+    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
+    stiffness, friction, rise = rng.uniform(5, 40), rng.uniform(0.2, 1.0), rng.uniform(0.5, 3)
+    model = Dahl(spring=(0.0,), stiffness=stiffness, friction=friction, start_angle=low)
+
+    def torque(angle: Array) -> Array:
+        spring = np.expm1(rise * (angle - low)) / np.expm1(rise * (high - low))
+        return model.response(angle) + 2 * spring
+
+    return scaled(torque, low, high)
+
+
+def duhem(rng: np.random.Generator) -> Truth:
+    """Draws a Duhem model whose ways up and down are unlike, beside a spring.
+
+    Upwards z approaches one limit at one rate over the angle, downwards another at another rate
+    (Macki, Nistri and Zecca 1993, SIAM Review 35, 94).
+    """
+    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
+    rate = np.exp(rng.uniform(1, 3, 2))
+    limit = rng.uniform(0.3, 1.0, 2) * (1, -1)
+    elastic = rng.uniform(0.5, 2)
+
+    def torque(angle: Array) -> Array:
+        found, z = np.zeros(angle.size), 0.0
+        for i, way in enumerate(np.diff(angle).tolist(), 1):
+            side = 0 if way > 0 else 1
+            z = limit[side] + (z - limit[side]) * math.exp(-rate[side] * abs(way))
+            found[i] = z
+        return found + elastic * (angle - low)
+
+    return scaled(torque, low, high)
+
+
+def pinched(rng: np.random.Generator) -> Truth:
+    """Draws stops whose loops are narrow around one angle, as in joints that slip."""
+    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
+    span = high - low
+    stops = PrandtlIshlinskii(
+        stiffness=0.0,
+        thresholds=(span * np.linspace(0.05, 0.6, 6)).tolist(),
+        weights=rng.dirichlet(np.ones(6)).tolist(),
+        rest_angle=low,
+    )
+    middle, width = low + span * rng.uniform(0.3, 0.7), span * rng.uniform(0.1, 0.25)
+    depth, elastic = rng.uniform(0.4, 0.8), rng.uniform(0.1, 0.5)
+
+    def torque(angle: Array) -> Array:
+        narrow = 1 - depth * np.exp(-(((angle - middle) / width) ** 2))
+        return stops.response(angle) * narrow + elastic * (angle - low)
+
+    return scaled(torque, low, high)
+
+
+def fractional(rng: np.random.Generator) -> Truth:
+    """Draws a spring beside a spring-pot at one rate: a derivative of order 0.1 to 0.5.
+
+    By the differences of Gruenwald and Letnikov; the time of one step of the rig is the unit.
+    """
+    low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
+    order, elastic, pot = rng.uniform(0.1, 0.5), rng.uniform(0.2, 1), rng.uniform(0.5, 2)
+
+    def torque(angle: Array) -> Array:
+        count = np.arange(1, angle.size)
+        weights = np.concatenate([[1.0], np.cumprod(1 - (order + 1) / count)])
+        step = float(np.median(np.abs(np.diff(angle)))) / STEP
+        moved = np.convolve(angle - low, weights)[: angle.size] / step**order
+        return elastic * (angle - low) + pot * moved
+
+    return scaled(torque, low, high)
+
+
 def behind_gap(model: HysteresisModel, angle: Array, width: float) -> Array:
     """Returns the torque of a model that a joint moves through a gap [N·m], shape (n,).
 
@@ -131,6 +207,10 @@ KINDS: dict[str, Callable[[np.random.Generator], Truth]] = {
     "Bouc-Wen": bouc_wen,
     "dead zones": dead_zone,
     "cubic": cubic,
+    "Dahl": dahl,
+    "Duhem": duhem,
+    "pinched": pinched,
+    "fractional": fractional,
 }
 
 
@@ -148,8 +228,9 @@ def measured(
     *,
     size: float = NOISE,
     repeats: int = 1,
+    record: bool = False,
 ) -> list[Curve]:
-    """Returns first-order curves with noise.
+    """Returns measured curves with noise.
 
     Args:
         truth: Joint.
@@ -157,9 +238,9 @@ def measured(
         rng: Generator of the noise.
         size: Standard deviation of the noise [N·m].
         repeats: Number of times that each curve is measured.
+        record: Whether it is one record of growing cycles instead of first-order curves.
     """
-    turns = np.linspace(truth.low, truth.high, TURNS + 1)[1:].tolist()
-    motions = first_order_motions(turns, start_angle=truth.low, angle_step=STEP)
+    motions = {"record": growing(truth)} if record else first_order(truth)
     memory, white = noise
     curves = []
     for i in range(repeats):
@@ -168,3 +249,22 @@ def measured(
             drawn = slow + math.sqrt(white) * rng.standard_normal(angle.size)
             curves.append(Curve(angle, truth.torque(angle) + size * drawn, f"{name}-{i}"))
     return curves
+
+
+def first_order(truth: Truth) -> dict[str, Array]:
+    """Returns the motions of first-order curves over the range of a joint, by name."""
+    turns = np.linspace(truth.low, truth.high, TURNS + 1)[1:].tolist()
+    return first_order_motions(turns, start_angle=truth.low, angle_step=STEP)
+
+
+def growing(truth: Truth) -> Array:
+    """Returns a motion to the middle of the range, then of cycles each larger than the last."""
+    middle, most = (truth.low + truth.high) / 2, (truth.high - truth.low) / 2
+    sizes = most * np.linspace(0.15, 1, CYCLES)
+    turns = [middle + way * size for size in sizes.tolist() for way in (1, -1)]
+    points = [truth.low, *turns]
+    pieces = [
+        np.linspace(start, end, max(round(abs(end - start) / STEP), 1) + 1)[1:]
+        for start, end in pairwise(points)
+    ]
+    return np.concatenate([[truth.low], *pieces])

@@ -1,11 +1,12 @@
 """Known faults of a measurement, each as the torque that it would add.
 
-Each is one column beside the derivatives of a fit (see `identification.residual.misfit`). The
-column that explains most identifies the cause, and its coefficient is the size of the fault.
+Each fault is first one column beside the derivatives of a fit (see `residual.misfit`). Those that
+the F test finds are then fitted beside the model, alone or in pairs, and are causes only if nothing
+but noise remains: a wrong model is no fault of the measurement, and no fault makes it right.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,147 +14,371 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.around.backlash import Backlash
-from ...hysteresis.around.viscoelastic import without_rate
+from ...hysteresis.around.viscoelastic import Viscoelastic, without_rate
 from ...hysteresis.protocol import HysteresisModel
-from ..curves import Curve
-from ..lost_motion import played, suit_angles
+from ..curves import Curve, Curves
+from ..lost_motion import played
 from ..objective import InitialTorque
 from ..prediction import predicted
 from ..remarks import Remark
 from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
+from .tangent import Coordinates
 
-RARE = 1e-4  # probability below which a fault is reported: one in thousands of fits without one
+RARE = 1e-4  # probability below which a fault is tried: one in thousands of fits without one
+ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
 # Plays and gaps to try [rad], because the torque that they add is not proportional to them.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
-NEVER_BELOW_ZERO = ("play", "gap")
+NEVER_BELOW_ZERO = ("play", "gap", "rate")
 NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
+TRIED = 4  # number of faults that are fitted, of those with the largest F
+SECOND = 2  # number of faults that are fitted beside each of them
+FEW = 12  # coordinates of a model, up to which a fault is fitted beside it anew
+STEPS = 40  # largest number of steps of such a fit
+LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
+LEAST_CYCLES = 1.5  # of one record, below which no drift can be seen
+# Paces of wear-in to try, as numbers of curves or cycles, and least number that shows it.
+PACES = np.geomspace(0.5, 8, 12)
+LEAST_WEAR = 2.0
 
 
-Fault = Literal["tare", "rate", "play", "gap", "drift"]
+Fault = Literal["tare", "rate", "lag", "play", "gap", "drift", "softening", "offset", "gain"]
+Faulty = Callable[[HysteresisModel, InitialTorque, float], Array]
 
 
-class Cause(NamedTuple):
-    """A fault that explains a part of a residual.
+class Candidate(NamedTuple):
+    """A fault to try.
 
     Attributes:
-        name: tare, rate, play, gap or drift.
-        size: How large it is: [N·m] of tare, [N·m·s/rad] of rate, [rad] of play and gap, [1] of
-            drift, per curve, or per cycle of one long record.
-        explained: F test of its column.
-        column: What a fault of size 1 adds to the torque, shape (samples,).
+        name: Name of the fault.
+        curve: Curve that has it; empty if all have.
+        step: Size at which its column is computed.
+        most: Largest size that is plausible.
+        torque: Torque along all curves [N·m] with a fault of some size, shape (samples,).
     """
 
     name: Fault
+    curve: str
+    step: float
+    most: float
+    torque: Faulty
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """A fault that, alone or with another one, explains a residual down to the noise.
+
+    Attributes:
+        name: tare, rate, lag, play, gap, drift, softening, offset or gain.
+        curve: Name of the curve that has it; empty if all have.
+        size: How large it is: [N·m] of tare and offset, [N·m·s/rad] of rate, [s] of lag, [rad] of
+            play and gap, [1] of gain, of drift, per curve, or per cycle of one long record, and of
+            softening, at the beginning over the end.
+        explained: F test of its column.
+        left: Root mean square of the residual if all of them are fitted too [N·m].
+    """
+
+    name: Fault
+    curve: str
     size: float
     explained: Explained
-    column: Array
+    left: float
 
     @property
     def remark(self) -> Remark:
         """The fault in words, and its remedy."""
-        option = None if self.name == "rate" and self.size < 0 else _OPTIONS.get(self.name)
-        return Remark(self.name, _SENTENCES[self.name](self.size), option)
+        sentence = _SENTENCES[self.name](self.size, self.curve)
+        return Remark(self.name, sentence, _OPTIONS.get(self.name))
 
 
-_SENTENCES: dict[Fault, Callable[[float], str]] = {
-    "tare": lambda size: (
+_SENTENCES: dict[Fault, Callable[[float, str], str]] = {
+    "tare": lambda size, _: (
         f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
         "cannot describe: zero the sensor, or fit it as the sensor's offset"
     ),
-    "rate": lambda size: (
-        f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous, or the sensor "
-        "lags; measure slower, or fit the rate too"
-        if size > 0
-        else f"the torque falls by {-size:.2g} N·m with each rad/s, which no joint shows: angle "
-        "and torque are not measured at the same time; measure slower, or shift one of them"
+    "rate": lambda size, _: (
+        f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous; measure "
+        "slower, or fit the rate too"
     ),
-    "play": lambda size: (
+    "lag": lambda size, _: (
+        f"the torque is measured {abs(size):.2g} s {'after' if size > 0 else 'before'} the angle: "
+        "shift one of them, use the same filter for both, or measure slower"
+    ),
+    "play": lambda size, _: (
         f"the angle moves by {np.degrees(size):.2g} degrees after each reversal before the torque "
         "follows: there is play between encoder and joint; remove it, or measure the joint itself"
     ),
-    "gap": lambda size: (
+    "gap": lambda size, _: (
         f"the joint moves by about {np.degrees(size):.2g} degrees where the torque is near zero: "
         "there the contact in the transmission changes from one face to another; remove that gap, "
         "or fit it too"
     ),
-    "drift": lambda size: (
+    "drift": lambda size, _: (
         f"the torque changes by {100 * size:+.2g} % from curve to curve, or cycle to cycle: the "
-        "joint wears in, or the sensor drifts; cycle the joint before, and fit only the last "
-        "cycles, or remove a change that settles"
+        "sensor drifts, or the joint wears; measure in one go, or remove the change"
+    ),
+    "softening": lambda size, _: (
+        f"the torque begins {100 * abs(size):.2g} % {'larger' if size > 0 else 'smaller'} than it "
+        "ends: the joint wears in; cycle it before, and fit only the last cycles, or remove the "
+        "change"
+    ),
+    "offset": lambda size, curve: (
+        f"a torque of {size:+.2g} N·m is in all samples of curve {curve!r}, and not in the others: "
+        "zero the sensor before every curve; subtract it there, or measure that curve again"
+    ),
+    "gain": lambda size, curve: (
+        f"the torque of curve {curve!r} is {100 * size:+.2g} % larger than that of the others: "
+        "check the sensor's range and the unit of that curve, or measure it again"
     ),
 }
 _OPTIONS: dict[Fault, tuple[str, str]] = {
     "tare": ("tare", "fit"),
     "rate": ("rate", "viscous"),
     "gap": ("play", "fit"),
-    "drift": ("softening", "fit"),
+    **dict.fromkeys(("drift", "softening"), ("softening", "fit")),
 }
 
 
+class Linear(NamedTuple):
+    """A fault as one column beside the derivatives of a fit.
+
+    Attributes:
+        candidate: The fault.
+        column: What a fault of size 1 adds to the torque, shape (samples,).
+        size: Its coefficient.
+        explained: F test of the column.
+    """
+
+    candidate: Candidate
+    column: Array
+    size: float
+    explained: Explained
+
+
+class Beside(NamedTuple):
+    """A model and faults that are fitted together.
+
+    Attributes:
+        residual: What remains [N·m], shape (samples,).
+        slopes: Derivatives of the torque with respect to the model's coordinates and to the sizes
+            of the faults, shape (samples, p + faults).
+        sizes: Size of each fault.
+    """
+
+    residual: Array
+    slopes: Array
+    sizes: Array
+
+
 def causes(
-    model: HysteresisModel,
-    initial_torque: InitialTorque,
+    coordinates: Coordinates,
     curves: Sequence[Curve],
     residual: Array,
     slopes: Array,
+    smooth: Array,
     known: Noise | None = None,
 ) -> list[Cause]:
-    """Returns the faults that surely are in a residual, the most certain first.
+    """Returns the fault, or the two, that explain a residual down to the noise.
 
     Args:
-        model: Fitted model.
-        initial_torque: Torque with which the curves begin [N·m], or "measured".
+        coordinates: Fitted model and initial torque.
         curves: Fitted curves, in the order of measurement.
         residual: Residual of the fit [N·m], shape (samples,).
         slopes: Derivatives of the torque with respect to the fitted parameters, shape
             (samples, p).
+        smooth: Columns that may explain what remains, shape (samples, q).
         known: Noise known from repeated curves; None estimates it.
     """
-    sizes = [curve.torque.size for curve in curves]
-    found: dict[Fault, Cause] = {}
-    for name, column in _columns(model, initial_torque, curves):
-        if not np.isfinite(column).all():
-            continue  # the model meets its pole a little beyond the curves
-        rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
-        if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
-            continue
-        test = explained(residual, slopes, column[:, None], sizes, known)
-        size = _coefficient(residual, slopes, column, sizes, test.noise)
-        if test.probability >= RARE or (name in NEVER_BELOW_ZERO and size < 0):
-            continue
-        if name not in found or test.statistic > found[name].explained.statistic:
-            found[name] = Cause(name, size, test, column)
-    return sorted(found.values(), key=lambda cause: -cause.explained.statistic)
+    model, start = coordinates.at(coordinates.point)
+    columns = list(_columns(model, start, curves))
+    lengths = [curve.torque.size for curve in curves]
+
+    def tried(fit: Beside, but: tuple[Fault, ...] = ()) -> list[Linear]:
+        return [
+            one for one in _likely(columns, fit, lengths, known) if one.candidate.name not in but
+        ]
+
+    alone = tried(Beside(residual, slopes, np.empty(0)))
+    pairs = []
+    for groups in ([(one,) for one in alone], pairs):
+        right = []
+        for faults in groups:
+            fit = _fitted(coordinates, curves, residual, slopes, faults)
+            if fit is None:
+                continue
+            if explained(fit.residual, fit.slopes, smooth, lengths, known).probability >= ENOUGH:
+                right.append((faults, fit))
+            elif len(faults) == 1:
+                others = _likely(columns, fit, lengths, known, but=faults[0].candidate.name)
+                pairs += [(*faults, other) for other in others[:SECOND]]
+        if right:
+            faults, fit = min(right, key=lambda some: float(np.linalg.norm(some[1].residual)))
+            left = float(np.sqrt(np.mean(fit.residual**2)))
+            return [
+                Cause(one.candidate.name, one.candidate.curve, size, one.explained, left)
+                for one, size in zip(faults, fit.sizes.tolist(), strict=True)
+            ]
+    return []
 
 
 def _columns(
-    model: HysteresisModel, initial_torque: InitialTorque, curves: Sequence[Curve]
-) -> Iterator[tuple[Fault, Array]]:
-    torque = [predicted(model, initial_torque, curve) for curve in curves]
-    yield "tare", np.ones(sum(one.size for one in torque))
-    timed = [(curve.angle, curve.time) for curve in curves if curve.time is not None]
-    if len(timed) == len(curves):
-        yield "rate", np.concatenate([np.gradient(angle, time) for angle, time in timed])
-    paths: list[tuple[Fault, float, list[Array]]] = []
-    for width in WIDTHS.tolist():
-        paths.append(("play", width, [played(curve.angle, width) for curve in curves]))
-        if not isinstance(without_rate(model), Backlash):
-            paths.append(("gap", width, [suit_angles(curve, width) for curve in curves]))
-    for name, width, angles in paths:
+    model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
+) -> Iterator[tuple[Candidate, Array]]:
+    """Yields all faults that the curves can show, each with its column."""
+    for candidate in _candidates(model, curves):
         try:
-            late = [
-                predicted(model, initial_torque, replace(curve, angle=angle))
-                for curve, angle in zip(curves, angles, strict=True)
-            ]
+            here = candidate.torque(model, start, 0.0)
+            column = (candidate.torque(model, start, candidate.step) - here) / candidate.step
         except InputError:
             continue  # the model cannot begin with that torque at another angle
-        yield name, (np.concatenate(late) - np.concatenate(torque)) / width
-    if len(torque) > 1:
-        yield "drift", np.concatenate([i * here for i, here in enumerate(torque)])
+        if np.isfinite(column).all():  # else the model meets its pole a little beyond the curves
+            yield candidate, column
+
+
+def _likely(
+    columns: Sequence[tuple[Candidate, Array]],
+    fit: Beside,
+    lengths: Sequence[int],
+    known: Noise | None,
+    but: str = "",
+) -> list[Linear]:
+    """Returns the faults that surely are in a residual, the most certain first, but for one."""
+    found: dict[Fault, Linear] = {}
+    residual, slopes, _ = fit
+    for candidate, column in columns:
+        if candidate.name == but:
+            continue
+        rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
+        if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
+            continue
+        test = explained(residual, slopes, column[:, None], lengths, known)
+        size = _coefficient(residual, slopes, column, lengths, test.noise)
+        if test.probability >= RARE or (candidate.name in NEVER_BELOW_ZERO and size < 0):
+            continue
+        best = found.get(candidate.name)
+        if best is None or test.statistic > best.explained.statistic:
+            found[candidate.name] = Linear(candidate, column, size, test)
+    return sorted(found.values(), key=lambda one: -one.explained.statistic)[:TRIED]
+
+
+def _fitted(
+    coordinates: Coordinates,
+    curves: Sequence[Curve],
+    residual: Array,
+    slopes: Array,
+    faults: Sequence[Linear],
+) -> Beside | None:
+    """Returns faults that are fitted beside the model; None if one is not plausible."""
+    if coordinates.point.size <= FEW:
+        found = _anew(coordinates, curves, faults)
     else:
-        (curve,), (here,) = curves, torque
-        yield "drift", _cycles(curve.angle) * here
+        both = np.column_stack([slopes, *(one.column for one in faults)])
+        best: Array = np.asarray(np.linalg.lstsq(both, residual, rcond=None)[0], dtype=np.float64)
+        found = Beside(residual - both @ best, both, best[slopes.shape[1] :])
+    if found is None:
+        return None
+    for one, size in zip(faults, found.sizes.tolist(), strict=True):
+        if abs(size) > one.candidate.most or (one.candidate.name in NEVER_BELOW_ZERO and size <= 0):
+            return None
+    return found
+
+
+def _anew(
+    coordinates: Coordinates, curves: Sequence[Curve], faults: Sequence[Linear]
+) -> Beside | None:
+    """Fits model and faults together by least squares; None where that fails."""
+    from scipy.optimize import least_squares  # slow to import
+
+    measured = np.concatenate([curve.torque for curve in curves])
+    count = coordinates.point.size
+    far = 10 * np.abs(measured).max()
+
+    def residual(at: Array) -> Array:
+        try:
+            with np.errstate(invalid="ignore"):
+                return ahead(at)
+        except (InputError, OverflowError):
+            return np.full(measured.size, far)
+
+    def ahead(at: Array) -> Array:
+        model, start = coordinates.at(at[:count])
+        plain = np.concatenate([predicted(model, start, curve) for curve in curves])
+        torque = plain.copy()
+        for one, size in zip(faults, at[count:].tolist(), strict=True):
+            torque += one.candidate.torque(model, start, size) - plain
+        left = measured - torque
+        return np.where(np.isfinite(left), left, far)  # a pole
+
+    begin = np.concatenate([coordinates.point, [one.size for one in faults]])
+    found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
+    if not np.isfinite(found.fun).all() or not np.isfinite(found.jac).all():
+        return None
+    return Beside(found.fun, -found.jac, found.x[count:])
+
+
+def _candidates(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Candidate]:
+    """Yields all faults that the curves can show."""
+    peak, span = Curves(curves).peak, max(float(np.ptp(curve.angle)) for curve in curves)
+    sizes = [curve.torque.size for curve in curves]
+
+    def plain(model: HysteresisModel, start: InitialTorque) -> list[Array]:
+        return [predicted(model, start, curve) for curve in curves]
+
+    def added(column: Array) -> Faulty:
+        return lambda model, start, size: np.concatenate(plain(model, start)) + size * column
+
+    def scaled(column: Array) -> Faulty:
+        return lambda model, start, size: np.concatenate(plain(model, start)) * (1 + size * column)
+
+    def played_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+        late = [replace(curve, angle=played(curve.angle, max(size, 0.0))) for curve in curves]
+        return np.concatenate([predicted(model, start, curve) for curve in late])
+
+    def late_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+        torques = zip(times, plain(model, start), strict=True)
+        return np.concatenate([_delayed(time, torque, size) for time, torque in torques])
+
+    def gap_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+        return np.concatenate(plain(_behind_gap(model, size) if size > 0 else model, start))
+
+    yield Candidate("tare", "", peak, peak / 2, added(np.ones(sum(sizes))))
+    times = [curve.time for curve in curves if curve.time is not None]
+    if len(times) == len(curves):
+        pairs = zip(curves, times, strict=True)
+        rate = np.concatenate([np.gradient(curve.angle, time) for curve, time in pairs])
+        most = peak / max(float(np.abs(rate).max()), np.finfo(float).tiny)
+        yield Candidate("rate", "", most, most, added(rate))
+        step = float(np.median(np.concatenate([np.diff(time) for time in times])))
+        shortest = min(float(np.ptp(time)) for time in times)
+        yield Candidate("lag", "", step, shortest / 4, late_torque)
+    for width in WIDTHS.tolist():
+        yield Candidate("play", "", width, span / 4, played_torque)
+        if not isinstance(without_rate(model), Backlash):
+            yield Candidate("gap", "", width, span / 4, gap_torque)
+    order = np.repeat(np.arange(len(curves), dtype=np.float64), sizes)
+    passed = order if len(curves) > 1 else _cycles(curves[0].angle)
+    if len(curves) > 1 or passed[-1] >= LEAST_CYCLES:
+        yield Candidate("drift", "", 1.0, LARGEST_DRIFT, scaled(passed))
+    for pace in PACES.tolist() if passed[-1] >= LEAST_WEAR else ():
+        yield Candidate("softening", "", 1.0, LARGEST_DRIFT, scaled(np.exp(-passed / pace)))
+    for i, curve in enumerate(curves if len(curves) > 1 else ()):
+        here = np.where(order == i, 1.0, 0.0)
+        yield Candidate("offset", curve.name, peak, peak / 2, added(here))
+        yield Candidate("gain", curve.name, 1.0, np.inf, scaled(here))
+
+
+def _delayed(time: Array, torque: Array, lag: float) -> Array:
+    """Returns torques of an earlier time; the joint rests before the first, and goes on at last."""
+    last = (torque[-1] - torque[-2]) / (time[-1] - time[-2])
+    beyond = np.maximum(time - lag - time[-1], 0.0)
+    return np.interp(time - lag, time, torque) + last * beyond
+
+
+def _behind_gap(model: HysteresisModel, gap: float) -> HysteresisModel:
+    """Returns a model behind a gap; a dashpot stays beside it."""
+    if isinstance(model, Viscoelastic):
+        return replace(model, model=_behind_gap(model.model, gap))
+    return Backlash(model=model, gap=gap)
 
 
 def _cycles(angle: Array) -> Array:

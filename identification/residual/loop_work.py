@@ -72,13 +72,15 @@ def refuse_driven(curves: Sequence[Curve]) -> None:
     Raises:
         InputError: The torque has the wrong sign.
     """
-    found = loop_work(curves)
-    if found.z < SURELY and found.rise < 0:
-        raise InputError(
-            f"the loops of the curves give back {-found.work:.3g} J more than they take "
-            f"({-found.z:.1f} standard deviations), and the torque falls where the angle rises: it "
-            "must be positive against positive motion, so change its sign"
-        )
+    whole = ("the loops of the curves give", curves)
+    for which, some in (whole, *((f"curve {one.name!r} gives", [one]) for one in curves)):
+        found = loop_work(some)
+        if found.z < SURELY and found.rise < 0:
+            raise InputError(
+                f"{which} back {-found.work:.3g} J more than taken ({-found.z:.1f} standard "
+                "deviations), and the torque falls where the angle rises: it must be positive "
+                "against positive motion, so change its sign"
+            )
 
 
 def _gain(piece: Branch) -> float:

@@ -36,14 +36,12 @@ class Explained:
         probability: Probability that noise alone explains as much.
         columns: Number of the columns beside those of the fit.
         noise: Noise with the columns in place, or that of repeated curves.
-        times_noise: Root mean square of the residual over the deviation of the noise.
     """
 
     statistic: float
     probability: float
     columns: int
     noise: Noise
-    times_noise: float
 
 
 def explained(
@@ -80,13 +78,11 @@ def explained(
         value = gained / beside.shape[1] / max(float(variance), np.finfo(float).tiny)
         statistic += weight * value
         probability += weight * float(fdtrc(beside.shape[1], freedom, value))
-    left = math.sqrt(float(residual @ residual) / max(residual.size - inner.shape[1], 1))
     return Explained(
         statistic=statistic,
         probability=probability if beside.size else 1.0,
         columns=beside.shape[1],
         noise=noise,
-        times_noise=left / max(noise.deviation, np.finfo(float).tiny),
     )
 
 
@@ -115,11 +111,11 @@ def smooth_columns(curves: Sequence[Curve]) -> Array:
 def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
     """Returns the noise from differences of curves along one path; None without such curves.
 
-    Half the difference of two curves is free of what both have in common, a misfit too. A constant
-    and a slope of each difference count as drift, and not as noise.
+    Half the difference of two curves is free of what both have in common, a misfit too. A constant,
+    a slope and a share of the torque count as faults of one of them, and not as noise.
     """
     low, high = Curves(curves).angle_range
-    differences, sizes, columns = [], [], []
+    differences, sizes, shares, columns = [], [], [], []
     left = list(curves)
     while left:
         first = left.pop(0)
@@ -128,14 +124,16 @@ def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
             if torque is not None and np.any(first.torque != torque):  # a copy is no repeat
                 differences.append((first.torque - torque) / math.sqrt(2))
                 sizes.append(first.torque.size)
+                shares.append(first.torque)
                 left.remove(other)
                 break
     if not differences:
         return None
-    for i, size in enumerate(sizes):
-        block = np.zeros((sum(sizes), 2))
+    for i, (size, share) in enumerate(zip(sizes, shares, strict=True)):
+        block = np.zeros((sum(sizes), 3))
         begin = sum(sizes[:i])
-        block[begin : begin + size] = np.vander(np.linspace(-1, 1, size), 2)
+        line = np.vander(np.linspace(-1, 1, size), 2)
+        block[begin : begin + size] = np.column_stack([line, share])
         columns.append(block)
     return estimate_noise(np.column_stack(columns), np.concatenate(differences), sizes)
 

@@ -1,7 +1,8 @@
 """Verdict on whether a fitted model describes the curves, derived from printed numbers."""
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,21 +19,22 @@ from ..thinning import thinned
 from .causes import Cause, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, repeated_noise, smooth_columns
 from .noise import Noise, independent
+from .outliers import outliers
+from .smoother import smoother_noise
 from .tangent import coordinates_of, tangent
 
 DESCRIBES = "describes the curves"
 NOT_BEYOND = "describes the curves, not beyond"
+UNKNOWN = "cannot be judged by these curves: measure every curve twice"
 NOT = "does not describe the curves"
 JUDGED = 5_000  # approximate samples of all curves together: more take long and add little
 MATTERS = 1e-3  # share of the peak that a good load cell resolves: less gets no remark
 UNLIKELY = 0.005  # probability of a misfit by noise alone, below which it is reported
 HARDLY = 1e-3  # singular value over the largest one: models of many weights have many small ones
+WITHOUT_REPEATS = 0.05  # NRMSE above which only repeated curves show that the rest is noise
 UNFINISHED = 1.05  # ratio to the least error, from which on a search has ended too early
-TIMES_NOISE = 1.3  # ratio of residual to noise, from which on a misfit matters
+TIMES_NOISE = 1.3  # ratio of the residual to the bound of the noise, from which on a misfit matters
 HARDLY_BETTER = 0.9  # ratio to the error of a constant torque, from which on a model is useless
-FAR = 6.0  # deviations from the neighbors, which normal noise reaches once in 500 million samples
-FEWEST_OUTLIERS = 2  # a single one may be a reversal
-WANDERS = 0.3  # correlation from sample to sample that may be noise or misfit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,12 +43,14 @@ class Judgement:
 
     Attributes:
         verdict: "describes the curves", "describes the curves, not beyond" (they do not cover the
-            intended motion, or contain no nested loops), or "does not describe the curves".
-        times_noise: Root mean square of the residual over the noise; a lower limit where a part of
-            a misfit counts as noise.
+            intended motion, or contain no nested loops), "cannot be judged by these curves: ..."
+            (what is left is noise that wanders, or a misfit), or "does not describe the curves".
+        times_noise: Root mean square of the residual over the bound of the noise.
         misfit: The F test of the residual's smooth part.
-        noise: Noise of the torque.
-        causes: Faults of the measurement that the residual shows, the most certain first.
+        noise: Noise of the torque, beside the parts that the F test takes as misfit.
+        noise_bound: Deviation of that noise, of repeated curves if there are any, and at most that
+            of what a smooth curve through each branch leaves [N·m].
+        causes: One or two faults of the measurement that explain the residual down to the noise.
         baselines: NRMSE of models without memory on the same curves, by name.
         remarks: Reasons to doubt the model or the curves.
     """
@@ -55,6 +59,7 @@ class Judgement:
     times_noise: float
     misfit: Explained
     noise: Noise
+    noise_bound: float
     causes: tuple[Cause, ...]
     baselines: dict[str, float]
     remarks: tuple[Remark, ...]
@@ -65,6 +70,7 @@ class Judgement:
             "verdict": self.verdict,
             "times_noise": self.times_noise,
             "noise": self.noise.deviation,
+            "noise_bound": self.noise_bound,
             "noise_correlation": self.noise.memory,
             "misfit": {
                 "F": self.misfit.statistic,
@@ -73,7 +79,11 @@ class Judgement:
                 "threshold": UNLIKELY,
             },
             "causes": {
-                one.name: {"size": one.size, "probability": one.explained.probability}
+                one.name: {
+                    "curve": one.curve,
+                    "size": one.size,
+                    "probability": one.explained.probability,
+                }
                 for one in self.causes
             },
             "baselines": self.baselines,
@@ -107,8 +117,8 @@ def judge(
     residual = -torque_errors(model, initial_torque, family)
     if not np.isfinite(residual).all():
         return None
-    slopes = tangent(coordinates_of(model, initial_torque, fitted_start=fitted_start), family)
-    slopes = _reached(slopes)
+    coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
+    slopes = _reached(tangent(coordinates, family))
     if residual.size <= slopes.shape[1] + LEAST_FREEDOM:
         raise InputError(
             f"the fitted curves have {residual.size} samples in all, and the model "
@@ -118,30 +128,31 @@ def judge(
     sizes = [curve.torque.size for curve in family]
     known, smooth = repeated_noise(family), smooth_columns(family)
     misfit = explained(residual, slopes, smooth, sizes, known)
+    bound = misfit.noise.deviation if known else min(misfit.noise.deviation, smoother_noise(family))
     own = nrmse(residual, family)
     matters = own > MATTERS
-    torque = np.concatenate([curve.torque for curve in family])
+    left = math.sqrt(float(residual @ residual) / max(residual.size - slopes.shape[1], 1))
     found = _Findings(
         family=family,
         residual=residual,
-        slopes=slopes,
-        smooth=smooth,
-        sizes=sizes,
         known=known,
         misfit=misfit,
+        bound=bound,
+        times_noise=left / max(bound, np.finfo(float).tiny),
         own=own,
-        constant=float(np.std(torque)) / family.peak,
+        constant=float(np.std(np.concatenate([curve.torque for curve in family]))) / family.peak,
         surely=misfit.probability < UNLIKELY and matters,
         unfinished=_unfinished(residual, slopes) if searched else 1.0,
-        causes=causes(model, initial_torque, family, residual, slopes, known) if matters else [],
+        causes=causes(coordinates, family, residual, slopes, smooth, known) if matters else [],
         baselines=baseline_errors(family),
     )
-    verdict = NOT if found.wrong else NOT_BEYOND if beyond else DESCRIBES
+    describes = NOT_BEYOND if beyond else DESCRIBES
     return Judgement(
-        verdict=verdict,
-        times_noise=misfit.times_noise,
+        verdict=NOT if found.wrong else UNKNOWN if found.doubts else describes,
+        times_noise=found.times_noise,
         misfit=misfit,
         noise=misfit.noise,
+        noise_bound=bound,
         causes=tuple(found.causes),
         baselines=found.baselines,
         remarks=tuple(_remarks(found)),
@@ -154,26 +165,24 @@ class _Findings(NamedTuple):
     Attributes:
         family: The curves that are judged.
         residual: Measured less fitted torque [N·m].
-        slopes: Directions in which the parameters change the torque.
-        smooth: Smooth functions that a misfit may have.
-        sizes: Number of samples of each curve.
         known: Noise from repeated measurements; None without any.
         misfit: The part of the residual that is not noise.
+        bound: Deviation that the noise has at most [N·m].
+        times_noise: The residual over that bound.
         own: NRMSE of the fit.
         constant: NRMSE of a constant torque.
         surely: Whether the misfit is hardly due to chance, and large enough to matter.
         unfinished: Error over the least one nearby.
-        causes: Named faults that would explain the residual, the best first.
+        causes: Faults that explain the residual down to the noise.
         baselines: NRMSE of models without memory, by name.
     """
 
     family: Curves
     residual: Array
-    slopes: Array
-    smooth: Array
-    sizes: list[int]
     known: Noise | None
     misfit: Explained
+    bound: float
+    times_noise: float
     own: float
     constant: float
     surely: bool
@@ -189,25 +198,56 @@ class _Findings(NamedTuple):
     @property
     def wrong(self) -> bool:
         """Whether the model does not describe the curves."""
-        sure = self.surely or self.unfinished >= UNFINISHED
-        matters = self.own > MATTERS and self.misfit.times_noise >= TIMES_NOISE and sure
-        saved = (_saved(self.residual, self.slopes, one.column) for one in self.causes)
-        return matters or self.nothing or max(saved, default=1.0) >= TIMES_NOISE
+        if self.nothing:
+            return True
+        sure = self.surely or self.unfinished >= UNFINISHED or self.explained >= TIMES_NOISE
+        return self.own > MATTERS and self.times_noise >= TIMES_NOISE and sure
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why only repeated curves can tell whether the model describes the curves."""
+        if self.own <= MATTERS:
+            return []
+        noise = self.misfit.noise
+        found = []
+        if self.times_noise >= TIMES_NOISE:
+            found.append(
+                f"the residual is {self.times_noise:.2f} times what a smooth curve through each "
+                f"branch leaves, and wanders (correlation {noise.memory:.2f} from sample to sample)"
+            )
+        if self.surely:
+            found.append(
+                f"the residual has a smooth part, which noise alone leaves in at most "
+                f"{_seldom(self.misfit):.0e} of all fits (reported below {UNLIKELY:g})"
+            )
+        if self.known is None and self.own > WITHOUT_REPEATS:
+            found.append(f"the error is {self.own:.1%} of the peak")
+        return found
+
+    @property
+    def explained(self) -> float:
+        """The residual over what is left if the causes are fitted too."""
+        left = min((one.left for one in self.causes), default=np.inf)
+        return float(np.sqrt(np.mean(self.residual**2))) / left
+
+
+def _seldom(misfit: Explained) -> float:
+    return max(misfit.probability, 1e-9)
 
 
 def _remarks(found: _Findings) -> Iterator[Remark]:
     """Yields the remarks on a fit, the most important first."""
     own, baselines = found.own, found.baselines
-    if found.surely:
-        yield from _misfit_remarks(found.misfit, found.known, found.family)
+    if found.wrong and found.surely:
+        yield _misfit_remark(found)
     if found.nothing:
         yield Remark(
             "nothing",
             f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
             f"{found.constant:.2%}): check the columns, or measure larger motions",
         )
-    yield from _outlier_remarks(found.residual, found.sizes)
-    yield from _cause_remarks(found)
+    yield from outliers(found.residual, found.family, is_misfit=found.surely)
+    yield from (cause.remark for cause in found.causes)
     if found.unfinished >= UNFINISHED and own > MATTERS:
         less = 1 - 1 / found.unfinished
         yield Remark(
@@ -216,12 +256,11 @@ def _remarks(found: _Findings) -> Iterator[Remark]:
             "more trials or a larger budget, or use the certified method",
             ("method", "certified"),
         )
-    memory = found.misfit.noise.memory
-    if not found.surely and found.known is None and memory > WANDERS:
+    if found.doubts and not found.wrong:
         yield Remark(
             "wandering",
-            f"the residual wanders (correlation {memory:.2f} from sample to sample), "
-            "which may be noise or misfit: measure every curve twice to tell which",
+            f"{'; '.join(found.doubts)}: that may be noise or misfit; measure every curve twice "
+            "to tell which",
         )
     best = min(baselines, key=lambda name: baselines[name])
     if baselines[best] <= own:
@@ -230,20 +269,6 @@ def _remarks(found: _Findings) -> Iterator[Remark]:
             f"the curves are described as well by {best} (NRMSE {baselines[best]:.2%} against "
             f"{own:.2%}): they show no memory that needs this model",
         )
-
-
-def _cause_remarks(found: _Findings) -> Iterator[Remark]:
-    """Yields the first cause, and others until one explains the rest of the residual."""
-    for i, cause in enumerate(found.causes):
-        both = np.column_stack([found.slopes, cause.column])
-        rest = explained(found.residual, both, found.smooth, found.sizes, found.known).probability
-        if not found.surely or rest >= UNLIKELY or i == 0:
-            remark = cause.remark
-            if rest < UNLIKELY:
-                remark = replace(remark, sentence=f"perhaps {remark.sentence}")
-            yield remark
-            if rest >= UNLIKELY:
-                return
 
 
 def _reached(slopes: Array) -> Array:
@@ -259,50 +284,16 @@ def _unfinished(residual: Array, slopes: Array) -> float:
     return float(np.linalg.norm(residual) / max(np.linalg.norm(least), np.finfo(float).tiny))
 
 
-def _saved(residual: Array, slopes: Array, column: Array) -> float:
-    """Returns the residual over the one that remains if the column of a fault is fitted too."""
-    basis = independent(np.column_stack([slopes, column]))
-    rest = residual - basis @ (basis.T @ residual)
-    return float(np.linalg.norm(residual) / max(np.linalg.norm(rest), np.finfo(float).tiny))
-
-
-def _outlier_remarks(residual: Array, sizes: Sequence[int]) -> list[Remark]:
-    """Returns a remark about single samples far from their neighbors, if there are any.
-
-    The statistic is the residual less the mean of its two neighbors, which a smooth misfit leaves
-    small, over its deviation by the median, which outliers leave as it is.
-    """
-    parts = np.split(residual, np.cumsum(sizes)[:-1])
-    apart = np.concatenate([one[1:-1] - (one[:-2] + one[2:]) / 2 for one in parts])
-    scale = 1.4826 * float(np.median(np.abs(apart)))
-    if scale == 0:
-        return []  # no noise, or torques so coarse that most samples repeat the one before
-    size = np.pad(np.abs(apart), 1)
-    peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
-    far = np.abs(apart[peaks & (np.abs(apart) > FAR * scale)])
-    if far.size < FEWEST_OUTLIERS:
-        return []
-    return [
-        Remark(
-            "outliers",
-            f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
-            f"{FAR:g} times the usual deviation: remove these outliers, or search with an "
-            "objective that bears them, such as by sa-pso",
-            ("objective", "robust"),
-        )
-    ]
-
-
-def _misfit_remarks(misfit: Explained, known: Noise | None, curves: Curves) -> list[Remark]:
-    origin = "of repeated curves" if known else "that is estimated beside it"
-    share, seldom = misfit.noise.deviation / curves.peak, max(misfit.probability, 1e-9)
-    return [
-        Remark(
-            "misfit",
-            f"the residual is at least {misfit.times_noise:.2f} times the noise {origin} "
-            f"({share:.2%} of the peak), and noise alone leaves so smooth a residual in at most "
-            f"{seldom:.0e} of all fits (reported below {UNLIKELY:g}): check columns, order and "
-            "beginning of the curves, or choose another model",
-            ("method", "auto"),
-        )
-    ]
+def _misfit_remark(found: _Findings) -> Remark:
+    if found.known:
+        origin = "of repeated curves"
+    else:
+        origin = "that smooth curves through the branches leave"
+    return Remark(
+        "misfit",
+        f"the residual is {found.times_noise:.2f} times the noise {origin} "
+        f"({found.bound / found.family.peak:.2%} of the peak), and noise alone leaves so smooth a "
+        f"residual in at most {_seldom(found.misfit):.0e} of all fits (reported below "
+        f"{UNLIKELY:g}): check columns, order and beginning of the curves, or choose another model",
+        ("method", "auto"),
+    )

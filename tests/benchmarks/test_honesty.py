@@ -36,11 +36,11 @@ def test_each_part_has_its_case():
     found = honesty.interval_case("AR(1) 0.5", 3)
     assert 0 <= found["parameters"] <= 1
     assert 0 < found["width"] < 3
-    assert honesty.fault_case("tare 0.2 N·m", 0)["named"] == "tare"
-    assert honesty.fault_case("none", 0)["named"] == "none"
-    off = honesty.misfit_case("white", 1, 1)  # Jiles-Atherton for a Bouc-Wen truth
-    assert off["times"] > 1.3
-    assert off["told"]
+    assert honesty.fault_case("tare 0.2 N·m", 0) == {"found": "tare", "named": True}
+    assert honesty.fault_case("none", 0) == {"found": "", "named": True}
+    wrong = honesty.verdict_case("first-order curves", "white", "1 %", 1)  # Bouc-Wen truth
+    assert wrong.pop("off") > 1.3
+    assert wrong == {"verdict": "no", "right": False, "causes": []}
     band = honesty.band_case("Jiles-Atherton", "and a nested record", 0)
     assert band["inside"] > 0.5
     assert band["error"] < band["width"]

@@ -66,34 +66,3 @@ def test_shuffled_samples(elbow):
 def test_too_few_samples():
     with pytest.raises(ValueError, match="have 3 samples in all: give at least 10"):
         identify([Curve([0, 1, 0], [0, 1, -1], "A")])
-
-
-@pytest.mark.parametrize("factor", [1e3, 1e5, 1e-3])
-def test_torques_in_another_unit(elbow, factor):
-    angle = sweep(0.52, 1.5, 0.52)
-    curve = Curve(angle, factor * elbow.response(angle), "A")
-    found = diagnostics(elbow.scaled(torque=factor), 0.01, [curve], None)
-    assert found[0].sentence.startswith("the torque peaks at ")
-    assert found[0].sentence.endswith(
-        " N·m, and that of a joint between 0.01 and 1,000 N·m: check its unit"
-    )
-    usual = Curve(angle, elbow.response(angle), "A")
-    assert diagnostics(elbow, 0.01, [usual], None) == ()
-
-
-def test_copies_milliseconds_and_coarse_samples(elbow):
-    angle = sweep(0.52, 1.5, 0.52, samples=60)
-    time = np.linspace(0, 10, angle.size)
-    curve = Curve(angle, elbow.response(angle), "A", time=time)
-    assert diagnostics(elbow, 0.01, [curve], None) == ()
-    late = replace(curve, time=1000 * time)
-    assert "check that time_s is in seconds" in diagnostics(elbow, 0.01, [late], None)[0].sentence
-    coarse = replace(curve, angle=np.round(angle / 0.05) * 0.05)
-    (remark,) = diagnostics(elbow, 0.01, [coarse], None)
-    assert "angles of curve 'A' come in steps of 0.05 rad, 20" in remark.sentence
-    fine = replace(curve, angle=np.round(angle / 0.001) * 0.001)
-    assert diagnostics(elbow, 0.01, [fine], None) == ()
-    copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
-    assert "curve 'B' is a copy of 'A'" in diagnostics(elbow, 0.01, copies, None)[0].sentence
-    coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
-    assert "samples of curve 'A' are up to" in diagnostics(elbow, 0.01, [coarse], None)[0].sentence

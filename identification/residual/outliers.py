@@ -1,0 +1,96 @@
+"""Samples, or short runs of samples, that are far from their neighbors."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...arrays import Array
+from ...hysteresis.loops import reversals
+from ..curves import Curve
+from ..remarks import Remark
+
+FAR = 6.0  # deviations from the neighbors, which normal noise reaches once in 500 million samples
+SOME = 3.0  # deviations that 0.3 % of the samples of normal noise reach
+HEAVY = 0.015  # share of samples between both, from which on the noise itself has heavy tails
+FEWEST = 2  # a single outlier may be a reversal
+RUNS = (3, 4, 6, 8, 12)  # lengths of runs
+FAR_RUN = 9.0  # deviations of a run from the samples before and after it
+NEAR_TURN = 6  # samples at a turn, where a misfit looks like a run
+
+
+def outliers(residual: Array, curves: Sequence[Curve], *, is_misfit: bool) -> list[Remark]:
+    """Returns remarks on samples that a sensor cannot have measured.
+
+    The first statistic is the residual less the mean of its two neighbors, which a smooth misfit
+    leaves small; the second one the mean of a run less that of the samples before and after. Both
+    are divided by their deviation by the median, which outliers leave as it is. Noise whose tails
+    are heavy, such as one in proportion to the torque, has no outliers.
+
+    Args:
+        residual: Residual of the fit [N·m], shape (samples,).
+        curves: The fitted curves.
+        is_misfit: Whether the model surely is wrong; then it may be at fault, and none is returned.
+    """
+    parts = np.split(residual, np.cumsum([curve.torque.size for curve in curves])[:-1])
+    apart = np.concatenate([one[1:-1] - (one[:-2] + one[2:]) / 2 for one in parts])
+    scale = _deviation(apart)
+    if scale == 0 or is_misfit:
+        return []  # no noise, or torques so coarse that most samples repeat the one before
+    size = np.pad(np.abs(apart) / scale, 1)
+    if np.mean((size > SOME) & (size <= FAR)) > HEAVY:
+        return []
+    peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
+    far = scale * size[1:-1][peaks & (size[1:-1] > FAR)]
+    if far.size >= FEWEST:
+        return [
+            Remark(
+                "outliers",
+                f"{far.size} samples are up to {far.max():.2g} N·m off their neighbors, more than "
+                f"{FAR:g} times the usual deviation: remove these outliers, or search with an "
+                "objective that bears them, such as by sa-pso",
+                ("objective", "robust"),
+            )
+        ]
+    return _runs(parts, curves)
+
+
+def _runs(parts: Sequence[Array], curves: Sequence[Curve]) -> list[Remark]:
+    """Returns a remark on the run that is farthest from the samples around it, if it is far."""
+    best = (FAR_RUN, 0.0, 0, 0, "")
+    for length in RUNS:
+        found = [_apart(part, length) for part in parts]
+        scale = _deviation(np.concatenate(found))
+        if scale == 0:
+            continue
+        for series, curve in zip(found, curves, strict=True):
+            first = np.arange(series.size) + length  # index of the first sample of each run
+            turns = np.array([0, *reversals(curve.angle).tolist(), curve.angle.size - 1])[:, None]
+            near = (first <= turns + NEAR_TURN) & (first + length >= turns - NEAR_TURN)
+            free = np.where(near.any(axis=0), 0.0, series)
+            if free.size and (size := np.abs(free).max() / scale) > best[0]:
+                at = int(np.argmax(np.abs(free)))
+                best = (size, float(free[at]), at + length, length, curve.name)
+    _, height, begin, length, name = best
+    if not name:
+        return []
+    return [
+        Remark(
+            "outliers",
+            f"{length} samples of curve {name!r} from sample {begin} on are {height:+.2g} N·m off "
+            f"those before and after, {best[0]:.0f} times the usual deviation: remove this run",
+        )
+    ]
+
+
+def _apart(values: Array, length: int) -> Array:
+    """Returns the mean of each run less that of as many samples on each side."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    if total.size <= 3 * length:
+        return np.empty(0)
+    means = (total[length:] - total[:-length]) / length
+    before, run, after = means[: -2 * length], means[length:-length], means[2 * length :]
+    return run - (before + after) / 2
+
+
+def _deviation(values: Array) -> float:
+    return 1.4826 * float(np.median(np.abs(values))) if values.size else 0.0

@@ -1,0 +1,70 @@
+"""Mistakes of a recording, and what is said about each."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.benchmarks.honesty.faults import FAULTS, is_named, named
+from activesuit.identification import Curve, load_curves, save_curves
+from activesuit.identification.recording import recording_faults
+from helpers import sweep
+
+UNCERTAIN = ("play 0.3 degrees", "gap 4 degrees", "sensor lag 0.1 s", "turns missing")
+
+
+@pytest.mark.parametrize("fault", [name for name in FAULTS if name not in UNCERTAIN])
+def test_a_fault_is_named(fault):
+    """`activesuit bench honesty` has the rates of all of them."""
+    assert is_named(fault, named(fault, 0))
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e5, 1e-3])
+def test_torques_in_another_unit(elbow, factor):
+    angle = sweep(0.52, 1.5, 0.52)
+    curve = Curve(angle, factor * elbow.response(angle), "A")
+    found = recording_faults([curve])
+    assert found[0].sentence.startswith("the torque peaks at ")
+    assert found[0].sentence.endswith(
+        " N·m, and that of a joint between 0.01 and 500 N·m: check its unit"
+    )
+    usual = Curve(angle, elbow.response(angle), "A")
+    assert recording_faults([usual]) == []
+
+
+def test_copies_milliseconds_and_coarse_samples(elbow):
+    angle = sweep(0.52, 1.5, 0.52, samples=60)
+    time = np.linspace(0, 10, angle.size)
+    curve = Curve(angle, elbow.response(angle), "A", time=time)
+    assert recording_faults([curve]) == []
+    late = replace(curve, time=1000 * time)
+    assert "check that time_s is in seconds" in recording_faults([late])[0].sentence
+    coarse = replace(curve, angle=np.round(angle / 0.05) * 0.05)
+    (remark,) = recording_faults([coarse])
+    assert "angles of curve 'A' come in steps of 0.05 rad, 20" in remark.sentence
+    fine = replace(curve, angle=np.round(angle / 0.001) * 0.001)
+    assert recording_faults([fine]) == []
+    copies = [curve, replace(curve, name="B"), replace(curve, name="C", torque=1.1 * curve.torque)]
+    assert "curve 'B' is a copy of 'A' to the last digits" in recording_faults(copies)[0].sentence
+    coarse = replace(curve, angle=angle[::13], torque=curve.torque[::13], time=time[::13])
+    assert "samples of curve 'A' are up to" in recording_faults([coarse])[0].sentence
+
+
+def test_lines_of_the_file_are_named(elbow, tmp_path):
+    angle = sweep(0.52, 1.5, 0.52, samples=60)
+    noise = 0.01 * np.random.default_rng(0).standard_normal(angle.size)
+    clipped = np.minimum(elbow.response(angle) + noise, 3.0)
+    save_curves(tmp_path / "elbow.csv", [Curve(angle, clipped, "A")], ["a comment"])
+    (remark,) = recording_faults(load_curves(tmp_path / "elbow.csv"))
+    first = int(np.argmax(clipped == 3.0)) + 3  # after comment and header
+    assert remark.code == "clipped"
+    assert f"from line {first} on" in remark.sentence
+    (remark,) = recording_faults([Curve(angle, clipped, "A")])
+    assert f"from sample {first - 3} of curve 'A' on" in remark.sentence
+
+
+def test_a_plateau_and_a_rest_are_no_faults():
+    angle = sweep(0.0, 1.0, 0.0, samples=60)
+    time = np.arange(angle.size, dtype=np.float64)
+    time[60:] += 40.0  # a rest at the turn, in which the torque stays
+    flat = Curve(angle, np.minimum(20 * angle, 3.0), "A", time=time)
+    assert recording_faults([flat]) == []
