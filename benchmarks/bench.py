@@ -26,11 +26,14 @@ Topic = Literal[
     "identify",
     "exactness",
     "sensitivity",
+    "bound",
+    "hindered",
     "honesty",
     "first-use",
 ]
 PAIRS = 9
 FEW, MANY = 25, 200  # cases of honesty, with --quick and without
+CHANGES = 10  # of the plan of each motion
 
 
 def bench(
@@ -48,11 +51,14 @@ def bench(
     Args:
         topic: Part whose speed is measured, or all of them; or exactness, which compares the
             kernels with their readable references, with SciPy and with the engine; or sensitivity,
-            which halves and doubles assumed numbers (about ten minutes); or honesty, which counts
-            how often intervals, verdicts and searches of identify are right on random truths; or
+            which halves and doubles assumed numbers (about an hour); or bound, which changes the
+            best known plan at random under wearers who adapt to each change (half an hour); or
+            hindered, which locks and throws the arm in every task; or honesty, which counts how
+            often intervals, verdicts and searches of identify are right on random truths; or
             first-use, which compiles everything that a first environment needs.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
-            each cell, 200 by default; of bands, which take long, a third of it.
+            each cell, 200 by default; of bands, which take long, a third of it; of bound the
+            changes of each of 20 motions, 10 by default.
         quick: Take 25 cases of each cell, of bands 8 (honesty).
         seed: Seed of the first case (honesty).
         out: Folder that keeps each case as it is finished, so that the same command goes on where
@@ -72,7 +78,7 @@ def bench(
     import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
 
     with engine_warnings():
-        _measure(topic, repeats or PAIRS, json)
+        _measure(topic, repeats or (CHANGES if topic == "bound" else PAIRS), json)
 
 
 def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> None:
@@ -100,7 +106,13 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         starts,
     )
 
-    alone = {"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use}
+    alone = {
+        **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
+        "hindered": _hindered,
+    }
+    if topic == "bound":
+        _bound(repeats, json)
+        return
     if topic in alone:
         alone[topic](json)
         return
@@ -144,6 +156,26 @@ def _sensitivity(json: bool) -> None:
         print(to_json({"cases": [case.to_dict() for case in cases]}))
     else:
         table("assumed numbers halved and doubled", *sensitivity.sensitivity_table(cases))
+
+
+def _bound(repeats: int, json: bool) -> None:
+    from . import bound
+
+    found = bound.attacks(repeats)
+    if json:
+        print(to_json({"attacks": [one.to_dict() for one in found]}))
+    else:
+        table("random changes of the best known plan", *bound.attack_table(found))
+
+
+def _hindered(json: bool) -> None:
+    from . import hindered
+
+    found = hindered.hindered()
+    if json:
+        print(to_json({"tasks": [one.to_dict() for one in found]}))
+    else:
+        table("arms that are hindered", *hindered.hindered_table(found))
 
 
 def _first_use(json: bool) -> None:

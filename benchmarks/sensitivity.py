@@ -8,37 +8,50 @@ import numpy as np
 from scipy.stats import kendalltau
 
 from ..assets import load_suit
-from ..envs.evaluation import Evaluation, evaluate
+from ..envs.benchmark.suite import task_of_suite
+from ..envs.evaluation import FIRST_SEED
+from ..envs.evaluation.core import REFERENCES, run
+from ..envs.evaluation.relief import relief_interval
+from ..envs.evaluation.scores import Score
 from ..envs.model import ASSISTED, Exo
 from ..envs.person import VoluntaryControl
+from ..envs.policies import policy_spec
 from ..scripts.output import Rows, progress
 
-ENV, SUIT, MOTIONS = "ActiveSuit/ArmTracking-v0", "mock-suit", 20
-PLACES = ("earth", "microgravity")
-POLICIES = ("none", "gravity", "feedforward", "compensation")
+SUIT, MOTIONS = "mock-suit", 10
+SETTINGS = (
+    *(("ArmTracking", "earth"), ("ArmTracking", "microgravity")),
+    *(("ReachPanel", "moon"), ("ObjectRelocation", "moon"), ("RangeOfMotion", "earth")),
+)
+POLICIES = ("none", "feedforward", "compensation", "observer")
 NOMINAL = "nominal"
 SAME = 0.05  # difference of relief at which two policies have no order
 _USUAL = VoluntaryControl()
+Scores = dict[str, Score]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """The result with one assumed number changed, in one place.
+    """The result with one assumed number changed, in one setting.
 
     Attributes:
+        task: Name of the task.
         gravity: Name of the place.
         change: What is changed, such as "control.stiffness x 0.5".
         effort: Mean effort of each policy and reference over strength.
         tracking: Mean tracking error of each of them [rad].
+        success: Share of motions that went well, of each of them.
         relief: Relief of each policy; None where the suit costs nothing.
         kendall: Rank correlation of the policies' relief with the nominal one.
         flipped: Conclusions of the docs that are another way round than with the nominal numbers.
     """
 
+    task: str
     gravity: str
     change: str
     effort: dict[str, float]
     tracking: dict[str, float]
+    success: dict[str, float]
     relief: dict[str, float] | None
     kendall: float | None
     flipped: tuple[str, ...]
@@ -57,7 +70,7 @@ def changes() -> Iterator[tuple[str, dict[str, Any]]]:
         ("contraction", (0.5, 2.0)),
         ("reflex", (_USUAL.reflex / 2, 2 * _USUAL.reflex)),
         ("delay", (0.02, 0.1)),
-        ("correction", (_USUAL.correction / 2, 2.0)),
+        ("correction", (_USUAL.correction / 2, 0.8)),
     ):
         for value in values:
             change = f"control.{name} {getattr(_USUAL, name):g} -> {value:g}"
@@ -79,29 +92,32 @@ def changes() -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def sensitivity(motions: int = MOTIONS) -> list[Case]:
-    """Evaluates four policies and the references with each number changed, on the same motions."""
+    """Runs the policies and the references with each number changed, on the same motions."""
     found = []
     listed = list(changes())
-    with progress("changing assumed numbers", len(PLACES) * len(listed)) as bar:
-        for gravity in PLACES:
-            nominal: Evaluation | None = None
+    with progress("changing assumed numbers", len(SETTINGS) * len(listed)) as bar:
+        for task, gravity in SETTINGS:
+            nominal: Scores | None = None
             for change, options in listed:
-                one = evaluate(
-                    ENV,
-                    POLICIES,
-                    episodes=motions,
-                    suit=SUIT,
-                    gravity=gravity,
-                    threads=0,
-                    **options,
-                )
+                one = _scores(task, gravity, motions, options)
                 nominal = nominal or one
-                found.append(_case(gravity, change, one, nominal))
+                found.append(_case(task, gravity, change, one, nominal))
                 bar.advance()
     return found
 
 
-def _case(gravity: str, change: str, one: Evaluation, nominal: Evaluation) -> Case:
+def _scores(task: str, gravity: str, motions: int, options: dict[str, Any]) -> Scores:
+    """Returns the scores of references and policies in the motions of the benchmark."""
+    env, seeds = f"ActiveSuit/{task}-v0", range(FIRST_SEED, FIRST_SEED + motions)
+    place = {"task": task_of_suite(task), "suit": SUIT, "gravity": gravity, "threads": 0}
+    given = {name: name for name in REFERENCES} | {name: policy_spec(name) for name in POLICIES}
+    return {
+        name: run(name, one, env, seeds, **{**place, **options}).score
+        for name, one in given.items()
+    }
+
+
+def _case(task: str, gravity: str, change: str, one: Scores, nominal: Scores) -> Case:
     relief, usual = _relief(one), _relief(nominal)
     agreement = np.nan
     if relief is not None and usual is not None:
@@ -109,24 +125,27 @@ def _case(gravity: str, change: str, one: Evaluation, nominal: Evaluation) -> Ca
         agreement = float(found.statistic)
     here, there = _conclusions(one), _conclusions(nominal)
     return Case(
+        task=task,
         gravity=gravity,
         change=change,
-        effort={name: float(np.mean(score.effort)) for name, score in one.scores.items()},
-        tracking={name: float(np.mean(score.tracking)) for name, score in one.scores.items()},
+        effort={name: float(np.mean(score.effort)) for name, score in one.items()},
+        tracking={name: float(np.mean(score.tracking)) for name, score in one.items()},
+        success={name: float(np.mean(score.success)) for name, score in one.items()},
         relief=relief,
         kendall=None if np.isnan(agreement) else agreement,
         flipped=tuple(name for name, holds in here.items() if there.get(name, holds) != holds),
     )
 
 
-def _relief(one: Evaluation) -> dict[str, float] | None:
-    found = {name: one.relief(name) for name in POLICIES}
+def _relief(one: Scores) -> dict[str, float] | None:
+    references = [one[name].effort for name in REFERENCES]
+    found = {name: relief_interval(*references, one[name].effort) for name in POLICIES}
     if any(relief is None for relief in found.values()):
         return None
     return {name: relief.value for name, relief in found.items() if relief is not None}
 
 
-def _conclusions(one: Evaluation) -> dict[str, bool]:
+def _conclusions(one: Scores) -> dict[str, bool]:
     """Returns which conclusions of the docs hold."""
     relief = _relief(one)
     if relief is None:
@@ -139,20 +158,29 @@ def _conclusions(one: Evaluation) -> dict[str, bool]:
     return {
         "the suit costs effort": True,
         **{f"{name} is better than no exoskeleton": relief[name] > 0 for name in POLICIES},
+        **{
+            f"{name} succeeds in most motions": bool(np.mean(one[name].success) > 0.5)
+            for name in POLICIES
+        },
         **better,
     }
 
 
 def sensitivity_table(cases: Sequence[Case]) -> Rows:
     """Returns the table of the cases: header and rows."""
-    header = ["place", "changed number", "effort none\n[% of strength]", "error none\n[mrad]"]
-    header += [f"relief\n{name}" for name in POLICIES]
+    header = ["task", "place", "changed number"]
+    header += ["effort none\n[% of strength]", "error none\n[mrad]"]
+    header += [f"relief, success\n{name}" for name in POLICIES]
     header += ["rank\ncorrelation", "conclusions that flip"]
     rows = []
     for case in cases:
-        relief = ["-" if case.relief is None else f"{case.relief[p]:.2f}" for p in POLICIES]
+        relief = [
+            f"{'-' if case.relief is None else f'{case.relief[p]:.2f}'}, {case.success[p]:.0%}"
+            for p in POLICIES
+        ]
         rows.append(
             [
+                case.task,
                 case.gravity,
                 case.change,
                 f"{100 * case.effort['none']:.1f}",

@@ -1,6 +1,6 @@
 """Episodes of a task in many rows, for single and vector environments."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from math import isfinite
@@ -46,6 +46,7 @@ from .simulation.saving import check_state
 from .simulation.simulation import Start
 from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
 from .simulation.structs import saved
+from .simulation.wearer_control import USUAL
 from .tasks import Task
 
 Rows = NDArray[np.int64]
@@ -63,7 +64,7 @@ class Episodes:
         threads: Number of threads of the physics; 0 uses all cores.
         max_periods: Number of control periods after which an episode is truncated, if that is
             before the end of the intention.
-        learned_torque: Whether `reset` takes torques that wearers have learned.
+        learned_torque: Whether `reset` takes what wearers have learned.
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
 
     Attributes:
@@ -108,6 +109,7 @@ class Episodes:
             control=setup.control,
             fatigue=setup.fatigue,
             sensing=setup.sensing,
+            faults=setup.faults,
             noisy=any(suite in setup.sensors for suite in NOISY),
             variety=Variety(
                 wearers=setup.randomize.wearers,
@@ -141,7 +143,7 @@ class Episodes:
         seeds: Sequence[int | None] | None = None,
         *,
         stagger: bool = False,
-        learned_torque: Array | None = None,
+        learned: Mapping[str, Array] | None = None,
     ) -> None:
         """Begins new episodes in some rows.
 
@@ -150,8 +152,9 @@ class Episodes:
             seeds: Seed of each of them; None keeps the seed of the row.
             stagger: Whether the episodes end at random times, so that later ones do not all begin
                 together.
-            learned_torque: Torque of the wearers, added to that of their bare arms [N·m], shape
-                (k, samples, 4).
+            learned: What the wearers have learned [N·m], shape (k, samples, 4) each:
+                `learned_torque`, added to that of their bare arms, and `learned_contraction`,
+                beyond the usual one.
         """
         episode = self._counters
         next_gains = self.simulation.state.wearer.learning.next_gains
@@ -168,9 +171,7 @@ class Episodes:
         for values in self._own.values():
             values[rows] = 0
         try:
-            torque = [None] * len(rows) if learned_torque is None else learned_torque
-            learned = dict(zip(rows.tolist(), torque, strict=True))
-            self.simulation.begin(rows, lambda row: self._start(row, learned[row]))
+            self.simulation.begin(rows, self._start, learned or {})
         except BaseException:
             episode.episode[rows] = -1  # no episode: `step` asks for a reset
             raise
@@ -237,6 +238,7 @@ class Episodes:
             "fatigue": simulation.fatigue,
             "randomize": asdict(self.setup.randomize),
             "sensing": asdict(simulation.sensing),
+            "faults": asdict(simulation.faults),
             "belief": believed.to_dict() if believed else None,
             "effort_scale": self._of_rows["effort_scale"],
         }
@@ -306,10 +308,25 @@ class Episodes:
         if self._judge_hand:
             self._judge_hand(moving)
 
+    def tolerated(self) -> Array:
+        """Returns the errors of joints that the task tolerates [rad], shape (n, samples, 4).
+
+        They are its limit, which holds in the mean of time; where the hand is watched, where every
+        error counts, half of what moves the hand to its limit.
+        """
+        simulation = self.simulation
+        found = np.full((self.n, simulation.samples, len(JOINTS)), self.task.tracking)
+        if self.task.watches:
+            wearers = simulation.state.conditions.wearer
+            levers = np.array([simulation.arm_of(int(wearer)).levers for wearer in wearers])
+            hand = np.minimum(found, self.task.hand_error / 2 / levers[:, None])
+            found = np.where(self._watch.watched[..., None], hand, found)
+        return found
+
     def _observed(self) -> NDArray[np.float32]:
         return self.observer(self._measured, self._belief)
 
-    def _start(self, row: int, learned_torque: Array | None = None) -> Start:
+    def _start(self, row: int) -> Start:
         streams, terms = partial(self._stream, row), self.setup.randomize
         wearer = terms.person(streams)
         plan = terms.loaded(self._plan(streams("motion"), wearer), streams)
@@ -327,7 +344,6 @@ class Episodes:
             wearer=wearer,
             misalignment=terms.shift(streams),
             noise_scale=terms.noise_scale(streams),
-            learned_torque=learned_torque,
         )
 
     def _plan(self, rng: np.random.Generator, wearer: int = 0) -> Plan:
@@ -342,7 +358,9 @@ class Episodes:
         strength = isometric_strength(simulation.config.wearer)
         plans = [simulation.checked(self._plan(stream(i, 0, "motion"))) for i in range(SCALED_BY)]
         arm = simulation.arm_of(0)
-        return suited_effort(chain, arm, strength, simulation.suit, plans, simulation.control_dt)
+        usual = simulation.control.impedance(simulation.config.wearer)[USUAL]
+        dt = simulation.control_dt
+        return suited_effort(chain, arm, strength, simulation.suit, plans, dt, usual)
 
     def _believe(self, config: ArmConfig) -> None:
         """Prepares the believed arm of the suite "belief"."""

@@ -23,12 +23,12 @@ COLORS = {
     "compensation": "#d55e00",
     "complement": "#56b4e9",
     "oracle": "#009e73",
-    "clairvoyant": "#009e73",
+    "best-known-plan": "#009e73",
 }
 OTHERS = ("#8c564b", "#9467bd", "#17becf")
 JOINT_COLORS = ("#0072b2", "#d55e00")
 SHOWN = 0.5  # [s], time that is shown before the branches
-STYLES = {"oracle": "--", "gravity": "-.", "clairvoyant": "--", "unsuited": ":", "suited": ":"}
+STYLES = {"oracle": "--", "gravity": "-.", "best-known-plan": "--", "unsuited": ":", "suited": ":"}
 
 
 def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:

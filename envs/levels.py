@@ -1,4 +1,4 @@
-"""Three levels of difference from the conditions that a controller was designed for, as data."""
+"""Levels of difference from the conditions that a controller was designed for, as data."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -25,13 +25,25 @@ LEVELS: dict[str, dict[str, Any]] = {
         },
     },
     "shift": {"suit": "emu-like", "pressure": 40.0, "gravity": "mars"},
+    "faults": {
+        "faults": {
+            **{"torque_bias": 2.0, "torque_drift": 0.05, "force_bias": 10.0, "force_drift": 0.25},
+            **{"late": 0.1, "lost": 0.05},
+        },
+    },
 }
 """Options of each level; given options replace them.
 
 At "randomized" the suit's pressure and the task's loads differ, three people wear it, and
 exoskeleton and sensors sit differently. "shift" is another suit at another pressure in another
-gravity than the defaults, so that no belief matches it by accident.
+gravity than the defaults, so that no belief matches it by accident. At "faults" pads and cuffs
+read wrong, and readings are late or lost. Force sensing resistors have a hysteresis of 10 % and
+drift by up to 5 % in each decade of time (Interlink FSR 400, data sheet): here 10 % of 20 N·m and
+of 100 N, and as much again in 40 s. The shares of late and lost readings are assumed.
 """
+
+COMPARED = ("nominal", "randomized", "shift")
+"""Levels of the benchmark and of the tables of tasks; "faults" is a question of its own."""
 
 
 def with_level(options: Mapping[str, Any]) -> dict[str, Any]:

@@ -33,15 +33,19 @@ LOST = 1.0  # [rad], tracking error of an assisted joint that ends an episode
 LEAST_EFFORT = 0.01  # share of strength, for arms that need none
 
 COSTS = (
-    *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "tracking"),
-    *("effort", "hand_error", "tilt", "slowness"),
+    *("cuff_force", "heat", "wrong_way_work", "chatter", "range_stops", "effort"),
+    *("hand_error", "tilt", "slowness", "tracking", "worst_joint"),
 )
-CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, TRACKING, STRAIN, HAND, TILT, SLOWNESS = range(len(COSTS))
+CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, STRAIN, HAND, TILT, SLOWNESS, JOINT = range(10)
+WIDTH = JOINT + len(JOINTS)  # columns of costs; the last are sums of squared errors by joint
 TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
-PERIODS, CLIPPED, DIVERGED, ENDED, SUMS = range(COST + len(COSTS), COST + len(COSTS) + 5)
-MEANS = ("tracking", "effort")  # costs that keep sums of squares
+PERIODS, CLIPPED, DIVERGED, ENDED, SUMS = range(COST + WIDTH, COST + WIDTH + 5)
 ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
-TOLERANCES = ("tracking", "effort", "hand_error", "tilt", "slowness")  # fields of a task
+TOLERANCES = {
+    "tracking": "worst_joint",
+    **{name: name for name in ("effort", "hand_error", "tilt", "slowness")},
+}
+"""Costs that a task limits, by the fields of the task."""
 SLOW = 0.01  # [m/s], greatest speed of a hand that need not be quick
 NEAR = 0.001  # [rad], distance from the end of its range at which a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
@@ -55,11 +59,13 @@ def suited_effort(
     suit: dict[str, SuitJoint],
     plans: list[Plan],
     dt: float,
+    contraction: Array,
 ) -> float:
     """Returns the effort that motions take in the suit and without an exoskeleton.
 
-    That is the root mean square over time and four joints of the torque of inverse dynamics over
-    the strength of a still joint. It includes weight and inertia of the load in the hand.
+    That is the root mean square over time and four joints of the torque of inverse dynamics and
+    the usual co-contraction over the strength of a still joint. It includes weight and inertia of
+    the load in the hand.
 
     Args:
         chain: Inertia of the arm with suit and the load of the configuration.
@@ -68,6 +74,7 @@ def suited_effort(
         suit: Joints of the suit.
         plans: Plans of some episodes.
         dt: Time between samples [s].
+        contraction: The usual co-contraction [N·m], shape (4,).
     """
     squares = []
     for plan in plans:
@@ -81,7 +88,9 @@ def suited_effort(
             time = dt * np.arange(len(motion[0]))
             torque[:, column] += entry.response(motion[0][:, column], time=time)[::EVERY]
         low, high = strength_limits(strength, angle, np.zeros_like(angle))
-        squares.append(np.mean((torque / np.where(torque > 0, high, -low)) ** 2))
+        flexors, extensors = np.maximum(torque, 0), np.maximum(-torque, 0)
+        load = np.maximum((flexors + contraction) / high, (extensors + contraction) / -low)
+        squares.append(np.mean(load**2))
     return max(LEAST_EFFORT, float(np.sqrt(np.mean(squares))))
 
 
@@ -163,7 +172,9 @@ def judge(
         sums[row, PERIODS], sums[row, CLIPPED] = step, episode.clipped[row]
         sums[row, DIVERGED], sums[row, ENDED] = diverged, ended
         if moved and not diverged:
-            sums[row, COST + TRACKING] += tracking
+            for j in range(4):
+                error = measured[row, ANGLE + j] - measured[row, TARGET + j]
+                sums[row, COST + JOINT + j] += error**2
             sums[row, COST + STRAIN] += effort
             account(row, episode.dt, change, measured, score)
 
@@ -199,14 +210,22 @@ def account(row: int, dt: float, change: Array, measured: Array, score: Score) -
 def cost_terms(costs: Array, periods: int) -> dict[str, float]:
     """Returns the costs of an episode by name.
 
-    `tracking` is the root mean square error [rad], `effort` that of torque over strength.
+    `effort` is the root mean square of torque over strength, `tracking` that of the error over all
+    joints [rad], and `worst_joint` that of the joint with the largest one [rad].
 
     Args:
-        costs: Costs of one row, shape (10,).
+        costs: Costs of one row, shape (14,).
         periods: Number of control periods since the reset.
     """
-    found = dict(zip(COSTS, costs.tolist(), strict=True))
-    return found | {name: float(np.sqrt(found[name] / max(1, periods))) for name in MEANS}
+    squares = costs[[STRAIN, *range(JOINT, WIDTH)]] / max(1, periods)
+    effort, joints = np.sqrt(squares[0]), np.sqrt(squares[1:])
+    found = dict(zip(COSTS, costs[:JOINT].tolist(), strict=False))
+    tracking = float(np.sqrt(np.mean(joints**2)))
+    return found | {
+        "effort": float(effort),
+        "tracking": tracking,
+        "worst_joint": float(joints.max()),
+    }
 
 
 @njit(cache=True)
@@ -252,12 +271,12 @@ def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
     no more than a person should bear, and the motors stay within their continuous torque.
 
     Args:
-        costs: Costs of one row, shape (10,).
+        costs: Costs of one row, shape (14,).
         periods: Number of control periods since the reset.
         task: The task.
         ended: Whether the arm is lost.
     """
     terms = cost_terms(costs, periods)
     allowed = {"cuff_force": 1.0, "heat": 1.0 + ROUNDING}
-    allowed |= {name: getattr(task, name) for name in TOLERANCES}
+    allowed |= {cost: getattr(task, name) for name, cost in TOLERANCES.items()}
     return not ended and all(terms[name] <= most for name, most in allowed.items())

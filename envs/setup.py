@@ -12,6 +12,7 @@ from .model.config import nested
 from .observation import checked_sensors
 from .person import VoluntaryControl
 from .randomization import Randomization
+from .simulation.faults import Faults
 from .simulation.sensing import Sensing
 from .simulation.simulation import PREVIEW
 from .tasks import Task
@@ -41,6 +42,7 @@ class Setup:
             the task decides.
         randomize: What differs from episode to episode beside the motion.
         sensing: Noise, delay and bandwidth of sensors.
+        faults: Faults of sensors and motors.
         belief: Arm that the suite "belief" believes in, given by the fields of `arm` in which it
             differs from the simulated one, such as {"suit": "elbow.json"}; it never follows what
             `randomize` draws. None without that suite.
@@ -55,6 +57,7 @@ class Setup:
     fatigue: bool
     randomize: Randomization
     sensing: Sensing
+    faults: Faults
     belief: ArmConfig | None
 
     @classmethod
@@ -89,8 +92,14 @@ class Setup:
             fatigue=own["fatigue"],
             randomize=nested("randomize", own["randomize"], Randomization()),
             sensing=nested("sensing", own["sensing"], Sensing()),
+            faults=nested("faults", own["faults"], Faults()),
             belief=_believed(own["belief"], arm, own["sensors"]),
         )
+        if setup.faults.stopped and arm.coupling == "none":
+            raise InputError(
+                f"faults.stopped is {list(setup.faults.stopped)}, and coupling is 'none', where "
+                "there are no motors: leave one of them out"
+            )
         flag("fatigue", setup.fatigue)
         flag("normalize", setup.normalize)
         setup.control.periods(setup.control_dt)
@@ -105,6 +114,7 @@ USUAL: dict[str, Any] = {
     "control": {},
     "randomize": {},
     "sensing": {},
+    "faults": {},
     "belief": None,
 }
 

@@ -22,7 +22,7 @@ from .tasks import ARM_TRACKING, Task, task_of
 InfoKind = Literal["none", "metrics", "full"]
 METRICS = ("human_energy", "assist_energy", "dissipated_energy", "motor_load")
 MOST_THREADS = 1024
-MASK, LEARNED = "reset_mask", "learned_torque"  # options of a reset
+MASK, LEARNED = "reset_mask", ("learned_torque", "learned_contraction")  # options of a reset
 Bools = NDArray[np.bool_]
 
 
@@ -51,8 +51,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         width: Width of a picture [pixels].
         height: Height of a picture [pixels].
         render_quality: Quality of pictures, "fast" or "fine".
-        learned_torque: Whether a reset takes torques that wearers have learned, as the option
-            `learned_torque`.
+        learned_torque: Whether a reset takes what wearers have learned, as the options
+            `learned_torque` and `learned_contraction`.
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
             between rows.
@@ -143,8 +143,9 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             seed: Seed of row 0, where row i has seed + i; or one seed for every row.
             options: None, or a dict: "reset_mask", an array of num_envs booleans that is true for
                 the rows to reset; `learned_torque`, torques of the wearers, added to those of their
-                bare arms [N·m], shape (rows to reset, samples, 4), where the environment was made
-                with learned_torque=True.
+                bare arms, and `learned_contraction`, their co-contraction beyond the usual one
+                [N·m], shape (rows to reset, samples, 4), where the environment was made with
+                learned_torque=True.
 
         Raises:
             InputError: The seeds or the mask are of another number of rows, or an option is
@@ -156,7 +157,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             rows,
             None if seeds is None else [seeds[row] for row in rows],
             stagger=self.staggered and rows is self._rows,
-            learned_torque=None if options is None else self._checked_torque(options, len(rows)),
+            learned={} if options is None else self._checked_learned(options, len(rows)),
         )
         self._over[rows] = False
         if rows is self._rows:
@@ -286,11 +287,11 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             raise InputError(
                 f"reset got the options {shown(options)}: give a dict with {MASK!r}, or None"
             )
-        unknown = [name for name in options if name not in (MASK, LEARNED)]
+        unknown = [name for name in options if name not in (MASK, *LEARNED)]
         if unknown:
             raise InputError(
-                f"reset got the options {shown(unknown)}: it knows {MASK!r} and {LEARNED!r} only; "
-                "leave them out"
+                f"reset got the options {shown(unknown)}: it knows {MASK!r}, {LEARNED[0]!r} and "
+                f"{LEARNED[1]!r} only; leave them out"
             )
         mask = options.get(MASK)
         if mask is None:
@@ -305,23 +306,30 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             raise InputError(f"{MASK} names no row: set at least one to true")
         return self._rows[mask]
 
-    def _checked_torque(self, options: dict[str, Any], rows: int) -> NDArray[np.float64] | None:
-        refuse_old_names(options, {"taught": LEARNED})
-        given = options.get(LEARNED)
-        if given is None:
-            return None
+    def _checked_learned(
+        self, options: dict[str, Any], rows: int
+    ) -> dict[str, NDArray[np.float64]]:
+        refuse_old_names(options, {"taught": LEARNED[0]})
         shape = (rows, *self.episodes.simulation.state.intention.learned_torque.shape[1:])
-        if not shape[1]:
-            raise InputError(f"{LEARNED} is given: make the environment with learned_torque=True")
-        try:
-            array = np.asarray(given, dtype=float)
-        except (TypeError, ValueError):
-            array = np.empty(0)
-        if array.shape != shape or not np.isfinite(array).all():
-            raise InputError(
-                f"{LEARNED} has shape {array.shape}: give finite numbers of shape {shape}"
-            )
-        return array
+        found = {}
+        for name in LEARNED:
+            given = options.get(name)
+            if given is None:
+                continue
+            if not shape[1]:
+                raise InputError(f"{name} is given: make the environment with learned_torque=True")
+            try:
+                array = np.asarray(given, dtype=float)
+            except (TypeError, ValueError):
+                array = np.empty(0)
+            if array.shape != shape or not np.isfinite(array).all():
+                raise InputError(
+                    f"{name} has shape {array.shape}: give finite numbers of shape {shape}"
+                )
+            found[name] = array
+        if LEARNED[1] in found and found[LEARNED[1]].min() < 0:
+            raise InputError(f"{LEARNED[1]} is {found[LEARNED[1]].min():g} N·m: give 0 or more")
+        return found
 
     def _checked_rows(self, rows: Sequence[int] | None) -> NDArray[np.int64]:
         if rows is None:

@@ -38,6 +38,7 @@ GROUPS = {
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
         "evaluate knowledge": "Measure how much a hysteresis model improves assistance.",
+        "evaluate faults": "Measure what policies do when a sensor or a motor fails.",
         "evaluate branch": "Show the next second of a motion under each of some policies.",
         "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",

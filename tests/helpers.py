@@ -8,6 +8,7 @@ from itertools import count, pairwise
 
 import numpy as np
 import pytest
+from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.output import RunFolder
@@ -20,6 +21,14 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     """Angles that run through `turns` [rad], `samples` per branch."""
     branches = [np.linspace(start, end, samples)[1:] for start, end in pairwise(turns)]
     return np.concatenate([[turns[0]], *branches])
+
+
+def without_volume_shares(suit: Suit) -> Suit:
+    """Returns the suit with a torque, friction included, that is proportional to its pressure."""
+    joints = {
+        name: joint.model_copy(update={"volume_share": None}) for name, joint in suit.joints.items()
+    }
+    return suit.model_copy(update={"joints": joints})
 
 
 def in_this_process(

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..envs.benchmark.results import lines, read_results
 from ..envs.benchmark.standings import Standings
 from ..files import write_text
-from ..scripts.reports.benchmark import page, profile_figure
+from ..scripts.reports.leaderboard import page, profile_figure
 
 DOCS = Path(__file__).parent.parent / "docs"
 RESULTS, PAGE = DOCS / "leaderboard.jsonl", DOCS / "leaderboard.md"

@@ -111,6 +111,13 @@ def assumed_joints(models: dict[str, JilesAtherton]) -> dict[str, SuitJoint]:
     }
 
 
+GAS_SHARE = 0.9  # share of the elastic torque that the displaced gas causes
+GAS = (
+    "volume_share assumed: the effect of volume dominates in an EMU's elbow (Holschuh 2010, MIT), "
+    "and friction is taken to be the same at all pressures"
+)
+
+
 def emu_like(models: dict[str, JilesAtherton]) -> Suit:
     """Returns the loops of the mock suit with torques of the size of a pressurized suit's.
 
@@ -145,8 +152,8 @@ def emu_like(models: dict[str, JilesAtherton]) -> Suit:
                 start_angle=start,
                 grade="assumed",
                 source=f"assumed: the mock suit's {known} model, certified at all angles, "
-                f"{scale:.3g} times its torque: {reason}",
-            )
+                f"{scale:.3g} times its torque: {reason}; {GAS}",
+            ).model_copy(update={"volume_share": GAS_SHARE})
             for joint, (known, start, scale, reason) in joints.items()
         },
     )

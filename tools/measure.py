@@ -26,7 +26,7 @@ FEWEST = 8  # length of the shortest list of one number for each motion, of whic
 DIGITS = 6  # number of significant digits that are kept
 KEPT = {  # fields of a score that pages may report
     *("policy", "effort", "torque", "tracking", "reward", "beginning", "success", "cuff_peak"),
-    *("relief", "share_of_bound"),
+    *("relief", "share_of_bound", "unadapted_effort", "unadapted_tracking"),
 }
 TOLERANCE = 0.01  # greatest difference from a kept number, relative to it if it is above 1
 
@@ -59,6 +59,13 @@ EXPERIMENTS = {
         "evaluate branch --suit emu-like --gravity microgravity --policies none transparent "
         "feedforward compensation"
     ),
+    "validate": "validate emu-like mock-suit published-2022 --plant emu-like mock-suit",
+    "validate-40kpa": "validate emu-like mock-suit --plant emu-like --pressure 40",
+    "faults": "evaluate faults",
+    "knowledge": "evaluate knowledge",
+    "sensitivity": "bench sensitivity",
+    "bound": "bench bound",
+    "hindered": "bench hindered",
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
     "bench-hysteresis": "bench hysteresis",

@@ -11,13 +11,15 @@ import numpy as np
 
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
+from ..envs.benchmark.suite import Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.model.cuffs import FORCE_LIMITS
 from ..scripts.output import markdown_table
-from .leaderboard import RESULTS
+from .leaderboard import DOCS, RESULTS
 from .measure import kept
 
 WEIGHTLESS = "microgravity"
+CUFFS = DOCS / "cuffs.jsonl"
 PLACES = {"earth": "Earth", "mars": "Mars", "moon": "Moon", WEIGHTLESS: "weightless"}
 CAUSAL = ("adaptive", "observer", "disturbance-observer", "iterative", "impedance", "predictive")
 
@@ -68,16 +70,18 @@ def door() -> str:
             "none": "exoskeleton, motors off",
             "feedforward": "suit torque cancelled (`feedforward`)",
             "compensation": "suit, weight and friction (`compensation`)",
-            "clairvoyant": "best known plan (`clairvoyant`)",
+            "best-known-plan": "best known plan (`best-known-plan`)",
         }
     )
     earth, space = scores("earth"), scores(WEIGHTLESS)
     bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
+    policies = ("compensation", "best-known-plan")
+    given = [_signed(space[name]["relief"]["value"]) for name in policies]
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
-        f"Compensation gives back {_signed(space['compensation']['relief']['value'])} of that in "
-        f"weightlessness, the best known plan {_signed(space['clairvoyant']['relief']['value'])}. "
+        f"Compensation gives back {given[0]} of that in "
+        f"weightlessness, the best known plan {given[1]}. "
         "Motors that are off add weight and gear\nfriction, "
         "and on Earth cancelling the suit alone does not make up for that weight."
     )
@@ -182,7 +186,7 @@ def findings() -> str:
     """Returns what the settings show, as a list."""
     found = settings()
     named = {"unsuited": "unsuited", "suited": "suited", "none": "motors off"}
-    named |= {"compensation": "compensation", "clairvoyant": "clairvoyant"}
+    named |= {"compensation": "compensation", "best-known-plan": "best known plan"}
     levels = (
         f"{title} {spread(one['scores'][name]['reward'] for one in found.values())}"
         for name, title in named.items()
@@ -191,7 +195,9 @@ def findings() -> str:
     same = sum(rank > 0.999 for rank in ranks)
     stiff = found[WEIGHTLESS, "emu-like", "rigid"]["scores"]["compensation"]
     cuffs = found[WEIGHTLESS, "emu-like", "cuffs"]["scores"]
-    drifting, cancelled, best = (cuffs[n] for n in ("compensation", "feedforward", "clairvoyant"))
+    drifting, cancelled, best = (
+        cuffs[n] for n in ("compensation", "feedforward", "best-known-plan")
+    )
     reliefs = [one["relief"]["value"] for one in (stiff, drifting, cancelled, best)]
     shares = [list(_each(one["scores"], "beginning")) for one in found.values()]
     first = 100 * np.mean(shares, axis=1)
@@ -207,7 +213,7 @@ def findings() -> str:
         f"falls from {reliefs[0]:.2f} to {reliefs[1]:.2f}, below `feedforward` ({reliefs[2]:.2f}). "
         f"It presses up to {drifting['cuff_peak']['upper_arm']:.0f} N on the upper arm, where "
         f"{FORCE_LIMITS['upper_arm']:.0f} N is what a person should bear, and "
-        f"{percent(drifting['success'], 0)} of its motions succeed. The clairvoyant, whose plan "
+        f"{percent(drifting['success'], 0)} of its motions succeed. The best known plan, which "
         f"allows for the cuffs, keeps {reliefs[3]:.2f}. `corrected` estimates the arm's angles "
         "from the cuffs' forces ([Controllers](controllers.md#the-policies)).",
     ]
@@ -254,7 +260,7 @@ def branch() -> str:
     """Returns the table of a branch."""
     (fork,) = kept("branch")["result"]["forks"]
     futures = fork["futures"]
-    best = futures["clairvoyant"]["effort"]
+    best = futures["best-known-plan"]["effort"]
     rows = []
     for name, one in futures.items():
         torque = one["human_torque_nm"]
@@ -264,6 +270,20 @@ def branch() -> str:
         rows.append([f"`{name}`", percent(one["effort"]), regret, pair, error])
     header = ["policy, after 2 s of feed-forward, for 1 s", "effort", "regret"]
     return markdown_table([*header, "human torque: shoulder, elbow", "error"], rows)
+
+
+def validation() -> str:
+    """Returns torque error, verdict and relief of believed suits in simulated ones."""
+    rows = []
+    for name, pressure in (("validate", ""), ("validate-40kpa", " at 40 kPa")):
+        for one in kept(name)["result"]["cells"]:
+            error = {part: 100 * value for part, value in one["nrmse"].items()}
+            shown = f"{error['value']:.1f} % ({error['low']:.1f} to {error['high']:.1f})"
+            relief, share = interval(one["relief"]), interval(one["share_of_true"])
+            plant = f"{one['plant']}{pressure}"
+            rows.append([one["believed"], plant, shown, one["verdict"], relief, share])
+    header = ["believed", "simulated", "torque error of the peak", "verdict", "relief"]
+    return markdown_table([*header, "of the true model's"], rows)
 
 
 def speed(topic: str) -> str:
@@ -314,7 +334,107 @@ def dispatch() -> str:
     return markdown_table(header, rows)
 
 
+# Faults, knowledge, assumed numbers, and changes of the bound.
+
+
+def faults() -> str:
+    """Returns what policies do when something fails."""
+    rows = []
+    for one in kept("faults")["result"]["surprises"]:
+        score = one["score"]
+        lost = f", {score['failures']} lost" if score.get("failures") else ""
+        success = f"{percent(score['success'], 0)}{lost}"
+        relief = "-" if one["relief"] is None else _signed(one["relief"]["value"])
+        moved, loaded = f"{1e3 * one['moved']['value']:.0f}", f"{one['loaded']['value']:.1f}"
+        rows.append([f"`{one['policy']}`", one["fault"], success, relief, moved, loaded])
+    header = ["policy", "fault", "success", "relief", "moves the arm [mrad]"]
+    return markdown_table([*header, "loads the wearer [N·m]"], rows)
+
+
+def knowledge() -> str:
+    """Returns the relief of each belief in each setting."""
+    found = kept("knowledge")["result"]["settings"]
+    header = ["belief", *(f"{one['task']}, {one['suit']}" for one in found)]
+    rows = []
+    for belief in found[0]["beliefs"]:
+        cells = [belief]
+        for one in found:
+            mine, best = one["beliefs"][belief], one["best_without_memory"]
+            gain = mine["gain"]
+            more = f"<br>{interval(gain)}" if gain else "<br>best without memory" * (belief == best)
+            cells.append(f"{_signed(mine['mean_relief']['value'])}{more}")
+        rows.append(cells)
+    return markdown_table(header, rows)
+
+
+def sensitivity() -> str:
+    """Returns conclusions that flip where an assumed number is halved or doubled."""
+    rows = []
+    for one in kept("sensitivity")["result"]["cases"]:
+        relief, success = one["relief"], one["success"]
+        cells = [
+            "-" if relief is None else f"{_signed(relief[name])}, {percent(success[name], 0)}"
+            for name in ("none", "feedforward", "compensation", "observer")
+        ]
+        flips = "; ".join(one["flipped"]) or "none"
+        rows.append([one["task"], one["gravity"], one["change"], *cells, flips])
+    header = ["task", "place", "changed number", "none", "feedforward"]
+    return markdown_table([*header, "compensation", "observer", "conclusions that flip"], rows)
+
+
+def bound() -> str:
+    """Returns what random changes of the best known plan gain."""
+    rows = []
+    for one in kept("bound")["result"]["attacks"]:
+        gain = "-" if one["gain"] is None else f"{one['gain']:+.3f}"
+        better = "-" if one["better"] is None else percent(one["better"], 0)
+        relief = "-" if one["relief"] is None else _signed(one["relief"])
+        setting = [one["task"], one["level"], one["suit"], relief]
+        rows.append([*setting, percent(one["last_pass"], 2), gain, better])
+    header = ["task", "level", "suit", "relief of the plan", "last pass took"]
+    return markdown_table([*header, "best change of each motion", "changes that gain 0.01"], rows)
+
+
+def hindered() -> str:
+    """Returns what hindered arms reach in each task."""
+    rows, names = [], ("locked", "thrown up", "thrown down")
+    for one in kept("hindered")["result"]["tasks"]:
+        reached = (
+            f"{percent(one['success'][n], 0)}, {percent(one['effort'][n], 0)}" for n in names
+        )
+        angles = (f"{1e3 * one[name]:.0f} mrad" for name in ("tracking", "frozen"))
+        rows.append([one["task"], *angles, *reached])
+    header = ["task", "limit of the worst joint", "frozen at its mean"]
+    return markdown_table([*header, *(f"{name}: success, effort" for name in names)], rows)
+
+
 # The leaderboard.
+
+
+def difficulty() -> str:
+    """Returns success and relief in each task: without help, with compensation, and at best."""
+    policies = (*REFERENCES, "none", "compensation", "best-known-plan")
+    header = ["task", "level", *policies[:-1], "compensation, other suit", policies[-1]]
+    rows = []
+    for setting in standings().settings:
+        if setting.believed != "emu-like":
+            continue
+        cells = {name: _reached(setting, name) for name in policies}
+        other = setting._replace(believed="mock-suit")
+        wrong = _reached(other, "compensation") if setting.level == "shift" else "-"
+        best = cells.pop("best-known-plan")
+        rows.append([setting.task, setting.level, *cells.values(), wrong, best])
+    return markdown_table(header, rows)
+
+
+def _reached(setting: Setting, policy: str) -> str:
+    found, relief = standings().of(setting, policy), standings().relief(setting, policy)
+    if found is None:
+        return "-"
+    success = percent(float(np.mean(found.success)), 0)
+    if relief is None or policy in REFERENCES:
+        return success
+    return f"{success}<br>{_signed(float(relief.mean()))}"
 
 
 @cache
@@ -327,6 +447,21 @@ def standings() -> Standings:
 def standing(policy: str, level: str) -> Standing:
     """Returns how a policy stands at a level, over all tasks and both beliefs."""
     return standings().standing(policy, standings().settings_at(level))
+
+
+def cuffs() -> str:
+    """Returns relief and success of policies on cuffs, by level."""
+    found = Standings(read_results([CUFFS]))
+    by_level = {level: {one.policy: one for one in found.by_level(level)} for level in found.levels}
+    rows = []
+    for policy in list(by_level[found.levels[0]])[len(REFERENCES) :]:
+        cells = [f"`{policy}`"]
+        for level in found.levels:
+            one = by_level[level][policy]
+            relief = "-" if one.relief is None else interval(one.relief.to_dict())
+            cells.append(f"{relief}, {percent(one.success, 0)}")
+        rows.append(cells)
+    return markdown_table(["policy", *found.levels], rows)
 
 
 def better() -> str:
@@ -364,11 +499,15 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "controllers.md": {
         "laws": laws,
         "branch": branch,
+        "validation": validation,
+        "faults": faults,
         "demo": demo_results,
         "four settings": four_settings,
     },
     "results.md": {"findings": findings, "settings": all_settings},
-    "benchmark.md": {"better": better},
+    "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
+    "model.md": {"sensitivity": sensitivity},
+    "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "environments.md": {"speed": lambda: speed("env")},
 }
 """The tables by page and mark."""

@@ -18,6 +18,7 @@ from ..envs.tasks import TASKS
 from ..errors import InputError
 from ..files import write_text
 from ..scripts.output import markdown_table
+from .changes import CHANGES
 from .results import RESULT_TABLES
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -31,12 +32,18 @@ _GAINS = {
     "reflex": "gain of the reflex, $g$",
     "reflex.lead": "what a rate counts beside an error, $T_r$",
     "reflex.lag": "lag of the muscles behind the reflex",
-    "correction": "rate of the slow correction, $h$",
-    "correction.delay": "its delay",
+    "correction": "share of an error that one correction removes",
+    "correction.interval": "time between two corrections, and of each",
+    "correction.least": "least error that is corrected",
+    "correction.late": "time by which the intention may be late",
+    "correction.delay": "age of the error that is seen",
     "learning": "learning from one motion to the next, $a$",
     "forgetting": "forgetting, $f$",
     "learning.pace": "learning within episodes that differ",
     "learning.credit": "how much earlier an answer is given the next time",
+    "stiffening": "learning of co-contraction, $a_c$",
+    "relaxing": "its forgetting, $g_c$",
+    "contraction.most": "greatest co-contraction beyond the usual one",
     "noise": "noise, its standard deviation over torque at `noise=1`",
     "noise.corner": "its corner",
     "tremor.center": "tremor, its middle",
@@ -86,8 +93,9 @@ def levels() -> str:
     """Returns the table of the levels."""
     rows = []
     for name, options in LEVELS.items():
-        terms = {**options, **options.get("randomize", {})}
-        terms.pop("randomize", None)
+        terms = {**options, **options.get("randomize", {}), **options.get("faults", {})}
+        for nested in ("randomize", "faults"):
+            terms.pop(nested, None)
         shown = (f"`{term}={value!r}`" for term, value in terms.items())
         rows.append([f"`{name}`", ", ".join(shown) or "nothing"])
     return markdown_table(["level", "differs by"], rows)
@@ -106,9 +114,10 @@ def _number(value: float) -> str:
 
 
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
-    "tasks.md": {"tasks": tasks, "levels": levels},
-    "model.md": {"gains": gains},
     **RESULT_TABLES,
+    "model.md": {"gains": gains, **RESULT_TABLES["model.md"]},
+    "changes_of_numbers.md": CHANGES,
+    "tasks.md": {"tasks": tasks, "levels": levels, **RESULT_TABLES["tasks.md"]},
     "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
 }
 """The tables by page and mark."""

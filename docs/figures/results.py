@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 from activesuit.tools.results import PLACES, settings
 
-POLICIES = {"none": "0.6", "feedforward": "C1", "compensation": "C0", "clairvoyant": "k"}
+POLICIES = {"none": "0.6", "feedforward": "C1", "compensation": "C0", "best-known-plan": "k"}
 figure, axes = plt.subplots(1, 4, figsize=(11, 3.2), sharey=True, layout="constrained")
 panels = [(suit, how) for suit in ("mock-suit", "emu-like") for how in ("rigid", "cuffs")]
 for ax, (suit, coupling) in zip(axes, panels, strict=True):

@@ -5,7 +5,7 @@ import numpy as np
 from activesuit.assets import JOINTS
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
-from activesuit.envs.person.control import FORGETTING, RATE, sight_periods
+from activesuit.envs.person.control import FORGETTING, RATE
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
@@ -39,35 +39,37 @@ def stiffness(axis):
     axis.legend(loc="upper left")
 
 
-def push():
-    """Returns stiffness' torque, reflex and correction of an elbow that is kept 0.1 rad off."""
-    constants, error = CONTROL.feedback(DT), 0.1
-    base, growth = CONTROL.impedance(PERSON)[:2, ELBOW]
-    elastic, found, reflex, correction = [], [], 0.0, 0.0
-    for i in range(50):
-        elastic.append((base + growth * abs(reflex + correction)) * error)
-        found.append((elastic[i], reflex, correction))
-        known, seen = i - CONTROL.periods(DT), i - sight_periods(DT)
-        reflex += constants["lag"] * (
-            constants["reflex_gain"] * (elastic[known] if known >= 0 else 0) - reflex
-        )
-        correction += constants["correction_gain"] * (elastic[seen] if seen >= 0 else 0)
-    return np.array(found).T
+def pushed(joint, torque, **options):
+    """Returns how far an arm is from its posture [mrad], from half a second before a push."""
+    still = RandomMoves(name="Still", hold={"elbow_flexion": (0.8, 0.9)}, duration=5.0)
+    arms = ArmVectorEnv(1, still, control={"adaptation": 0}, coupling="none", **options)
+    arms.reset(seed=0)
+    force = arms.episodes.simulation.batch.bind("qfrc_applied")[0]
+    away = []
+    for period in range(350):
+        force[joint] = torque * (period >= 50)
+        arms.step(np.zeros((1, 0)))
+        info = arms.episodes.info(0)
+        away.append((info["angle"] - info["target_angle"])[joint])
+    return 1e3 * np.array(away)
 
 
-def step_response(axis):
-    """Draws the reactions to a push over time."""
-    at_once, reflex, correction = push()
-    time = DT * np.arange(len(reflex))
-    axis.plot(time, at_once, color="tab:gray", label="stiffness, at once")
-    axis.plot(time, reflex, color="tab:purple", label="reflex")
-    axis.plot(time, correction, color="tab:green", label="slow correction")
-    axis.plot(time, reflex + correction, "k", lw=2, label="reflex and correction")
-    axis.axvline(0.05, 0, 0.45, color="k", ls=":", lw=1)
-    axis.text(0.047, 1.0, "50 ms", ha="right")
-    axis.set(title="An elbow is pushed 0.1 rad off and kept there", xlabel="time [s]")
-    axis.set(ylabel="torque [N·m]", xlim=(0, time[-1]), ylim=(0, 7))
-    axis.legend(loc="upper left")
+def pushes(axis):
+    """Draws how arms come back from pushes."""
+    time = DT * (np.arange(350) - 50)
+    space = {"gravity": "microgravity"}
+    for label, style, options in (
+        ("bare arm, weightless", "-", {"suit": "none", **space}),
+        ("with 5 kg, on Earth", "--", {"suit": "none", "payload": {"mass": 5.0}}),
+        ("in the mock suit, weightless", ":", space),
+    ):
+        for joint, torque in ((SHOULDER, 4.0), (ELBOW, 3.0)):
+            axis.plot(time, pushed(joint, torque, **options), style, color=COLOR[joint])
+        axis.plot([], [], style, color="k", label=label)
+    axis.axvspan(0.1, 0.15, color="0.85", label="people begin to correct")
+    axis.set(title="An arm is pushed with 4 N·m (shoulder), 3 N·m (elbow)", xlabel="time [s]")
+    axis.set(ylabel="distance from the posture [mrad]", xlim=(-0.1, 3))
+    axis.legend(loc="upper right")
 
 
 def learning(axis):
@@ -88,7 +90,10 @@ def learning(axis):
     learned, errors = np.zeros((MOTIONS, samples, len(JOINTS))), []
     for suit in ["mock-suit"] * REPEATS + ["none"] * REPEATS:
         traces = rollout(
-            arms[suit], make_policy("none", arms[suit]), range(MOTIONS), learned_torque=learned
+            arms[suit],
+            make_policy("none", arms[suit]),
+            range(MOTIONS),
+            learned={"learned_torque": learned},
         )
         error = [trace.angle - trace.target_angle for trace in traces]
         errors.append(np.sqrt(np.mean(np.square(error)[..., ELBOW])))
@@ -106,10 +111,9 @@ def learning(axis):
     axis.text(1.5 * REPEATS, 1.06 * high, "without the suit: after-effect", ha="center")
     axis.set(title="A motion is repeated", xlabel="repetition", ylim=(0, 1.18 * high))
     axis.set(ylabel="tracking error of the elbow, RMS [mrad]")
-    first, last, after = (1e3 * errors[i] for i in (0, REPEATS - 1, REPEATS))
-    quarter = int(np.argmax(np.array(errors) < errors[0] / 4)) + 1
-    print(f"error {first:.1f} mrad at first, a quarter at repetition {quarter}, {last:.1f} mrad")
-    print(f"at the end; {after:.1f} mrad without the suit")
+    first, last, after, end = (1e3 * errors[i] for i in (0, REPEATS - 1, REPEATS, -1))
+    print(f"error {first:.1f} mrad at first, {last:.1f} mrad after {REPEATS} repetitions")
+    print(f"without the suit {after:.1f} mrad at first, {end:.1f} mrad after as many")
 
 
 def strength(axis):
@@ -138,6 +142,6 @@ def strength(axis):
 plt.style.use("seaborn-v0_8-whitegrid")
 plt.rcParams["legend.fontsize"] = 9
 figure, axes = plt.subplots(2, 2, figsize=(12, 8.4), layout="constrained")
-for axis, draw in zip(axes.flat, (stiffness, step_response, learning, strength), strict=True):
+for axis, draw in zip(axes.flat, (stiffness, pushes, learning, strength), strict=True):
     draw(axis)
 figure.savefig("wearer.png", dpi=110)

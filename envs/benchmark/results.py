@@ -17,6 +17,8 @@ from ..tasks import TASKS
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
 LARGEST = 2**28  # bytes
+SIZES = ("effort", "assisted_effort", "tracking")
+SERIES = (*SIZES, "success")  # one value per motion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +32,7 @@ class Result:
         policy: Name of the policy in tables.
         options: Policy and options as plain values.
         effort: Effort of the adapted wearer over strength; infinite where the policy failed.
+        assisted_effort: The same of the two joints that can have a motor, likewise.
         tracking: Tracking error [rad], likewise.
         success: Whether the motion went well.
         failed: Why the policy could not act; None if it could.
@@ -42,6 +45,7 @@ class Result:
     policy: str
     options: dict[str, Any]
     effort: tuple[float, ...]
+    assisted_effort: tuple[float, ...]
     tracking: tuple[float, ...]
     success: tuple[bool, ...]
     failed: str | None
@@ -50,7 +54,7 @@ class Result:
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
-        for name in ("effort", "tracking"):
+        for name in SIZES:
             content[name] = [value if math.isfinite(value) else None for value in content[name]]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
@@ -71,12 +75,12 @@ class Result:
                 f"{name} is no result of the benchmark ({reason}): delete it"
             ) from None
         values = dict(found)
-        for series in ("effort", "tracking"):
+        for series in SIZES:
             values[series] = tuple(math.inf if v is None else v for v in values[series])
         for what, known in (("task", TASKS), ("level", LEVELS)):
             if values[what] not in known:
                 raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
-        if not len(values["effort"]) == len(values["tracking"]) == len(values["success"]):
+        if len({len(values[series]) for series in SERIES}) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
         return cls(**values)
 
@@ -92,6 +96,7 @@ class _Saved(BaseModel):
     policy: str
     options: dict[str, Any]
     effort: Annotated[tuple[Size | None, ...], Field(min_length=1)]
+    assisted_effort: tuple[Size | None, ...]
     tracking: tuple[Size | None, ...]
     success: tuple[bool, ...]
     failed: str | None

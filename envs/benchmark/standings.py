@@ -6,14 +6,15 @@ question, with intervals that draw tasks anew.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.metrics import relief
+from ..evaluation.relief import relief
 from ..evaluation.statistics import (
     FEWEST_RUNS,
     Interval,
@@ -22,7 +23,7 @@ from ..evaluation.statistics import (
     interquartile_mean_interval,
 )
 from ..levels import LEVELS
-from .results import Result
+from .results import SERIES, Result
 from .suite import BASELINE, Setting, where
 
 BOUND = BOUNDS[1]
@@ -39,6 +40,7 @@ class Standing:
         success: Share of motions that went well.
         relief: Interquartile mean of relief over motions and settings, and what other motions would
             tell; None where no suit costs enough for relief to have a meaning.
+        assisted: The same of the effort of the two joints that can have a motor.
         over_tasks: The same mean, and what other tasks would tell; None with fewer than 5 tasks, or
             where relief has a meaning in only a part of a task's settings.
         mean: Mean relief, in which harm counts in full; None as `relief`.
@@ -53,6 +55,7 @@ class Standing:
     policy: str
     success: float
     relief: Interval | None
+    assisted: Interval | None
     over_tasks: Interval | None
     mean: float | None
     worst: tuple[float, Setting] | None
@@ -80,6 +83,8 @@ class Standings:
         for one in results:
             setting = Setting(one.task, one.level, one.believed)
             self._found.setdefault(setting, {})[one.policy] = one
+        for setting in self._found:
+            self._improve_bound(setting)
         self.settings = list(self._found)
         self.protocol, self.count = results[0].protocol, len(results)
         self.policies = list(dict.fromkeys(one.policy for one in results))
@@ -92,18 +97,27 @@ class Standings:
                 return self._found[place][policy]
         return None
 
-    def relief(self, setting: Setting, policy: str, motions: int | None = None) -> Array | None:
+    def relief(
+        self,
+        setting: Setting,
+        policy: str,
+        motions: int | None = None,
+        *,
+        assisted: bool = False,
+    ) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
         Args:
             setting: Where.
             policy: Name of the policy.
             motions: Number of the first motions that count; by default all that the policy ran.
+            assisted: Whether only the two joints count that can have a motor.
         """
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
         if any(one is None for one in found):
             return None
-        unsuited, suited, mine = (one.effort for one in found if one is not None)
+        name = "assisted_effort" if assisted else "effort"
+        unsuited, suited, mine = (getattr(one, name) for one in found)
         return relief(unsuited, suited, mine[:motions])
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
@@ -111,6 +125,7 @@ class Standings:
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
         reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
+        assisted = [self.relief(s, policy, assisted=True) for s in settings]
         means = {s: float(np.mean(relief)) for s, relief in reliefs.items()}
         worst = min(means, key=lambda s: means[s]) if means else None
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
@@ -119,6 +134,7 @@ class Standings:
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
             relief=_over_motions(list(reliefs.values())),
+            assisted=_over_motions([one for one in assisted if one is not None]),
             over_tasks=_over_tasks(reliefs),
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
             worst=None if worst is None else (means[worst], worst),
@@ -174,12 +190,36 @@ class Standings:
         shares = [np.mean(r[:, None] >= thresholds, axis=0) for r in reliefs if r is not None]
         return np.mean(shares, axis=0) if shares else np.full(thresholds.shape, np.nan)
 
+    def _improve_bound(self, setting: Setting) -> None:
+        """Replaces the plan by a policy that succeeds with less effort, motion by motion.
+
+        At "shift" those count that believe in another suit, too: the simulated one is the same.
+        """
+        bound = self._found[setting].get(BOUND)
+        if bound is None:
+            return
+        best = _motions(bound)
+        for place, results in self._found.items():
+            rivals = results.items() if where(place) == setting else ()
+            for motions in [_motions(one) for name, one in rivals if name not in FIXED]:
+                for i, motion in enumerate(motions):
+                    if motion["success"] and motion["effort"] < best[i]["effort"]:
+                        best[i] = motion
+        series = {name: tuple(motion[name] for motion in best) for name in best[0]}
+        self._found[setting][BOUND] = replace(bound, **series)
+
     def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
         """Returns relief of two policies in the motions that both ran."""
         results = [self.of(setting, name) for name in (one, other)]
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))
         return None if mine is None or theirs is None else (mine, theirs)
+
+
+def _motions(result: Result) -> list[dict[str, Any]]:
+    """Returns all series of a result, motion by motion."""
+    columns = [getattr(result, name) for name in SERIES]
+    return [dict(zip(SERIES, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
 def _compared(gains: Array) -> tuple[float, float, float]:

@@ -32,10 +32,9 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
     try:
         found = _run(suite, trial, episodes)
     except InputError as error:
-        found, failed = (
-            _Found((math.inf,) * episodes, (math.inf,) * episodes, (False,) * episodes),
-            str(error),
-        )
+        nothing = (math.inf,) * episodes
+        found = _Found(nothing, nothing, nothing, (False,) * episodes)
+        failed = str(error)
     return Result(
         task=trial.setting.task,
         level=trial.setting.level,
@@ -45,6 +44,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         failed=failed,
         protocol=suite.protocol(trial.policy),
         effort=found.effort,
+        assisted_effort=found.assisted_effort,
         tracking=found.tracking,
         success=found.success,
     )
@@ -52,6 +52,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
 
 class _Found(NamedTuple):
     effort: tuple[float, ...]
+    assisted_effort: tuple[float, ...]
     tracking: tuple[float, ...]
     success: tuple[bool, ...]
 
@@ -62,7 +63,12 @@ def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
     name = trial.policy.name
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
     found = run(trial.label, given, env, seeds, **options).score
-    return _Found(_rounded(found.effort), _rounded(found.tracking), found.success)
+    return _Found(
+        _rounded(found.effort),
+        _rounded(found.assisted_effort),
+        _rounded(found.tracking),
+        found.success,
+    )
 
 
 def _rounded(values: Sequence[float]) -> tuple[float, ...]:

@@ -22,7 +22,7 @@ from ..vector_env import ArmVectorEnv
 from .bounds import BOUNDS, clairvoyant
 from .wearers import Wearers
 
-BEST = "clairvoyant"
+BEST = "best-known-plan"
 SERIES = (
     *("angle", "target_angle", "human_torque", "suit_torque", "assist_torque"),
     "effort",
@@ -83,7 +83,7 @@ class Fork:
     Attributes:
         at: Time of the branch point [s].
         past: The motion up to it under the base policy, which all branches share.
-        futures: What follows under each policy, by its name; the clairvoyant's is always there.
+        futures: What follows under each policy, by its name, and under the best known plan.
     """
 
     at: float
@@ -91,7 +91,7 @@ class Fork:
     futures: dict[str, Stretch]
 
     def regret(self, policy: str) -> float:
-        """Returns the effort under a policy less that under the clairvoyant.
+        """Returns the effort under a policy less that under the best known plan.
 
         Both are means over the branch, so that this is what every second of it costs more.
         """

@@ -1,7 +1,7 @@
 """Closed-loop evaluation: policies, references and bounds on the same intended motions."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,10 @@ from ...errors import InputError, refuse_old_names, shown, unknown_name
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, policy_spec
 from .bounds import BOUNDS
-from .core import FIRST_SEED, REFERENCES, Make, Runnable, run
-from .metrics import relief_interval, suit_cost
+from .core import FIRST_SEED, REFERENCES, Make, Run, Runnable, run
+from .relief import relief_interval, suit_cost
 from .rollout import Trace
-from .scores import Score
+from .scores import UNADAPTED, Score, Values, root_mean_square, score
 from .statistics import Interval, ratio_interval
 
 Policies = Sequence[AnyPolicy | Make] | Mapping[str, AnyPolicy | Make]
@@ -54,11 +54,17 @@ class Evaluation:
             Relief with its 95 % interval; None without references, or where the suit costs less
             than 1 % of strength.
         """
+        return self._relief(policy, lambda score: score.effort)
+
+    def assisted_relief(self, policy: str) -> Interval | None:
+        """Returns the relief of the joints that can have a motor; None likewise."""
+        return self._relief(policy, lambda score: score.assisted_effort)
+
+    def _relief(self, policy: str, effort: Callable[[Score], Values]) -> Interval | None:
         self._check(policy)
         if any(name not in self.scores for name in REFERENCES):
             return None
-        names = (*REFERENCES, policy)
-        return relief_interval(*(self.scores[name].effort for name in names))
+        return relief_interval(*(effort(self.scores[name]) for name in (*REFERENCES, policy)))
 
     def relief_difference(self, policy: str, other: str) -> Interval | None:
         """Returns the relief of a policy less that of another, motion by motion; None likewise."""
@@ -69,7 +75,7 @@ class Evaluation:
         )
         return ratio_interval(two - one, suited - unsuited)
 
-    def share_of_bound(self, policy: str, bound: str = "clairvoyant") -> Interval | None:
+    def share_of_bound(self, policy: str, bound: str = "best-known-plan") -> Interval | None:
         """Returns the relief of a policy over that of a bound; None where there is none."""
         self._check(policy)
         if bound not in BOUNDS:
@@ -88,10 +94,12 @@ class Evaluation:
         """Returns everything as plain values."""
         found = {}
         for name, one in self.scores.items():
-            relief, share = self.relief(name), self.share_of_bound(name)
+            relief, assisted = self.relief(name), self.assisted_relief(name)
+            share = self.share_of_bound(name)
             found[name] = {
                 **one.to_dict(),
                 "relief": relief and relief.to_dict(),
+                "assisted_relief": assisted and assisted.to_dict(),
                 "share_of_bound": share and share.to_dict(),
             }
         cost = self.suit_cost
@@ -118,8 +126,8 @@ def evaluate(
     Args:
         env_id: Id of a registered environment, such as "ActiveSuit/ElbowFlexion-v0".
         policies: Policies as `policy_spec` takes them, names of bounds ("clairvoyant-suit",
-            "clairvoyant"), or functions from the vector environment to a policy of your own, such
-            as its class; or a dict of these by names of your choice.
+            "best-known-plan"), or functions from the vector environment to a policy of your own,
+            such as its class; or a dict of these by names of your choice.
         episodes: Number of motions of each policy; motion i has the seed + i.
         seed: Seed of the first motion.
         references: Whether to run the references too: "unsuited", without suit and exoskeleton, and
@@ -171,6 +179,8 @@ def evaluate(
             **env_options,
             effort_scale=scale,
         )
+        if name == BOUNDS[1]:
+            one = _best_known(one, [found[other] for other in named if other in found])
         found[name] = one
         if on_policy is not None:
             on_policy(name, one.traces)
@@ -178,14 +188,28 @@ def evaluate(
 
     for name in reversed(REFERENCES) if references else ():
         scale = add(name, name)  # the suited arm's, for all
-    for name, given in named.items():
-        add(name, given)
+    for name in sorted(named, key=lambda name: name == BOUNDS[1]):  # the bound last
+        add(name, named[name])
     order = [name for name in (*REFERENCES, *named) if name in found]
     return Evaluation(
         scores={name: found[name].score for name in order},
         adapted=adapted,
         traces={name: found[name].traces for name in order},
     )
+
+
+def _best_known(plan: Run, others: Sequence[Run]) -> Run:
+    """Returns the motions with the least effort: those of the plan, or of a policy that succeeds.
+
+    A policy's torque over time is a plan as well, and one that is known.
+    """
+    best = list(plan.traces)
+    for other in others:
+        for i, trace in enumerate(other.traces):
+            if trace.success and root_mean_square(trace.effort) < root_mean_square(best[i].effort):
+                best[i] = trace
+    unadapted = {name: getattr(plan.score, name) for name in UNADAPTED}
+    return plan._replace(score=replace(score(BOUNDS[1], best), **unadapted), traces=best)
 
 
 def named_policies(policies: Policies) -> dict[str, Runnable]:

@@ -28,7 +28,7 @@ Runnable = PolicySpec | str | Make
 FIRST_SEED = 10_000  # first seed of evaluations, far from those of training
 FIRST_PRACTICE = 10**9  # first seed of the practice of policies that learn over episodes
 REFERENCES = ("unsuited", "suited")
-_EXO = ("exo", "misalignment", "belief", "sensors", "sensing")
+_EXO = ("exo", "misalignment", "belief", "sensors", "sensing", "faults")
 _SUIT = ("pressure", "preconditioned", "allow_uncertified")
 
 
@@ -73,7 +73,7 @@ def run(
     """
     wearers = Wearers(env_id, len(seeds), **options_of(given, options))
     try:
-        make = _practiced(_maker(name, given, wearers, seeds), wearers)
+        make = maker(name, given, wearers, seeds)
         first = wearers.unadapted(make(), seeds) if unadapted or not adapted else []
         traces = wearers.adapted(make, seeds) if adapted else first
         return Run(score(name, traces, first), traces, wearers.arms.episodes.effort_scale)
@@ -110,10 +110,19 @@ def reference_options(reference: str, options: Mapping[str, Any]) -> dict[str, A
     return {**kept, "coupling": "none"}
 
 
+def maker(
+    name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
+) -> Callable[[], Policy]:
+    """Returns a function that makes a policy anew, so that it carries nothing between rollouts.
+
+    A policy that learns over episodes has practiced before, in other motions than those of `seeds`.
+    """
+    return _practiced(_maker(name, given, wearers, seeds), wearers)
+
+
 def _maker(
     name: str, given: Runnable, wearers: Wearers, seeds: Sequence[int]
 ) -> Callable[[], Policy]:
-    """Returns a function that makes a policy anew, so that it carries nothing between rollouts."""
     plant = Plant.of(wearers.arms.episodes)
     if isinstance(given, PolicySpec):
         return partial(make_policy, given, plant)

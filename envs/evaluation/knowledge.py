@@ -9,13 +9,15 @@ import numpy as np
 from ...arrays import Array
 from ...assets import JOINTS
 from ...errors import InputError
+from ...hysteresis.branches import Branches
 from ..belief import BelievedSuit, JointBelief, count_of
 from ..model import ASSISTED
 from ..plant import Plant
 from ..policies.model_based import SHARE, ModelBased
 from .compare import evaluate
-from .metrics import LEAST_COST, relief, root_mean_squares
+from .relief import LEAST_COST, relief
 from .rollout import Trace
+from .scores import root_mean_square
 from .statistics import Interval, difference_interval, mean_interval
 
 TRUE, NONE = "true model", "no suit"
@@ -24,30 +26,39 @@ Beliefs = Mapping[str, Mapping[str, JointBelief]]
 
 @dataclass(frozen=True, eq=False)
 class Knowledge:
-    """What each belief reaches, by its name, in the order of rising knowledge.
+    """What each belief reaches, by its name, in the order in which they are given.
 
     Attributes:
         relief: Relief by motion, shape (motions,).
         torque_error: Root mean square of believed less true torque, over time and the assisted
             joints, along the motion that happened [N·m], by motion.
         peak: Greatest torque of the suit in these motions [N·m].
+        without_memory: Names of the beliefs that know angle and direction alone, or nothing.
     """
 
     relief: dict[str, Array]
     torque_error: dict[str, Array]
     peak: float
+    without_memory: tuple[str, ...]
 
     def mean_relief(self, belief: str) -> Interval:
         """Returns the mean relief with its interval."""
         return mean_interval(self.relief[belief])
 
-    def step(self, belief: str) -> Interval | None:
-        """Returns the relief less that of the belief before; None for the first."""
-        names = list(self.relief)
-        place = names.index(belief)
-        if place == 0:
+    @property
+    def best_without_memory(self) -> str | None:
+        """Name of the belief without memory that has the most relief; None if there is none."""
+        return max(self.without_memory, key=lambda name: self.relief[name].mean(), default=None)
+
+    def gain(self, belief: str) -> Interval | None:
+        """Returns the relief less that of the best belief without memory, motion by motion.
+
+        None for a belief without memory, or if there is no such belief.
+        """
+        best = self.best_without_memory
+        if best is None or belief in self.without_memory:
             return None
-        return difference_interval(self.relief[belief], self.relief[names[place - 1]])
+        return difference_interval(self.relief[belief], self.relief[best])
 
 
 def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: Any) -> Knowledge:
@@ -90,7 +101,12 @@ def knowledge(env_id: str, beliefs: Beliefs, *, episodes: int = 20, **options: A
     errors[TRUE] = np.zeros(episodes)
     traces = [trace for each in found.traces.values() for trace in each]
     peak = max(float(np.abs(trace.suit_torque).max()) for trace in traces)
-    return Knowledge(reliefs, errors, peak)
+    without = [
+        name
+        for name, joints in beliefs.items()
+        if all(isinstance(one, Branches) for one in joints.values())
+    ]
+    return Knowledge(reliefs, errors, peak, tuple(without))
 
 
 def torque_error(joints: Mapping[str, JointBelief], traces: Sequence[Trace]) -> Array:
@@ -101,9 +117,10 @@ def torque_error(joints: Mapping[str, JointBelief], traces: Sequence[Trace]) -> 
         traces: The motions.
     """
     columns = [JOINTS.index(name) for name in ASSISTED]
-    true = [-one.suit_torque[:, columns] for one in traces]
-    believed = [_believed(joints, one.angle[:, columns]) for one in traces]
-    return root_mean_squares(believed, true)
+    errors = [
+        _believed(joints, one.angle[:, columns]) + one.suit_torque[:, columns] for one in traces
+    ]
+    return np.array([root_mean_square(error) for error in errors])
 
 
 def _believed(joints: Mapping[str, JointBelief], angle: Array) -> Array:

@@ -1,6 +1,6 @@
 """Runs policies in closed loop, and keeps what happened."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +72,7 @@ def rollout(
     policy: Policy,
     seeds: Sequence[int],
     *,
-    learned_torque: Array | None = None,
+    learned: Mapping[str, Array] | None = None,
     on_step: Callable[[int], None] = lambda _: None,
 ) -> list[Trace]:
     """Runs one whole episode in every row, all under one policy.
@@ -81,8 +81,8 @@ def rollout(
         arms: Vector environment with as many rows as seeds.
         policy: Policy that acts on the observations of all rows.
         seeds: Seed of each row; the row's episode is the first of that seed.
-        learned_torque: Torque of the wearers beside that of their bare arms [N·m], shape (rows,
-            samples, 4), for arms that were made with learned_torque=True.
+        learned: What the wearers have learned [N·m], shape (rows, samples, 4) each, as options of a
+            reset, for arms that were made with learned_torque=True.
         on_step: Function that is called before every control period with its number, from 0.
 
     Returns:
@@ -96,8 +96,7 @@ def rollout(
             f"autoreset_mode is {arms.autoreset_mode.value!r} and stagger is {arms.staggered}: "
             "whole episodes need 'NextStep' without stagger, so leave both out"
         )
-    options = None if learned_torque is None else {"learned_torque": learned_torque}
-    observation, _ = arms.reset(seed=list(seeds), options=options)
+    observation, _ = arms.reset(seed=list(seeds), options=dict(learned or {}))
     policy.reset()
     measured, rewards = [], []
     guarded = np.zeros(len(seeds), np.int64)

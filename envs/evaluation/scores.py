@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
+from ..model import ASSISTED
 from ..model.cuffs import CUFFS
 from ..person import EffortMetrics, effort_metrics, endurance_time, spectral_arc_length
 from ..reward import COSTS
@@ -15,8 +16,10 @@ from ..tasks.task import SUSTAINED
 from .rollout import Trace
 
 Values = tuple[float, ...]
+UNADAPTED = ("unadapted_effort", "unadapted_tracking")  # of wearers who have learned nothing
 BEGINNING = 0.5  # s
 TINY = 1e-9  # a sum of rewards that counts as none
+_ASSISTED = [JOINTS.index(joint) for joint in ASSISTED]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +29,7 @@ class Score:
     Attributes:
         policy: Name of the policy.
         effort: Root mean square, over time and four joints, of the wearer's torque over strength.
+        assisted_effort: The same of the two joints that can have a motor.
         torque: Root mean square of the wearer's torque [N·m], by joint.
         peak: Largest |torque| of the wearer over all motions [N·m], by joint.
         tracking: Root mean square, over time and four joints, of the tracking error [rad].
@@ -52,6 +56,7 @@ class Score:
 
     policy: str
     effort: Values
+    assisted_effort: Values
     torque: dict[str, Values]
     peak: dict[str, float]
     tracking: Values
@@ -75,7 +80,7 @@ class Score:
     @property
     def human_rms(self) -> dict[str, float]:
         """Root mean square of the wearer's torque over all motions [N·m], by joint."""
-        return {joint: _rms(values) for joint, values in self.torque.items()}
+        return {joint: root_mean_square(values) for joint, values in self.torque.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the score as plain values."""
@@ -95,8 +100,9 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
     return Score(
         policy=policy,
         effort=_effort(traces),
+        assisted_effort=tuple(root_mean_square(trace.effort[:, _ASSISTED]) for trace in traces),
         torque={
-            joint: tuple(_rms(trace.human_torque[:, column]) for trace in traces)
+            joint: tuple(root_mean_square(trace.human_torque[:, column]) for trace in traces)
             for column, joint in enumerate(JOINTS)
         },
         peak=_by_joint(np.abs(human).max(axis=0)),
@@ -128,11 +134,11 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
 
 
 def _effort(traces: Sequence[Trace]) -> Values:
-    return tuple(_rms(trace.effort) for trace in traces)
+    return tuple(root_mean_square(trace.effort) for trace in traces)
 
 
 def _tracking(traces: Sequence[Trace]) -> Values:
-    return tuple(_rms(trace.angle - trace.target_angle) for trace in traces)
+    return tuple(root_mean_square(trace.angle - trace.target_angle) for trace in traces)
 
 
 def _load(traces: Sequence[Trace]) -> dict[str, dict[str, float]]:
@@ -175,7 +181,8 @@ def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
     return dict(zip(CUFFS, map(float, peak), strict=True))
 
 
-def _rms(values: Array | Values) -> float:
+def root_mean_square(values: Array | Values) -> float:
+    """Returns the root mean square of some values."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 

@@ -32,7 +32,7 @@ one that is 30 % wrong. The straight spring through the middle of a loop has 0.2
 without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
-TRUE, BOUND = "true model", "clairvoyant"
+TRUE, BOUND = "true model", "best-known-plan"
 LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
 FARTHEST = 0.2  # [s], greatest lag that is sought
 FINEST = 0.001  # s, its resolution
@@ -100,7 +100,7 @@ class Validation:
         relief: Relief of that controller; see `Evaluation.relief`.
         difference: Its relief less that with the true model, motion by motion.
         share_of_true: Its relief over that with the true model.
-        share_of_bound: Its relief over that of the clairvoyant.
+        share_of_bound: Its relief over that of the best known plan.
     """
 
     torque: TorqueErrors
@@ -166,7 +166,7 @@ def validate(
 
     Returns:
         The evaluation, in which "by NAME" is the policy with that suit beside "true model"
-        and "clairvoyant"; and the validation of each believed suit.
+        and "best-known-plan"; and the validation of each believed suit.
 
     Raises:
         InputError: There are fewer than 8 episodes, a suit resists none of the assisted joints that

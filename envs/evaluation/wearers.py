@@ -16,11 +16,17 @@ from ...assets import JOINTS
 from ...errors import InputError
 from ..making import make_arms
 from ..person import VoluntaryControl
-from ..person.control import FORGETTING, RATE
+from ..person.control import FORGETTING, HARDEST, RATE, RELAXING, STIFFENING
 from ..policies import Policy
+from ..simulation.wearer_control import BASE, SLOPE
 from .rollout import Trace, rollout
+from .scores import root_mean_square
 
 ROLLOUTS = 2
+UNSURE = 0.25  # s, time by which an error may come earlier or later in the next motion
+STIFFENINGS = 2  # greatest number of rollouts from which co-contraction is learned
+CHANGE = 0.01  # share of strength; a root mean square change of co-contraction that counts
+TORQUE, CONTRACTION = "learned_torque", "learned_contraction"
 SMOOTHING = 2  # control periods, by which torque is smoothed: nobody learns faster changes
 SHARE = RATE / (RATE + FORGETTING)  # share of a load that is learned in the end
 
@@ -39,6 +45,7 @@ class Wearers:
 
     Attributes:
         arms: Rows of arms that take learned torques; policies are made for them.
+        unlearning: Options of arms whose wearers learn nothing in an episode, as those of `arms`.
     """
 
     def __init__(self, env_id: str, rows: int, **options: Any) -> None:
@@ -49,7 +56,8 @@ class Wearers:
             raise InputError(f"control is {control!r}: give a dict of its fields")
         usual = {**(control or {}), "adaptation": 0.0}
         calm = {**usual, "stiff": True, "noise": 0.0, "tremor": 0.0}
-        self.arms = make_arms(env_id, rows, **options, control=usual, learned_torque=True)
+        self.unlearning: dict[str, Any] = {"control": usual, "learned_torque": True}
+        self.arms = make_arms(env_id, rows, **options, **self.unlearning)
         self._guided = make_arms(env_id, rows, **options, control=calm, learned_torque=True)
 
     def unadapted(self, policy: Policy, seeds: Sequence[int]) -> list[Trace]:
@@ -67,8 +75,24 @@ class Wearers:
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
+        return self.learn(make, seeds)[1]
+
+    def learn(
+        self, make: Callable[[], Policy], seeds: Sequence[int]
+    ) -> tuple[dict[str, Array], list[Trace]]:
+        """Returns what adapted wearers have learned, for `rollout`, and their motions."""
         torque = self.learned_torque(make, seeds)
-        return rollout(self.arms, make(), seeds, learned_torque=torque)
+        contraction = np.zeros_like(torque)
+        strength = self.arms.episodes.simulation.state.muscles.strength.min(axis=1)[:, None]
+        learned = {TORQUE: torque}
+        traces = rollout(self.arms, make(), seeds, learned=learned)
+        for _ in range(STIFFENINGS):
+            before, contraction = contraction, self.contraction(traces, contraction)
+            if root_mean_square((contraction - before) / strength) < CHANGE:
+                break
+            learned = {TORQUE: torque, CONTRACTION: contraction}
+            traces = rollout(self.arms, make(), seeds, learned=learned)
+        return learned, traces
 
     def learned_torque(
         self, make: Callable[[], Policy], seeds: Sequence[int], *, rollouts: int = ROLLOUTS
@@ -103,7 +127,7 @@ class Wearers:
         Raises:
             ArmLost: The policy ends episodes although the arm is guided.
         """
-        traces = rollout(self._guided, policy, seeds, learned_torque=torque)
+        traces = rollout(self._guided, policy, seeds, learned={TORQUE: torque})
         for seed, trace in zip(seeds, traces, strict=True):
             if trace.terminated:
                 raise ArmLost(
@@ -112,6 +136,40 @@ class Wearers:
                     "adapted=False, or mend the policy"
                 )
         return traces
+
+    def contraction(self, traces: Sequence[Trace], before: Array | float = 0.0) -> Array:
+        """Returns the co-contraction that balances stiffening and relaxing, beyond the usual one.
+
+        Nobody knows when a slip comes: what counts is the largest error within a quarter of a
+        second. It is taken to be in inverse proportion to stiffness, and the stiffness that of
+        rest. With gain = strength · stiffening / relaxing the balance c = gain · max(0, |e| K /
+        (K0 + K1 c) - tolerated) is then a quadratic equation. Here K is the stiffness in these
+        motions, and K0 the usual one.
+
+        Args:
+            traces: Motions of the wearers.
+            before: Their co-contraction in these motions.
+
+        Returns:
+            Torques [N·m], shape (rows, samples, 4).
+        """
+        from scipy.ndimage import maximum_filter1d, minimum_filter1d  # slow to import
+
+        episodes, simulation = self.arms.episodes, self.arms.episodes.simulation
+        samples, muscles = simulation.samples, simulation.state.muscles
+        if simulation.control.stiff:
+            return np.zeros((len(traces), samples, len(JOINTS)))
+        near = round(2 * UNSURE / simulation.control_dt)
+        error = smoothed([np.abs(trace.angle - trace.target_angle) for trace in traces], samples)
+        error = maximum_filter1d(error, near, axis=1)
+        tolerated = minimum_filter1d(episodes.tolerated(), near, axis=1)
+        usual, slope = muscles.impedance[:, None, BASE], muscles.impedance[:, None, SLOPE]
+        stiffness = usual + slope * before
+        strength = muscles.strength.min(axis=1)[:, None]
+        gain = strength * STIFFENING / RELAXING
+        half = (slope * gain * tolerated - usual) / 2
+        found = np.sqrt(half**2 + slope * gain * error * stiffness) - half
+        return np.clip((found - usual) / slope, 0.0, HARDEST * strength)
 
     def close(self) -> None:
         """Frees the arms."""

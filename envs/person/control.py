@@ -3,14 +3,20 @@
 In every control period a wearer whose arm is e [rad] and de/dt [rad/s] off the intention gives
 
     muscle    = own + learned + reflex + correction, within strength
-    stiffness = K0 + K1 (|muscle| + contraction)           more torque stiffens the joint
+    stiffness = K0 + K1 (|muscle| + co-contraction)        more torque stiffens the joint
     total     = muscle + stiffness (e + damping time · de/dt), within strength
 
 where own is the torque that moves the bare arm along the intention. The stiffness and its damping
 act inside the physics, at every step. The reflex responds to stiffness (e + 0.1 s · de/dt) after a
-delay, through the lag of muscles. The correction integrates stiffness · e after a longer delay:
-without it the arm would stay below its target. Optional noise is proportional to the total: slow
-noise (corner 4 Hz) and tremor (a resonance at 10 Hz, 4 Hz wide).
+delay, through the lag of muscles. Optional noise is proportional to the total: slow noise (corner 4
+Hz) and tremor (a resonance at 10 Hz, 4 Hz wide).
+
+The *correction* is voluntary, and as intermittent as that of people who track with the hand (Miall,
+Weir and Stein 1993). Every 0.2 s the wearer sees the error of 0.15 s ago, less what the last two
+corrections, which had no time to show, will still remove (a Smith predictor; Miall, Weir, Wolpert
+and Stein 1993, J. Mot. Behav. 25:203-216). Where that is beyond 12 mrad and beyond the way that the
+intention covers in 0.17 s, the torque changes smoothly, within 0.2 s, by half of what would remove
+it.
 
 A wearer *learns* the net load: a share of each torque that was needed is given in advance in the
 next repetition, and a smaller share is forgotten:
@@ -18,6 +24,10 @@ next repetition, and a smaller share is forgotten:
     learned' = (1 - forgetting) learned + rate · answer(t + 0.1 s)
 
 which converges to rate / (rate + forgetting) of the load, where learning and forgetting balance.
+Where errors beyond what the task tolerates remain, the wearer learns to *co-contract* (Franklin,
+Burdet et al. 2008, J. Neurosci. 28:11165):
+
+    contraction' = (1 - relaxing) contraction + stiffening · strength · max(0, |e| - tolerated)
 """
 
 from dataclasses import dataclass
@@ -85,7 +95,34 @@ _LAG = Quantity(
     "control.reflex.lag", 0.035, "s", "ours: activation of muscles, 30 to 50 ms", "assumed"
 )
 _CORRECTION = Quantity(
-    "control.correction", 1.5, "1/s", "ours: unstable from 2 with half the damping", "assumed"
+    "control.correction",
+    0.5,
+    "1",
+    "ours: from 0.8 on a free arm oscillates after a push",
+    "assumed",
+)
+_INTERVAL = Quantity(
+    "control.correction.interval",
+    0.2,
+    "s",
+    "between 0.17 s (Miall, Weir and Stein 1993, J. Mot. Behav. 25:53-63) and 0.25 s (van de Kamp "
+    "et al. 2013, PLOS Comput. Biol. 9(1) e1002843)",
+    "derived",
+)
+_LEAST = Quantity(
+    "control.correction.least",
+    0.012,
+    "rad",
+    "Miall, Weir and Stein 1993: 7 mm at the hand, which is 0.6 m from the shoulder",
+    "derived",
+)
+_LATE = Quantity(
+    "control.correction.late",
+    0.17,
+    "s",
+    "Miall, Weir and Stein 1993: errors at the start of corrections grow with speed, as with a "
+    "refractory time of 0.17 s",
+    "derived",
 )
 _SIGHT = Quantity(
     "control.correction.delay", 0.15, "s", "ours: visual and voluntary reaction, 0.15 s", "assumed"
@@ -109,6 +146,17 @@ _PACE = Quantity(
 _CREDIT = Quantity(
     "control.learning.credit", 0.1, "s", "ours: reflex and muscle together", "assumed"
 )
+_STIFFENING = Quantity(
+    "control.stiffening",
+    1.0,
+    "of strength per rad",
+    "ours: the law is that of Franklin et al. 2008, without torques for its gains",
+    "assumed",
+)
+_RELAXING = Quantity("control.relaxing", 0.1, "1", "ours, as for the stiffening", "assumed")
+_HARDEST = Quantity(
+    "control.contraction.most", 0.3, "of strength", "ours: nobody holds more for long", "assumed"
+)
 _HAMILTON = "size: ours; falls with strength, Hamilton et al. 2004, Exp. Brain Res. 157:417-430"
 _FLUCTUATION = "ours: isometric force varies slowly, at less than the frequency of tremor"
 _TREMOR = "Novak and Newell 2017, Neurosci. Lett.: physiological tremor has 8 to 12 Hz"
@@ -128,11 +176,17 @@ PROVENANCE: tuple[Quantity, ...] = (
     _LEAD,
     _LAG,
     _CORRECTION,
+    _INTERVAL,
+    _LEAST,
+    _LATE,
     _SIGHT,
     _RATE,
     _FORGETTING,
     _PACE,
     _CREDIT,
+    _STIFFENING,
+    _RELAXING,
+    _HARDEST,
     *_NOISE,
     _CORNER,
     _CENTER,
@@ -141,6 +195,7 @@ PROVENANCE: tuple[Quantity, ...] = (
 
 NOISE_SIZE = np.array([quantity.value for quantity in _NOISE])
 RATE, FORGETTING = _RATE.value, _FORGETTING.value
+STIFFENING, RELAXING, HARDEST = _STIFFENING.value, _RELAXING.value, _HARDEST.value
 LEAD = _LEAD.value
 # Stiffness [N·m/rad] and damping [N·m·s/rad] of an arm guided by stiff hands: those of version 0.1.
 STIFF = np.array([[250.0, 250.0, 120.0, 20.0], [26.0, 30.0, 10.0, 1.0]])
@@ -156,12 +211,12 @@ class VoluntaryControl:
     Attributes:
         stiffness: Stiffness in multiples of a typical person's of that strength, 0.25 to 4.
         damping: Damping over stiffness [s], 0.03 to 0.3.
-        contraction: Co-contraction in multiples of a typical one, 0 to 4. A value above 1 stiffens
-            more, and its excess counts as effort and causes fatigue.
+        contraction: Co-contraction in multiples of a typical one, 0 to 4. It stiffens the joints,
+            counts as effort and causes fatigue.
         reflex: Gain of the reflex, a factor of stiffness, 0 to 1.
         delay: Time from an error to the reflex to it [s], 0 to 0.5, a multiple of the
             control period.
-        correction: Rate of the slow correction [1/s], 0 to 2.
+        correction: Share of the error that one voluntary correction removes, 0 to 1.
         adaptation: Rate of learning from episode to episode in multiples of a typical person's, 0
             (who never learns) to 1.
         noise: Signal-dependent noise in multiples of a typical one, whose standard deviation is
@@ -180,7 +235,7 @@ class VoluntaryControl:
     contraction: float = setting(1.0, "times a typical person's", 0, 4)
     reflex: float = setting(_REFLEX.value, "of the stiffness", 0, 1)
     delay: float = setting(_DELAY.value, "s", 0, 0.5)
-    correction: float = setting(_CORRECTION.value, "1/s", 0, 2)
+    correction: float = setting(_CORRECTION.value, "of the error", 0, 1)
     adaptation: float = setting(1.0, "of a typical person's rate of learning", 0, 1)
     noise: float = setting(0.0, "times a typical person's", 0, 10)
     tremor: float = setting(0.0, "of the torque", 0, 0.5)
@@ -213,8 +268,8 @@ class VoluntaryControl:
         """Returns the parameters of the joints' impedance, shape (5, 4).
 
         Rows: stiffness at rest [N·m/rad], its growth with torque [1/rad], damping [N·m·s/rad],
-        damping over stiffness [s], and co-contraction that counts as effort [N·m]. The
-        stiffness at rest grows with strength.
+        damping over stiffness [s], and co-contraction [N·m], which the stiffness at rest includes.
+        Both grow with strength.
         """
         zero = np.zeros(len(JOINTS))
         if self.stiff:
@@ -228,21 +283,25 @@ class VoluntaryControl:
                 self.stiffness * slope,
                 zero,
                 np.full(len(JOINTS), self.damping),
-                stronger * max(self.contraction - 1, 0) * contraction,
+                stronger * self.contraction * contraction,
             ]
         )
 
-    def feedback(self, dt: float) -> dict[str, float]:
+    def feedback(self, dt: float) -> dict[str, Any]:
         """Returns the constants of reflex and correction in control periods of `dt` [s].
 
         They are the gain and lead [s] of the reflex, the share of a change that the muscles follow
-        in one period, and the gain of the correction for one period.
+        in one period, the share of one correction, the periods between two, the least error that
+        is corrected [rad], and the time by which an intention may be late [s].
         """
         return {
             "reflex_gain": 0.0 if self.stiff else self.reflex,
             "lead": LEAD,
             "lag": 1 - exp(-dt / _LAG.value),
-            "correction_gain": 0.0 if self.stiff else self.correction * dt,
+            "correction_gain": 0.0 if self.stiff else self.correction,
+            "correction_periods": max(1, round(_INTERVAL.value / dt)),
+            "least": _LEAST.value,
+            "late": _LATE.value,
         }
 
     def learning(self, dt: float) -> dict[str, Any]:
@@ -259,7 +318,7 @@ class VoluntaryControl:
 
 
 def sight_periods(dt: float) -> int:
-    """Returns the delay of the slow correction in control periods of `dt` [s]."""
+    """Returns the delay of the voluntary correction in control periods of `dt` [s]."""
     return round(_SIGHT.value / dt)
 
 

@@ -18,7 +18,7 @@ class Planned:
     sensors: ClassVar[tuple[str, ...]] = ("encoders",)
 
     def __init__(self, commands: Array) -> None:
-        self._commands, self._period = commands, 0
+        self.commands, self._period = commands, 0
 
     def reset(self) -> None:
         """Goes back to the first command."""
@@ -26,6 +26,6 @@ class Planned:
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the next command of each row; the last one stays."""
-        command = self._commands[:, min(self._period, self._commands.shape[1] - 1)]
+        command = self.commands[:, min(self._period, self.commands.shape[1] - 1)]
         self._period += 1
         return command.reshape(*observation.shape[:-1], -1)

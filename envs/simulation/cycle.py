@@ -13,8 +13,8 @@ from ..person.fatigue_kernels import loaded, tired
 from .addresses import Addresses
 from .bound import Frozen, thawed
 from .measurements import CONTINUOUS, EFFORT, PEAK, TIME, TIME_CONSTANT, is_finite, measure
-from .structs import Episode, Intention, Motors, Muscles, Physics, Sensors, Wearer, Whole
-from .wearer import EXTRA, act, feed_forward, learn, most
+from .structs import Episode, Index, Intention, Motors, Muscles, Physics, Sensors, Wearer, Whole
+from .wearer_control import USUAL, act, contraction, feed_forward, learn, most
 
 
 @njit(inline="always")
@@ -32,19 +32,28 @@ def drive(row: int, dt: float, physics: Physics, at: Addresses, motors: Motors) 
 
 
 @njit(inline="always")
-def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles) -> None:
+def tire(
+    row: int,
+    now: Index,
+    dt: float,
+    physics: Physics,
+    at: Addresses,
+    intention: Intention,
+    muscles: Muscles,
+) -> None:
     """Updates fatigue by the torque of the control period that has passed."""
     fatigued = muscles.fatigued
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        extra, angle = muscles.impedance[row, EXTRA, j], physics.qpos[row, at.joints[j]]
+        opposed = muscles.impedance[row, USUAL, j] + contraction(row, now, j, intention)
+        angle = physics.qpos[row, at.joints[j]]
         for way in range(2):
             sign = 1.0 if way == 1 else -1.0
             speed = sign * physics.qvel[row, at.joints[j]]
             available = most(muscles.strength[row, way, j], way, j, angle, speed)
             fatigued[row, way, j] = tired(
                 fatigued[row, way, j],
-                loaded(sign * torque + extra, available),
+                loaded(sign * torque + opposed, available),
                 RATES[0, j],
                 RATES[1, j],
                 RATES[2, j],
@@ -54,15 +63,25 @@ def tire(row: int, dt: float, physics: Physics, at: Addresses, muscles: Muscles)
 
 
 @njit(inline="always")
-def strain(row: int, physics: Physics, at: Addresses, muscles: Muscles, sensors: Sensors) -> None:
-    """Measures effort: torque and extra co-contraction over the strength of a still joint."""
+def strain(
+    row: int,
+    now: Index,
+    physics: Physics,
+    at: Addresses,
+    intention: Intention,
+    muscles: Muscles,
+    sensors: Sensors,
+) -> None:
+    """Measures effort: the load of the more loaded muscle group over its strength at rest."""
     for j in range(4):
         torque = physics.actuator_force[row, at.human[j]]
-        way = 1 if torque > 0.0 else 0
-        angle = physics.qpos[row, at.joints[j]]
-        available = most(muscles.strength[row, way, j], way, j, angle, 0.0)
-        extra = muscles.impedance[row, EXTRA, j]
-        sensors.measured[row, EFFORT + j] = (abs(torque) + extra) / available
+        opposed = muscles.impedance[row, USUAL, j] + contraction(row, now, j, intention)
+        angle, effort = physics.qpos[row, at.joints[j]], 0.0
+        for way in range(2):
+            pull = torque if way == 1 else -torque
+            available = most(muscles.strength[row, way, j], way, j, angle, 0.0)
+            effort = max(effort, (max(pull, 0.0) + opposed) / available)
+        sensors.measured[row, EFFORT + j] = effort
 
 
 @njit(cache=True, nogil=True)
@@ -113,6 +132,7 @@ def after(
         row = rows[k]
         if moved:
             episode.step[row] += 1
+        now = int(min(episode.step[row], intention.motion.angle.shape[1] - 1))
         sensors.measured[row, TIME] = episode.step[row] * dt
         warned = 0
         for j in range(physics.warning.shape[1]):
@@ -127,6 +147,6 @@ def after(
                     motors.mean_square[row, j], torque, motors.ratings[TIME_CONSTANT, j], dt
                 )
             if muscles.tires:
-                tire(row, dt, physics, at, muscles)
+                tire(row, now, dt, physics, at, intention, muscles)
         measure(row, moved, physics, at, episode, intention, muscles, motors, sensors)
-        strain(row, physics, at, muscles, sensors)
+        strain(row, now, physics, at, intention, muscles, sensors)

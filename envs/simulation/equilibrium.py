@@ -8,8 +8,8 @@ from ...kernels import inner
 from .addresses import Addresses
 from .bound import Frozen, thawed
 from .structs import Equilibrium, Intention, Muscles, Physics, Wearer, Whole
-from .wearer import BASE, RELAXATION, SLOPE, feed_forward
-from .wearer import DAMPING as FIXED
+from .wearer_control import BASE, RELAXATION, SLOPE, contraction, feed_forward
+from .wearer_control import DAMPING as FIXED
 
 MOST_CORRECTIONS = 30  # greatest number of steps of an exoskeleton on cuffs; four are usual
 MOST_SLOPES = 4  # greatest number of slopes, where these steps do not converge
@@ -130,7 +130,7 @@ def hold(
     rows: Whole,
     arms: Frozen[tuple[Physics, Addresses, Intention, Wearer, Muscles, Equilibrium]],
 ) -> None:
-    """Lets wearers hold still: the slow correction starts at what the feed-forward torque lacks."""
+    """Lets wearers hold still: the correction starts at what the feed-forward torque lacks."""
     physics, at, intention, wearer, muscles, rest = thawed(arms)
     ctrl, impedance, feedback = physics.ctrl, muscles.impedance, wearer.feedback
     for k in range(rows.shape[0]):
@@ -138,7 +138,9 @@ def hold(
         for j in range(4):
             needed = -rest.torque[row, at.joints[j]]
             feedback.correction[row, j] = needed - wearer.arm.torque[row, j]
-            stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * abs(needed)
+            feedback.correction_goals[row, :, j] = feedback.correction[row, j]
+            tension = abs(needed) + contraction(row, np.int64(0), j, intention)
+            stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension
             damping = impedance[row, FIXED, j] + impedance[row, RELAXATION, j] * stiffness
             physics.biasprm[row, at.human[j], 1] = -stiffness
             physics.biasprm[row, at.human[j], 2] = -damping

@@ -59,6 +59,12 @@ class Arm:
         return float(np.linalg.norm(self.places(np.zeros((1, len(JOINTS))))))
 
     @property
+    def levers(self) -> Array:
+        """Distances from the joints to the grip of the straight arm [m], shape (4,)."""
+        joints = np.cumsum(self.chain.links[0, :, POSITION:AXIS], axis=0)
+        return np.linalg.norm(joints[-1] + self.grip - joints, axis=1)
+
+    @property
     def gravity(self) -> Array:
         """Acceleration of free fall, forward, outward and up [m/s²], shape (3,)."""
         return self.chain.gravity[0] @ self._axes

@@ -14,7 +14,7 @@ from .bound import Frozen, thawed
 from .inverse_dynamics import arm_torque
 from .measurements import CUFF_NOISES, CUFF_SENSOR, CUFFS, EMG, EMG_NOISES, INTERACTION
 from .structs import BareArm, Episode, Intention, NoisySensors, Physics, Wearer, Whole
-from .wearer import feed_forward
+from .wearer_control import feed_forward
 
 _PADS = "ours: pads between suit and skin yield and slip"
 _EMG = "a round number of the size of the electromechanical delay, 30 to 80 ms"

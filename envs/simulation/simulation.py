@@ -23,6 +23,7 @@ from .addresses import Addresses
 from .bound import bound
 from .cycle import after, before
 from .differing import Differing, Variety
+from .faults import Bus, Faults, reception_of
 from .inverse_dynamics import arm_torques
 from .kinematics import Arm
 from .measurements import COLUMNS
@@ -64,8 +65,6 @@ class Start:
         wearer: Number of the wearer.
         misalignment: Displacement of the exoskeleton from its configured position [m], shape (3,).
         noise_scale: Factor of the noise of sensors.
-        learned_torque: Torque of the wearer, added to that of the bare arm [N·m], shape
-            (samples, 4); None means no such torque.
     """
 
     plan: Plan
@@ -76,7 +75,6 @@ class Start:
     wearer: int
     misalignment: Array
     noise_scale: float
-    learned_torque: Array | None
 
 
 class Posture(NamedTuple):
@@ -108,11 +106,12 @@ class Simulation:
         control: The wearer's control of the arm.
         fatigue: Whether effort tires the wearers.
         sensing: Noise, delay and bandwidth of sensors.
+        faults: Faults of sensors and motors.
         noisy: Whether the sensors that have noise are read, which takes time.
         variety: What may differ between rows.
         edits: What a task adds to the model.
         carries: Whether loads change during an episode; rows then may have loads of their own.
-        learned: Whether episodes may begin with a learned torque of the wearer.
+        learned: Whether episodes may begin with what the wearers have learned for them.
         threads: Number of threads; 0 uses all cores.
 
     Attributes:
@@ -137,6 +136,7 @@ class Simulation:
         control: VoluntaryControl,
         fatigue: bool,
         sensing: Sensing,
+        faults: Faults,
         noisy: bool,
         variety: Variety,
         edits: Edits | None,
@@ -172,17 +172,25 @@ class Simulation:
             motors=motors_of(n, np.vstack([at.peak_torque, np.array(ratings).reshape(-1, 2).T])),
             sensors=sensors_of(n, preview, resolution, sensing, dt),
             noisy=noisy_sensors_of(n, sensing, dt, used=noisy),
+            reception=reception_of(n, STRETCH, used=faults != Faults()),
         )
+        self.faults, self._bus = faults, None
+        if faults != Faults():
+            received = self.state.sensors.measured, self.state.reception
+            self._bus = Bus(faults, *received, at)
         self._saved = self.state.arrays()
         self._cleared = [values for name, values in self._saved.items() if name not in KEPT]
-        self._draws = noisy or self.state.wearer.noise.muscle_draws.size > 0
+        muscles_draw = self.state.wearer.noise.muscle_draws.size > 0
+        self._draws = noisy or muscles_draw or self._bus is not None
         self.columns = self._measured_columns()
         self._all, self._waiting = np.arange(n), set[int]()
         self._begin_physics(threads)
 
     # --- Episodes -----------------------------------------------------------------------------
 
-    def begin(self, rows: Rows, start_of: Callable[[int], Start]) -> None:
+    def begin(
+        self, rows: Rows, start_of: Callable[[int], Start], learned: Mapping[str, Array]
+    ) -> None:
         """Begins an episode in some rows: rested wearers hold their first intended posture.
 
         The posture is in equilibrium: the slow correction starts at the torque that the
@@ -194,6 +202,8 @@ class Simulation:
         Args:
             rows: The rows, shape (k,).
             start_of: Function that returns the start of the episode of a row.
+            learned: What the wearers have learned [N·m], shape (k, samples, 4) each, by the names
+                of `Intention`.
 
         Raises:
             InputError: A load is too heavy, or a suit does not fit the model; the rows then
@@ -202,6 +212,8 @@ class Simulation:
         learning = self.state.wearer.learning
         for values in self._cleared:
             values[rows] = 0
+        for name, values in learned.items():
+            getattr(self.state.intention, name)[rows] = values
         learning.gains[rows] = learning.next_gains[rows]
         self.batch.reset(self._ids(rows), stage=NOTHING)
         for row in rows.tolist():
@@ -216,6 +228,8 @@ class Simulation:
         self._after(rows, False)
         if self._sense:
             self._sense(rows, False)
+        if self._bus:
+            self._bus.begin(rows)
 
     def step(self, action: Array, rows: Rows | None = None) -> None:
         """Moves some rows by one control period.
@@ -226,6 +240,7 @@ class Simulation:
             rows: The rows that move; by default all.
         """
         moving = self._all if rows is None else rows
+        received = self._bus.recall(moving) if self._bus else None
         if self._waiting:
             self._take_over(action, moving)
         if self._draws:
@@ -235,10 +250,16 @@ class Simulation:
         if self._pushed:
             self._push(moving)
         self._before(moving, action)
+        if self._bus:
+            self._stop_motors(moving, self._bus)
         self.batch.step(ids=rows, nstep=self.substeps, stage=VELOCITIES)
         self._after(moving, True)
         if self._sense:
             self._sense(moving, True)
+        if self._bus and received is not None:
+            step, draws = self.state.episode.step[moving], self.state.reception.fault_draws
+            now = draws[moving, (step - 1) % STRETCH]
+            self._bus.deliver(moving, received, step * self.control_dt, now)
 
     def checked(self, plan: Plan) -> Plan:
         """Returns a plan that these arms can carry out; raises an InputError otherwise."""
@@ -365,8 +386,6 @@ class Simulation:
             conditions.free_fall[row] = GRAVITY[start.gravity]
         if start.suit is not None:
             self._put_on(row, start.suit)
-        if start.learned_torque is not None:
-            state.intention.learned_torque[row] = start.learned_torque
 
     def _exchange(self, moving: Rows) -> None:
         """Sets the masses that hands carry in the coming control period."""
@@ -376,6 +395,11 @@ class Simulation:
         if changed.size:
             conditions.load[moving] = wanted
             self._differing.load(changed, conditions.wearer, conditions.load)
+
+    def _stop_motors(self, moving: Rows, bus: Bus) -> None:
+        """Takes the power from motors that have failed."""
+        failed = moving[bus.has_failed(self.state.episode.step[moving] * self.control_dt)]
+        self._ctrl[failed[:, None], self.addresses.motors[bus.stopped]] = 0.0
 
     def _push(self, moving: Rows) -> None:
         """Sets the forces on the grips for the coming control period."""
@@ -399,6 +423,8 @@ class Simulation:
         if not at.motors.size:
             return
         torque = np.clip(action[rows], -1, 1) * at.peak_torque  # no thermal limit yet
+        if self._bus and self._bus.has_failed(np.zeros(1))[0]:
+            torque[:, self._bus.stopped] = 0.0
         self._rest.motor[rows] = self._current[rows] = torque
         self._ctrl[rows[:, None], at.motors] = torque
         self._equilibrate(rows)
@@ -490,6 +516,7 @@ class Simulation:
             for numbers, purpose in (
                 (noise.muscle_draws[row], "muscle noise"),
                 (self.state.noisy.sensor_draws[row], "sensor noise"),
+                (self.state.reception.fault_draws[row], "faults"),
             ):
                 if numbers.size:
                     stream(*key, purpose, part).standard_normal(out=numbers)

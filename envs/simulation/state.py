@@ -23,12 +23,13 @@ from .structs import (
     MuscleNoise,
     Muscles,
     NoisySensors,
+    Reception,
     Sensors,
     Wearer,
     Whole,
     saved,
 )
-from .wearer import FEATURES
+from .wearer_control import FEATURES
 
 STRETCH = 64  # control periods for which random numbers are drawn at once
 KEPT = ("seed", "episode", "limit", "angle", "rate", "acceleration", "next_gains")
@@ -46,6 +47,7 @@ class State(NamedTuple):
     motors: Motors
     sensors: Sensors
     noisy: NoisySensors
+    reception: Reception
 
     def arrays(self) -> dict[str, NDArray]:
         """Returns the arrays of the state themselves, by name, without constants and scratch."""
@@ -78,8 +80,9 @@ def conditions_of(n: int, masses: int, pushes: int) -> Conditions:
 
 
 def intention_of(n: int, samples: int, *, learned: bool) -> Intention:
-    """Returns the intentions of rows, which take a learned torque or not."""
-    return Intention(motions_of(n, samples), np.zeros((n, samples if learned else 0, len(JOINTS))))
+    """Returns the intentions of rows, which take what was learned for them or not."""
+    size = (n, samples if learned else 0, len(JOINTS))
+    return Intention(motions_of(n, samples), np.zeros(size), np.zeros(size))
 
 
 def motions_of(n: int, samples: int) -> Motions:
@@ -96,6 +99,7 @@ def wearer_of(n: int, chain: Chain, control: VoluntaryControl, dt: float) -> Wea
         feedback=Feedback(
             reflex=np.zeros((n, joints)),
             correction=np.zeros((n, joints)),
+            correction_goals=np.zeros((n, 3, joints)),
             reflex_delay=np.zeros((n, round(control.delay / dt), joints)),
             correction_delay=np.zeros((n, sight_periods(dt), joints)),
             needed=np.zeros((n, joints)),

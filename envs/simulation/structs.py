@@ -77,10 +77,11 @@ class Motions(NamedTuple):
 
 
 class Intention(NamedTuple):
-    """Intended motion of the wearer, and the learned torque that was given for it."""
+    """Intended motion of the wearer, and what was learned for it; without samples for nothing."""
 
     motion: Motions
-    learned_torque: Annotated[Array, SAVED]  # N·m, (n, samples, 4); no samples if none is given
+    learned_torque: Annotated[Array, SAVED]  # N·m, (n, samples, 4)
+    learned_contraction: Annotated[Array, SAVED]  # beyond the usual one [N·m], (n, samples, 4)
 
 
 class BareArm(NamedTuple):
@@ -113,17 +114,21 @@ class Learning(NamedTuple):
 
 
 class Feedback(NamedTuple):
-    """The wearer's reflex and slow correction."""
+    """The wearer's reflex and voluntary correction."""
 
     reflex: Annotated[Array, SAVED]  # torque of the reflex [N·m], (n, 4)
-    correction: Annotated[Array, SAVED]  # torque of the slow correction [N·m], (n, 4)
+    correction: Annotated[Array, SAVED]  # torque of the correction [N·m], (n, 4)
     reflex_delay: Annotated[Array, SAVED]  # inputs of the reflex [N·m], ring by step, (n, delay, 4)
-    correction_delay: Annotated[Array, SAVED]  # inputs of the correction, as above
+    correction_goals: Annotated[Array, SAVED]  # its last three goals [N·m], latest first, (n, 3, 4)
+    correction_delay: Annotated[Array, SAVED]  # errors [rad], ring by step, (n, delay, 4)
     needed: Array  # torque beside the feed-forward torque [N·m], (n, 4)
     reflex_gain: float
     lead: float  # s
     lag: float  # share of a change that the muscle follows in one control period
-    correction_gain: float  # gain in one control period
+    correction_gain: float  # share of the error that one correction removes
+    correction_periods: int  # control periods between two corrections, and of each
+    least: float  # least error that is corrected [rad]
+    late: float  # time by which the intention may be late [s]
 
 
 class MuscleNoise(NamedTuple):
@@ -178,6 +183,13 @@ class NoisySensors(NamedTuple):
     emg_noise: float
     emg_lead: int  # samples
     emg_smoothing: float
+
+
+class Reception(NamedTuple):
+    """Readings of sensors on their way to the controller, where something fails."""
+
+    sent: Annotated[Array, SAVED]  # last readings of the sensors, (n, columns of the bus)
+    fault_draws: Annotated[Array, SAVED]  # random numbers, (n, STRETCH, 2); none: not used
 
 
 class Equilibrium(NamedTuple):

@@ -70,5 +70,5 @@ def _pulse(time: Array) -> Array:
     return rise - minimum_jerk(np.clip((time - HOLD + RISE) / RISE, 0, 1))[0]
 
 
-HANDRAIL = Handrail(name="Handrail", duration=20.0, effort=SUSTAINED, hand_error=0.03)
+HANDRAIL = Handrail(name="Handrail", duration=20.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03)
 """Five pulls; the hand stays within 3 cm of the rail while it pulls."""

@@ -58,5 +58,7 @@ class OverheadHold(Task):
         )
 
 
-OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, effort=SUSTAINED, hand_error=0.03)
+OVERHEAD_HOLD = OverheadHold(
+    name="OverheadHold", duration=120.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03
+)
 """A tool of 1 kg, kept within 3 cm for 120 s by muscles that tire."""

@@ -11,7 +11,7 @@ from ...errors import InputError, shown, unknown_name
 from ...published import LI_RANGES
 from ..simulation.plan import Motion
 from .motions import random_motion
-from .task import LONGEST, Task, check_pair
+from .task import LONGEST, SUSTAINED, Task, check_pair
 
 SHOULDER_RANGE, ELBOW_RANGE = LI_RANGES["shoulder"], LI_RANGES["elbow"]  # rad
 SHORTEST_MOVE = 0.01  # s
@@ -88,6 +88,7 @@ SHOULDER_FLEXION = RandomMoves(
     name="ShoulderFlexion",
     span={"shoulder_flexion": SHOULDER_RANGE},
     hold={"elbow_flexion": (0.6, 1.2)},
+    effort=SUSTAINED,
 )
 """The shoulder flexes and extends between random angles; the elbow stays at one."""
 
@@ -95,11 +96,13 @@ ELBOW_FLEXION = RandomMoves(
     name="ElbowFlexion",
     span={"elbow_flexion": ELBOW_RANGE},
     hold={"shoulder_flexion": (0.4, 1.0)},
+    effort=SUSTAINED,
 )
 """The elbow flexes and extends between random angles; the shoulder stays at one."""
 
 ARM_TRACKING = RandomMoves(
     name="ArmTracking",
     span={"shoulder_flexion": SHOULDER_RANGE, "elbow_flexion": ELBOW_RANGE},
+    effort=SUSTAINED,
 )
 """Shoulder and elbow move independently between random angles."""

@@ -75,5 +75,5 @@ class Ratchet(Task):
         return Plan((motion[0], motion[1], motion[2]), watched=between(windows, samples, dt))
 
 
-RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=SUSTAINED, hand_error=0.03)
+RATCHET = Ratchet(name="Ratchet", duration=15.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03)
 """Fifteen strokes against 40 N, the hand within 3 cm of the end of each."""

@@ -124,10 +124,12 @@ def draw_panel(spec: mujoco.MjSpec, points: Sequence[int]) -> None:
         draw(torso, cylinder, "exo_accent", size=[0.02, 0, 0], fromto=button)
 
 
-REACH_PANEL = ReachPanel(name="ReachPanel", duration=24.0, effort=SUSTAINED, hand_error=0.02)
+REACH_PANEL = ReachPanel(
+    name="ReachPanel", duration=24.0, effort=SUSTAINED, tracking=0.1, hand_error=0.02
+)
 """Twelve reaches; the hand stays within 2 cm of each point for half a second."""
 
 OBJECT_RELOCATION = ObjectRelocation(
-    name="ObjectRelocation", duration=27.0, effort=SUSTAINED, hand_error=0.03
+    name="ObjectRelocation", duration=27.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03
 )
 """Six objects, each placed in time and within 3 cm."""

@@ -70,5 +70,5 @@ class Scoop(Task):
         return Plan(through(stops, samples, dt), mass, watched=between(windows, samples, dt))
 
 
-SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, hand_error=0.1, tilt=0.2)
+SCOOP = Scoop(name="Scoop", duration=30.0, effort=SUSTAINED, tracking=0.1, hand_error=0.1, tilt=0.2)
 """Ten scoops; the hand tilts by at most 0.2 rad more or less than intended while it is loaded."""

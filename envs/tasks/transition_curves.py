@@ -94,6 +94,6 @@ TRANSITION_CURVES = TransitionCurves(
 """The published families of curves, followed to 20 mrad."""
 
 RANGE_OF_MOTION = RangeOfMotion(
-    name="RangeOfMotion", duration=60.0, effort=SUSTAINED, hand_error=0.03
+    name="RangeOfMotion", duration=60.0, tracking=0.1, effort=SUSTAINED, hand_error=0.03
 )
 """Shoulder and elbow from end to end of their measured ranges, the hand within 3 cm there."""

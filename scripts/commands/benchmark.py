@@ -20,7 +20,7 @@ from ..options import Force, Json, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
-from ..reports.benchmark import difference_rows, level_rows, page, profile_figure, task_rows
+from ..reports.leaderboard import difference_rows, level_rows, page, profile_figure, task_rows
 
 What = Literal["run", "table", "compare"]
 TRIALS = "trials"

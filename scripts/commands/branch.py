@@ -46,7 +46,7 @@ def branch(
 
     A base policy moves the arm up to a branch point. From the state there, which all branches share
     to the last bit, the motion goes on under each policy, which has watched what came before, and
-    under the clairvoyant. Regret is the effort less that under the clairvoyant. The wearer has
+    under the best known plan. Regret is the effort less that under this plan. The wearer has
     learned nothing of suit and exoskeleton yet.
 
     Args:

@@ -27,8 +27,8 @@ ENV = "ActiveSuit/ArmTracking-v0"
 PLANT = "mock-suit"
 GRAVITIES = ("earth", "microgravity")
 BELIEVING = ("feedforward", "compensation")
-SIMULATED = ("none", "gravity", "feedforward", "compensation", "clairvoyant")
-DRAWN = ("none", "feedforward", "compensation", "clairvoyant")
+SIMULATED = ("none", "gravity", "feedforward", "compensation", "best-known-plan")
+DRAWN = ("none", "feedforward", "compensation", "best-known-plan")
 PICTURE_STEP = 150  # control periods into the motion
 
 Fits = dict[str, dict[str, Fit]]
@@ -248,7 +248,7 @@ def _report(fit_tables: dict[str, Rows], found: dict[str, Evaluation], pictured:
             "fit above. Both come from the same curves, so this shows what a good model is worth, "
             "not that it is good. Wearers have repeated each motion until nothing is left to "
             "learn. Unsuited and suited are without an exoskeleton; none has one whose motors are "
-            "off; the clairvoyant knows the true suit and the whole motion, and is the bound.",
+            "off; the best known plan knows the true suit and the whole motion, and is the bound.",
             markdown_table(*score_table(list(evaluation.scores.values()), evaluation)),
         ]
         for name in ("trajectory", "torques", "motion-loops"):

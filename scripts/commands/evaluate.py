@@ -32,7 +32,14 @@ from ..reports.motions import (
 )
 from ..runs import Scene, scene
 
-USUAL_POLICIES = ("none", "transparent", "gravity", "feedforward", "compensation", "clairvoyant")
+USUAL_POLICIES = (
+    "none",
+    "transparent",
+    "gravity",
+    "feedforward",
+    "compensation",
+    "best-known-plan",
+)
 TABLE_POLICIES = (
     *("none", "transparent", "gravity", "feedforward", "compensation", "complement"),
     *BOUNDS,

@@ -1,21 +1,24 @@
 """`activesuit evaluate knowledge`: what does it buy to know the suit's memory?"""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from ...arrays import Array
-from ...assets import SuitJoint, load_suit
-from ...checks import at_least
+from ...assets import Suit, SuitJoint, load_suit
+from ...checks import at_least, once
 from ...envs.belief import JointBelief, belief_of
 from ...envs.evaluation.knowledge import NONE, Knowledge
 from ...envs.evaluation.knowledge import knowledge as evaluate_beliefs
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.model import ASSISTED
-from ...envs.rig import RigConfig, run_rig
+from ...envs.rig import Record, RigConfig, run_rig
+from ...errors import unknown_name
 from ...hysteresis.branches import spring, spring_with_friction, two_branches
-from ...identification import Curve, Curves, identify
+from ...hysteresis.dahl import fit_dahl
+from ...identification import Curve, Curves, Search, identify
+from ...identification.fits.registry import FITS
 from ..options import Force, Json, Seed, choice, gravity_option
 from ..options import suits as suit_names
 from ..options import tasks as task_names
@@ -25,20 +28,31 @@ from ..reports.motions import interval_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-STATIC = {
+OWN = "own"  # class of model that a suit file has
+TRIALS = 5  # number of trials of MPSO; the best one counts
+WITHOUT_MEMORY = {
     "spring": spring,
     "spring and friction": spring_with_friction,
     "two branches": two_branches,
+    "map of angle and direction": partial(two_branches, degree=7),
 }
-FITTED = {"MPSO": "mpso", "certified": "certified"}
+WITH_MEMORY = {
+    "Prandtl-Ishlinskii": {"model": "prandtl-ishlinskii"},
+    "Preisach": {"model": "preisach"},
+    "Bouc-Wen": {"model": "bouc-wen"},
+    "Jiles-Atherton by MPSO": {"method": Search("mpso", trials=TRIALS)},
+    "Jiles-Atherton": {},
+}
+REVERSALS = 40  # random ones in the record to which all beliefs are fitted
+THINNED = 4  # every fourth sample is used where a fit takes all of them
 GRAVITY = "microgravity"  # where nothing but the suit is to be cancelled
-TRIALS = 5  # number of trials of MPSO; the best one counts
 Found = dict[tuple[str, str], Knowledge]
 
 
 def knowledge(
     tasks: tuple[Annotated[str, choice(task_names)], ...] = ("MinorLoops", "TransitionCurves"),
     suits: tuple[Annotated[str, choice(suit_names)], ...] = ("mock-suit", "emu-like"),
+    classes: tuple[Annotated[str, choice(lambda: (OWN, *FITS))], ...] = (OWN, "preisach"),
     gravity: Annotated[str, gravity_option(GRAVITY)] = GRAVITY,
     episodes: int = 20,
     seed: Seed = 0,
@@ -48,15 +62,18 @@ def knowledge(
 ) -> None:
     """Measure how much a hysteresis model improves assistance.
 
-    The shoulder and the elbow of each suit are measured on the simulated rig. Beliefs of rising
-    knowledge are fitted to the same curves: none, a spring, a spring with friction, a polynomial
-    for each branch, Jiles-Atherton by MPSO, and by the certified fit; last comes the true model.
-    All drive the same compensation. By default there is no gravity, which would be most of what
-    there is to carry.
+    The shoulder and the elbow of each suit are measured on the simulated rig: the largest loop, and
+    minor loops between random reversals. Beliefs are fitted to that record: without memory (none, a
+    spring, a spring with friction, a cubic or a polynomial of degree 7 for each direction), with
+    one state of memory (Dahl, Bouc-Wen, Jiles-Atherton) and with many (Prandtl-Ishlinskii,
+    Preisach). Last comes the true model. All drive the same compensation. By default there is no
+    gravity, which would be most of what there is to carry.
 
     Args:
         tasks: Names of tasks.
         suits: Names or files of the suits that are simulated and measured.
+        classes: Classes of their models: their own, or another one that is first fitted to a record
+            of their own and then takes their place.
         episodes: Number of motions, at least 8.
         out: Folder for result.json and the figure: a new or an empty one, or that of an earlier
             knowledge.
@@ -65,12 +82,17 @@ def knowledge(
     at_least("seed", seed, 0)
     folder = RunFolder(out, "knowledge", force=force) if out else None
     found: Found = {}
-    with progress("knowledge", len(suits) * (len(tasks) + 1)) as bar:
-        for suit in suits:
+    once("classes", classes)
+    for kind in classes:
+        if kind not in (OWN, *FITS):
+            raise unknown_name("class", kind, (OWN, *FITS))
+    simulated = [_of_class(suit, kind, seed) for suit in suits for kind in classes]
+    with progress("knowledge", len(simulated) * (len(tasks) + 1)) as bar:
+        for suit in simulated:
             beliefs = _beliefs(suit, seed)
             bar.advance()
             for task in tasks:
-                found[task, suit] = evaluate_beliefs(
+                found[task, suit.name] = evaluate_beliefs(
                     f"ActiveSuit/{task}-v0",
                     beliefs,
                     episodes=episodes,
@@ -110,43 +132,58 @@ def knowledge_figure(found: Found) -> "Figure":
     return figure
 
 
-def _beliefs(suit: str, seed: int) -> dict[str, dict[str, JointBelief]]:
-    """Returns beliefs by name and joint, fitted to curves from the rig."""
-    true = load_suit(suit)
-    joints = [joint for joint in ASSISTED if joint in true.joints]
-    curves = {joint: _measured(suit, joint, seed) for joint in joints}
+def _of_class(name: str, kind: str, seed: int) -> Suit:
+    """Returns a suit whose assisted joints have models of a class, fitted to records of theirs."""
+    suit = load_suit(name)
+    if kind == OWN:
+        return suit
+    joints = dict(suit.joints)
+    for joint, one in _records(suit, seed).items():
+        joints[joint] = SuitJoint.from_fit(identify(_curves(one), model=kind, seed=seed))
+    return suit.model_copy(update={"name": f"{suit.name} as {kind}", "joints": joints})
+
+
+def _beliefs(suit: Suit, seed: int) -> dict[str, dict[str, JointBelief]]:
+    """Returns beliefs by name and joint, fitted to a record from the rig."""
+    records = _records(suit, seed)
     found: dict[str, dict[str, JointBelief]] = {NONE: {}}
-    for name, fit in STATIC.items():
-        found[name] = {joint: fit(*_samples(curves[joint])) for joint in joints}
-    for name, method in FITTED.items():
+    for name, fit in {**WITHOUT_MEMORY, "Dahl": fit_dahl}.items():
         found[name] = {
-            joint: belief_of(SuitJoint.from_fit(identify(curves[joint], method=method, seed=seed)))
-            for joint in joints
+            joint: fit(one.angle[::THINNED], one.torque[::THINNED])
+            for joint, one in records.items()
         }
+    for name, options in WITH_MEMORY.items():
+        found[name] = {}
+        for joint, one in records.items():
+            fit = identify(_curves(one), **options, seed=seed)
+            found[name][joint] = belief_of(SuitJoint.from_fit(fit))
     return found
 
 
-def _measured(suit: str, joint: str, seed: int) -> Curves:
-    """Returns first-order curves of a joint, from the simulated rig."""
-    records = run_rig(RigConfig(suit=suit, joint=joint, seed=seed))
-    return Curves([Curve(one.angle, one.torque, one.name, time=one.time) for one in records])
+def _curves(record: Record) -> Curves:
+    return Curves([Curve(record.angle, record.torque, record.name, time=record.time)])
 
 
-def _samples(curves: Curves) -> tuple[Array, Array]:
-    """Returns angles and torques of all curves, one after the other."""
-    return (
-        np.concatenate([curve.angle for curve in curves]),
-        np.concatenate([curve.torque for curve in curves]),
-    )
+def _records(suit: Suit, seed: int) -> dict[str, Record]:
+    """Returns records of the assisted joints from the rig: the largest loop, then minor loops."""
+    return {joint: _measured(suit, joint, seed) for joint in ASSISTED if joint in suit.joints}
+
+
+def _measured(suit: Suit, joint: str, seed: int) -> Record:
+    config = RigConfig(suit=suit, joint=joint, seed=seed)
+    start = config.specimen().start_angle if config.start_angle is None else config.start_angle
+    low, high = min(start, *config.turns), max(start, *config.turns)
+    turns = np.random.default_rng(seed).uniform(low, high, REVERSALS)
+    return run_rig(config, {"loops": [start, high, low, *turns]})[0]
 
 
 def _rows(found: Knowledge) -> Rows:
-    header = ["belief", "relief\n(95 % interval)", "more than the\nbelief before"]
+    header = ["belief", "relief\n(95 % interval)", "more than the best\nwithout memory"]
     header += ["error of the\ntorque [N·m]", "of its\npeak"]
     rows = []
     for name, errors in found.torque_error.items():
         error = float(np.mean(errors))
-        cells = [interval_text(found.mean_relief(name)), interval_text(found.step(name))]
+        cells = [interval_text(found.mean_relief(name)), interval_text(found.gain(name))]
         rows.append([name, *cells, f"{error:.3f}", f"{error / found.peak:.1%}"])
     return header, rows
 
@@ -157,8 +194,19 @@ def _plain(found: Found) -> list[dict[str, Any]]:
             "task": task,
             "suit": suit,
             "peak": one.peak,
-            "relief": one.relief,
-            "torque_error": one.torque_error,
+            "without_memory": list(one.without_memory),
+            "best_without_memory": one.best_without_memory,
+            "beliefs": {name: _believed(one, name) for name in one.relief},
         }
         for (task, suit), one in found.items()
     ]
+
+
+def _believed(found: Knowledge, belief: str) -> dict[str, Any]:
+    gain = found.gain(belief)
+    return {
+        "mean_relief": found.mean_relief(belief).to_dict(),
+        "gain": gain and gain.to_dict(),
+        "relief": found.relief[belief],
+        "torque_error": found.torque_error[belief],
+    }

@@ -12,7 +12,7 @@ from ... import __version__
 from ...checks import at_least
 from ...envs.evaluation import FIRST_SEED, Evaluation, evaluate
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
-from ...envs.levels import LEVELS
+from ...envs.levels import COMPARED, LEVELS
 from ...envs.tasks import TASKS, Task
 from ...errors import InputError, unknown_name
 from ...json_files import read_json
@@ -22,13 +22,13 @@ from ..output import table as print_table
 
 WRONG = {"nominal": "emu-like", "randomized": "emu-like", "shift": "mock-suit"}
 """Suit in which the controller with the wrong model believes, at each level."""
-SHOWN = ("unsuited", "suited", "none", "right model", "wrong model", "clairvoyant")
+SHOWN = ("unsuited", "suited", "none", "right model", "wrong model", "best-known-plan")
 MOST = 0.9  # share of motions that must succeed for a task to be within reach of a wearer
 
 
 def tasks(
     only: tuple[Annotated[str, choice(lambda: TASKS)], ...] = (),
-    levels: tuple[Annotated[str, choice(lambda: LEVELS)], ...] = tuple(LEVELS),
+    levels: tuple[Annotated[str, choice(lambda: LEVELS)], ...] = COMPARED,
     table: bool = False,
     episodes: int = 20,
     seed: int = FIRST_SEED,
@@ -39,7 +39,7 @@ def tasks(
     """List the tasks, or measure how difficult each is.
 
     Difficulty is what is reached without assistance, by compensation with the right and with the
-    wrong model of the suit, and by the clairvoyant.
+    wrong model of the suit, and by the best known plan.
 
     Args:
         only: Names of tasks; by default all.
@@ -56,7 +56,7 @@ def tasks(
                 raise unknown_name(what, name, known)
     chosen = {name: TASKS[name] for name in only or TASKS}
     if not table:
-        usual = (tuple(LEVELS), 20, FIRST_SEED, None)
+        usual = (COMPARED, 20, FIRST_SEED, None)
         if (tuple(levels), episodes, seed, out) != usual:
             raise InputError("--levels, --episodes, --seed and --out belong to --table: add it")
         _list(chosen, json)
@@ -93,7 +93,7 @@ def difficulty(task: str, level: str, episodes: int, seed: int) -> Evaluation:
             "none": "none",
             "right model": "compensation",
             "wrong model": {"name": "compensation", "suit": WRONG[level]},
-            "clairvoyant": "clairvoyant",
+            "best-known-plan": "best-known-plan",
         },
         episodes=episodes,
         seed=seed,
@@ -123,7 +123,7 @@ def _remarks(found: Mapping[tuple[str, str], Mapping[str, Any]]) -> Iterator[str
     for (task, level), setting in found.items():
         unsuited, best = (
             float(np.mean(setting["scores"][name]["success"]))
-            for name in ("unsuited", "clairvoyant")
+            for name in ("unsuited", "best-known-plan")
         )
         if unsuited < MOST:
             yield (

@@ -132,7 +132,7 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
         f"relief {interval_text(found.relief)}, "
         f"{interval_text(found.difference)} beside the true model's; "
         f"{interval_text(found.share_of_true)} of it, and "
-        f"{interval_text(found.share_of_bound)} of the clairvoyant's"
+        f"{interval_text(found.share_of_bound)} of the best known plan's"
     )
 
 

@@ -6,7 +6,7 @@ import pickle
 import gymnasium
 import numpy as np
 import pytest
-from activesuit.assets import JOINTS
+from activesuit.assets import JOINTS, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.model import ASSISTED
@@ -15,6 +15,7 @@ from activesuit.envs.person import Person, effort_metrics, isometric_strength, s
 from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
 from arms import addresses, physics, state
+from helpers import without_volume_shares
 
 ENV = "ActiveSuit/ArmTracking-v0"
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (200, 2))
@@ -212,7 +213,7 @@ def test_an_effort_tires_only_who_can_tire():
     flexor = np.array(fatigue)[:, 1, JOINTS.index("shoulder_flexion")]
     assert (np.diff(flexor) > 0).all()
     assert 0.01 < flexor[-1] < 0.1
-    assert fatigue[-1][0].max() < 1e-3  # extensors hardly work
+    assert fatigue[-1][0].max() < 2e-3  # extensors co-contract, but hardly work
     assert not tiring.reset(seed=0)[1]["fatigue"].any()
 
 
@@ -233,7 +234,7 @@ def test_the_left_arm_moves_as_the_right_one():
 
 
 def test_a_suit_without_pressure_is_only_weight():
-    env = make(suit="emu-like", pressure=0.0)
+    env = make(suit=without_volume_shares(load_suit("emu-like")), pressure=0.0)
     env.reset(seed=0)
     for action in ACTIONS[:50]:
         info = env.step(action)[-1]

@@ -52,7 +52,7 @@ def test_levels_differ_and_nominal_is_the_default():
     physics = [states[level][0]["physics"] for level in LEVELS]
     assert physics[0].shape == physics[1].shape
     assert not np.array_equal(physics[0], physics[1])
-    for level in ("randomized", "shift"):  # the motion is the same at each
+    for level in ("randomized", "shift", "faults"):  # the motion is the same at each
         np.testing.assert_array_equal(states["nominal"][0]["angle"], states[level][0]["angle"])
 
 
@@ -149,16 +149,15 @@ def test_an_evaluation_at_a_level_is_of_that_level():
         assert traces["suited"].suit_torque.any()
         found[level] = traces
     for name in ("unsuited", "suited", "none"):
-        torques = [found[level][name].human_torque for level in LEVELS]
-        assert not np.allclose(torques[0], torques[2])
+        torques = {level: found[level][name].human_torque for level in LEVELS}
+        assert not np.allclose(torques["nominal"], torques["shift"])
+        np.testing.assert_array_equal(torques["nominal"], torques["faults"])  # nobody senses
 
 
 @pytest.mark.parametrize("level", [3, "randomised", ["shift"], {"level": "shift"}, True])
 def test_unknown_levels_are_refused(level):
     for make in (ArmEnv, lambda **options: ArmEnv().rows(1, **options)):
-        with pytest.raises(
-            InputError, match=r"unknown level .*: use one of nominal, randomized, s"
-        ):
+        with pytest.raises(InputError, match=r"unknown level .*: use one of faults, nominal, ran"):
             make(level=level)
 
 

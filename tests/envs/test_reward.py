@@ -8,9 +8,10 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.model.cuffs import FORCE_LIMITS
-from activesuit.envs.person import Person, isometric_strength, strength_limits
+from activesuit.envs.person import Person, VoluntaryControl, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
-from activesuit.envs.reward import COSTS, STRAIN, TRACKING, cost_terms, is_success
+from activesuit.envs.reward import COSTS, JOINT, STRAIN, WIDTH, cost_terms, is_success
+from activesuit.envs.simulation.wearer_control import USUAL
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
 from arms import addresses, physics
@@ -44,8 +45,10 @@ def test_rewards_by_hand(motion):
     strength = isometric_strength(env.config.wearer)
     low, high = strength_limits(strength, motion.angle, np.zeros_like(motion.angle))
     torque = motion.human_torque
-    effort = torque / np.where(torque > 0, high, -low)
-    np.testing.assert_allclose(motion.effort, np.abs(effort), rtol=1e-9)
+    usual = VoluntaryControl().impedance(env.config.wearer)[USUAL]
+    pulls = (np.maximum(torque, 0) + usual) / high, (np.maximum(-torque, 0) + usual) / -low
+    effort = np.maximum(*pulls)
+    np.testing.assert_allclose(motion.effort, effort, rtol=1e-9)
     error = motion.angle - motion.target_angle
     x, e, d = (np.mean(part**2, axis=1) for part in (effort, error, change))
     scale = env.episodes.effort_scale
@@ -84,7 +87,14 @@ def test_the_scale_is_the_suited_arms_effort():
         )
     }
     assert scale["earth", "mock-suit"] > scale["earth", "none"] > 0.05
-    assert scale["microgravity", "mock-suit"] > 2 * scale["microgravity", "none"]
+    relaxed = {
+        suit: ArmEnv(
+            suit=suit, gravity="microgravity", coupling="none", control={"contraction": 0}
+        ).episodes.effort_scale
+        for suit in ("mock-suit", "none")
+    }
+    assert relaxed["mock-suit"] > 2 * relaxed["none"]
+    assert scale["microgravity", "none"] == pytest.approx(0.095, abs=0.01)  # co-contraction alone
     without = ArmEnv(coupling="none").episodes.effort_scale
     assert without == pytest.approx(scale["earth", "mock-suit"], rel=1e-9)
     given = ArmVectorEnv(1, effort_scale=0.2, threads=1).episodes.effort_scale
@@ -159,16 +169,18 @@ def test_who_ends_early_scores_below_who_goes_on():
     ("changed", "well"),
     [
         ({}, True),
-        ({"tracking": 0.11}, False),
+        ({"worst_joint": 0.031}, False),
+        ({"effort": 0.31}, False),
         ({"cuff_force": 1.01}, False),
         ({"heat": 1.01}, False),
         ({"chatter": 1e6, "wrong_way_work": 1e6, "range_stops": 9.0}, True),
     ],
 )
 def test_success(changed, well):
-    terms = {name: 0.5 for name in COSTS} | {"tracking": 0.09} | changed
-    costs = np.array([terms[name] for name in COSTS])
-    costs[[TRACKING, STRAIN]] = 100 * terms["tracking"] ** 2, 100 * terms["effort"] ** 2
+    terms = {name: 0.5 for name in COSTS} | {"effort": 0.2, "worst_joint": 0.029} | changed
+    terms["tracking"] = terms["worst_joint"] / 2  # of four joints only one moves
+    costs = np.array([*(terms[name] for name in COSTS[:JOINT]), *np.zeros(WIDTH - JOINT)])
+    costs[[JOINT + 2, STRAIN]] = 100 * terms["worst_joint"] ** 2, 100 * terms["effort"] ** 2
     assert cost_terms(costs, 100) == pytest.approx(terms)
     assert is_success(costs, 100, ARM_TRACKING, ended=False) is well
     assert not is_success(costs, 100, ARM_TRACKING, ended=True)

@@ -142,7 +142,7 @@ def learned():
         answer = smoothed([trace.human_torque], own.shape[1]) - own - learned_torque
         late = np.concatenate([answer[:, CREDIT:], answer[:, -1:].repeat(CREDIT, 1)], axis=1)
         learned_torque = (1 - FORGETTING) * learned_torque + RATE * late
-        traces = rollout(wearers.arms, policy, [0], learned_torque=learned_torque)
+        traces = rollout(wearers.arms, policy, [0], learned={"learned_torque": learned_torque})
     lesson = wearers.learned_torque(lambda: policy, [0])
     wearers.close()
     return SimpleNamespace(errors=errors, torque=learned_torque, lesson=lesson)
@@ -170,7 +170,7 @@ def adapted():
                 lambda policy=policy: policy, [0], rollouts=rollouts
             )
             (found[name, rollouts],) = rollout(
-                wearers.arms, policy, [0], learned_torque=learned_torque
+                wearers.arms, policy, [0], learned={"learned_torque": learned_torque}
             )
         wearers.close()
     return found

@@ -5,12 +5,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from activesuit.assets import load_suit
 from activesuit.envs.evaluation import evaluate
 from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
-from helpers import shorten_tasks
+from helpers import shorten_tasks, without_volume_shares
 from trained_runs import CONFIG, write_config
 
 OWN = '''
@@ -262,12 +263,14 @@ def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
     assert "shoulder_flexion: nothing to assist" in capsys.readouterr().out
 
 
-def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch):
+def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch, tmp_path):
     shorten_tasks(monkeypatch, 0.5)
+    suit = str(tmp_path / "suit.json")
+    without_volume_shares(load_suit("emu-like")).save(suit)
     arguments = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
-    main(["validate", "emu-like", "--plant", "emu-like", *arguments, "--json"])
+    main(["validate", suit, "--plant", suit, *arguments, "--json"])
     assert json.loads(capsys.readouterr().out)["cells"][0]["relief"] is None
-    main(["validate", "emu-like", "--plant", "emu-like", *arguments])
+    main(["validate", suit, "--plant", suit, *arguments])
     assert "so that relief has no meaning" in capsys.readouterr().out
 
 

@@ -100,8 +100,8 @@ def test_a_policy_has_watched_the_past(monkeypatch):
 
 def test_regret_is_effort_above_the_clairvoyant(forks):
     for fork in forks:
-        assert set(fork.futures) == {*POLICIES, "clairvoyant"}
-        assert fork.regret("clairvoyant") == 0
+        assert set(fork.futures) == {*POLICIES, "best-known-plan"}
+        assert fork.regret("best-known-plan") == 0
         assert fork.regret("none") > fork.regret("oracle") > 0
         effort = np.sqrt(np.mean(fork.futures["none"].effort ** 2))
         assert fork.futures["none"].mean_effort == pytest.approx(effort)

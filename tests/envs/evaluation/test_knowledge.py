@@ -39,10 +39,12 @@ def test_the_true_model_comes_last_and_is_exact(found):
     assert errors[0] > errors[1] > errors[2]
 
 
-def test_steps_are_paired(found):
-    assert found.step(NONE) is None
-    step = found.step("model")
-    difference = np.mean(found.relief["model"] - found.relief["spring"])
-    assert step.value == pytest.approx(difference)
-    assert step.low > 0
+def test_gains_are_paired_with_the_best_belief_without_memory(found):
+    assert found.without_memory == (NONE, "spring")
+    best = found.best_without_memory
+    assert found.relief[best].mean() == max(found.relief[name].mean() for name in (NONE, "spring"))
+    assert found.gain(NONE) is None
+    gain = found.gain("model")
+    assert gain.value == pytest.approx(np.mean(found.relief["model"] - found.relief[best]))
+    assert gain.low > 0
     assert found.mean_relief(TRUE).low > found.mean_relief(NONE).high

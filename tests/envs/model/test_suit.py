@@ -8,6 +8,9 @@ from activesuit.envs.model import ArmConfig, arm_spec, compose
 from activesuit.envs.model.compose import resisting_joints
 from activesuit.envs.model.suit import attach_suit
 from activesuit.errors import InputError
+from helpers import without_volume_shares
+
+PROPORTIONAL = without_volume_shares(load_suit("emu-like"))
 
 
 def suit_torque(pressure):
@@ -15,7 +18,7 @@ def suit_torque(pressure):
     spec = arm_spec(ArmConfig(suit="none"))
     for joint in spec.joints:
         joint.armature = 1e12
-    attach_suit(spec, load_suit("emu-like").at_pressure(pressure))
+    attach_suit(spec, PROPORTIONAL.at_pressure(pressure))
     model = spec.compile()
     data = mujoco.MjData(model)
     torque = []
@@ -35,17 +38,16 @@ def test_torque_is_proportional_to_pressure():
 
 def test_without_pressure_nothing_resists():
     spec = arm_spec(ArmConfig(suit="none"))
-    attach_suit(spec, load_suit("emu-like").at_pressure(0.0))
+    attach_suit(spec, PROPORTIONAL.at_pressure(0.0))
     assert spec.compile().nplugin == 0
 
 
 @pytest.mark.parametrize("pressure", [40.0, 0.0])
 def test_a_config_scales_the_suit_to_its_pressure(pressure):
-    own = resisting_joints(ArmConfig(suit="emu-like"))
-    scaled = resisting_joints(ArmConfig(suit="emu-like", pressure=pressure))
-    assert own == load_suit("emu-like").joints
-    assert scaled == load_suit("emu-like").at_pressure(pressure).joints
-    assert compose(ArmConfig(suit="emu-like", pressure=pressure)).nplugin == len(scaled)
+    scaled = resisting_joints(ArmConfig(suit=PROPORTIONAL, pressure=pressure))
+    assert resisting_joints(ArmConfig(suit=PROPORTIONAL)) == PROPORTIONAL.joints
+    assert scaled == PROPORTIONAL.at_pressure(pressure).joints
+    assert compose(ArmConfig(suit=PROPORTIONAL, pressure=pressure)).nplugin == len(scaled)
 
 
 @pytest.mark.parametrize("suit", ["mock-suit", "published-2022"])
@@ -72,8 +74,8 @@ def test_a_preconditioned_suit_begins_in_its_steady_cycle():
 
 
 def test_a_suit_is_preconditioned_at_its_pressure():
-    config = ArmConfig(suit="emu-like", pressure=40.0, preconditioned=True)
-    assert resisting_joints(config) == load_suit("emu-like").at_pressure(40).preconditioned().joints
+    config = ArmConfig(suit=PROPORTIONAL, pressure=40.0, preconditioned=True)
+    assert resisting_joints(config) == PROPORTIONAL.at_pressure(40).preconditioned().joints
 
 
 def test_a_volume_share_reaches_the_physics():

@@ -17,7 +17,7 @@ from activesuit.envs.person.control import (
     noise_constants,
 )
 from activesuit.envs.simulation.structs import MuscleNoise
-from activesuit.envs.simulation.wearer import vary
+from activesuit.envs.simulation.wearer_control import vary
 from activesuit.envs.tasks import RandomMoves
 from activesuit.errors import InputError
 from arms import addresses, physics, state
@@ -41,7 +41,8 @@ class Twin:
         own, usual = isometric_strength(person), isometric_strength(Person())
         self.strength, self.settings = own, settings
         self.stronger = own.sum(axis=0) / usual.sum(axis=0)
-        self.held, self.fed = correction.copy(), np.zeros(4)
+        self.held, self.fed, self.step = correction.copy(), np.zeros(4), 0
+        self.goals = [correction.copy()] * 3
         self.past = deque([np.zeros(4)] * round(settings.delay / DT))
         self.seen = deque([np.zeros(4)] * round(VALUE["control.correction.delay"] / DT))
 
@@ -52,7 +53,7 @@ class Twin:
             self.stronger * (base + slope * contraction) + slope * np.abs(muscle)
         )
 
-    def act(self, foreseen, error, slip, angle, rate):
+    def act(self, foreseen, error, slip, target_rate, angle, rate):
         """Returns stiffness, damping and torque of the coming period."""
         settings, limits = self.settings, strength_limits(self.strength, angle, rate)
         muscle = np.clip(foreseen + self.fed + self.held, *limits)
@@ -62,10 +63,22 @@ class Twin:
         self.past.append(stiffness * (error + VALUE["control.reflex.lead"] * slip))
         lag = 1 - np.exp(-DT / VALUE["control.reflex.lag"])
         self.fed = self.fed + lag * (settings.reflex * self.past.popleft() - self.fed)
-        step = settings.correction * DT * self.seen.popleft()
-        self.held = np.clip(self.held + step, *limits)
-        self.seen.append(stiffness * error)
+        self.seen.append(error)
+        self.correct(self.seen.popleft(), stiffness * (1 + settings.reflex), target_rate, limits)
         return stiffness, damping, total
+
+    def correct(self, seen, elastic, target_rate, limits):
+        """Begins a change of the correction every 0.2 s, and follows its course."""
+        if self.step % 20 == 0:
+            latest, before, oldest = self.goals
+            remains = seen - (latest - oldest) / elastic
+            wanted = latest + self.settings.correction * elastic * remains
+            seen_at_all = np.abs(remains) > 0.012 + 0.17 * np.abs(target_rate)
+            self.goals = [np.where(seen_at_all, np.clip(wanted, *limits), latest), latest, before]
+        s = (self.step % 20 + 1) / 20
+        share = 10 * s**3 - 15 * s**4 + 6 * s**5
+        self.held = self.goals[1] + share * (self.goals[0] - self.goals[1])
+        self.step += 1
 
 
 @pytest.mark.parametrize(
@@ -87,7 +100,8 @@ def test_the_engine_is_given_what_the_law_says(settings, person):
         physics(env, "qfrc_applied")[ELBOW] = -15.0 * (i > 40)
         angle, rate = physics(env, "qpos")[:4].copy(), physics(env, "qvel")[:4].copy()
         error, slip = state(env).angle[0, i] - angle, state(env).rate[0, i] - rate
-        stiffness, damping, total = twin.act(own[i], error, slip, angle, rate)
+        intended = state(env).rate[0, i]
+        stiffness, damping, total = twin.act(own[i], error, slip, intended, angle, rate)
         env.step(np.zeros(0))
         np.testing.assert_allclose(-biasprm[at.human, 1], stiffness, rtol=1e-9)
         np.testing.assert_allclose(-biasprm[at.human, 2], damping, rtol=1e-9)
@@ -102,21 +116,21 @@ def test_stiffness_at_rest_and_under_load():
     base, slope, _, relaxation, extra = VoluntaryControl().impedance(Person())
     assert 27 <= base[1] <= base[2] <= 28
     np.testing.assert_allclose(relaxation, 0.1)
-    assert not extra.any()
+    np.testing.assert_allclose(extra, by_joint("contraction"))
     np.testing.assert_allclose(slope, [3.2, 3.2, 6.2, 6.2])
     weak = VoluntaryControl().impedance(Person(**WEAK))
     ratio = isometric_strength(Person(**WEAK)).sum(axis=0) / isometric_strength(Person()).sum(0)
     np.testing.assert_allclose(weak[0], ratio * base)
     np.testing.assert_allclose(weak[1], slope)  # the slope does not depend on strength
     tense = VoluntaryControl(contraction=3).impedance(Person())
-    np.testing.assert_allclose(tense[0] - base, slope * tense[4])
-    np.testing.assert_allclose(tense[4], 2 * by_joint("contraction"))
+    np.testing.assert_allclose(tense[0] - base, slope * (tense[4] - extra))
+    np.testing.assert_allclose(tense[4], 3 * extra)
     guided = VoluntaryControl(stiff=True).impedance(Person())
     np.testing.assert_array_equal(guided[[0, 2]], STIFF)
     assert not guided[[1, 3, 4]].any()
 
 
-def test_more_contraction_than_usual_counts_as_effort_and_tires():
+def test_all_contraction_counts_as_effort_and_tires():
     efforts, tired = [], []
     for contraction in (0.0, 1.0, 3.0):
         env = ArmEnv(STILL, fatigue=True, control={"contraction": contraction}, **BARE)
@@ -125,17 +139,18 @@ def test_more_contraction_than_usual_counts_as_effort_and_tires():
             info = env.step(np.zeros(0))[-1]
         efforts.append(info["effort"])
         tired.append(info["fatigue"].max())
-    np.testing.assert_allclose(efforts[0], efforts[1], atol=1e-3)
-    assert (efforts[2] > efforts[1] + 0.03).all()
-    assert tired[2] > tired[1] + 1e-3
+    usual, three = efforts[1] - efforts[0], efforts[2] - efforts[0]
+    assert (usual > 0.029).all()
+    assert (three > 2.9 * usual).all()  # more where torque and strength change their side
+    assert tired[2] > tired[1] + 1e-3 > tired[0]
 
 
-def fixed(**control):
+def fixed(error=0.002, **control):
     """Returns the muscles' response at an elbow that is clamped, after a small step of its target.
 
     The response is relative to the elastic torque, shape (periods since the step,).
     """
-    error, at_period = 0.002, 20
+    at_period = 20
     env = ArmEnv(STILL, control={"adaptation": 0.0, **control}, **BARE)
     env.reset(seed=0)
     state(env).angle[0, at_period + 1 :, ELBOW] += error
@@ -158,14 +173,17 @@ def test_a_reflex_begins_after_50_ms_and_rises_as_muscles_do():
     np.testing.assert_allclose(at_once[1:8], 2 * answer[6:13], rtol=0.02)
 
 
-def test_the_slow_correction_comes_after_150_ms():
-    answer = fixed(reflex=0.0)
-    np.testing.assert_allclose(answer[:16], 0, atol=1e-6)
-    np.testing.assert_allclose(answer[16:40], 1.5 * DT * np.arange(1, 25), rtol=0.02)
+def test_a_correction_begins_at_a_step_after_150_ms_and_takes_200_ms():
+    assert not fixed(error=0.011, reflex=0.0)[:39].any()  # nobody corrects less than 12 mrad
+    answer = fixed(error=0.02, reflex=0.0)
+    np.testing.assert_allclose(answer[:21], 0, atol=1e-6)
+    assert (np.diff(answer[20:40]) > 0).all()
+    assert answer[30] == pytest.approx(0.25, rel=0.1)
+    assert answer[39] == pytest.approx(0.5, rel=0.1)
 
 
-@pytest.mark.parametrize(("correction", "remains"), [(0.0, (0.8, 1.05)), (1.5, (0.0, 0.05))])
-def test_the_slow_correction_removes_a_steady_error(correction, remains):
+@pytest.mark.parametrize(("correction", "remains"), [(0.0, (0.8, 1.05)), (0.5, (0.0, 0.2))])
+def test_corrections_remove_a_steady_error(correction, remains):
     control = {"correction": correction, "adaptation": 0.0}
     env, error = ArmEnv(STILL, control=control, **BARE), []
     env.reset(seed=0)
@@ -177,6 +195,24 @@ def test_the_slow_correction_removes_a_steady_error(correction, remains):
     assert 0.04 < largest < 3 / 27
     low, high = remains
     assert low * largest <= error[-1] <= high * largest
+
+
+@pytest.mark.parametrize("load", [0.0, 5.0])
+@pytest.mark.parametrize(("joint", "push"), [("shoulder_flexion", 4.0), ("elbow_flexion", 3.0)])
+def test_a_pushed_arm_is_back_within_a_second(joint, push, load):
+    """People begin to correct after 100 to 150 ms, and are at the target after 0.5 to 1 s."""
+    options = BARE | {"payload": {"mass": load}, "gravity": "earth" if load else "microgravity"}
+    env, away = ArmEnv(STILL, control={"adaptation": 0.0}, **options), []
+    env.reset(seed=0)
+    at = addresses(env).joints[JOINTS.index(joint)]
+    for period in range(450):
+        physics(env, "qfrc_applied")[at] = push * (period >= 50)
+        info = env.step(np.zeros(0))[-1]
+        away.append((info["angle"] - info["target_angle"])[JOINTS.index(joint)])
+    away = np.abs(away)[50:]
+    assert away[:50].max() > 0.012
+    assert away[100] < 0.2 * push / 42 + 0.004  # the torque over stiffness and reflex
+    assert np.ptp(away[-80:]) < 0.002
 
 
 def test_noise_and_tremor_have_the_stated_spectra():
@@ -239,7 +275,7 @@ def test_settings_convert_to_json_and_back():
         ({"stiffness": 0.1}, "control.stiffness is 0.1: use a number from 0.25 to 4 times a"),
         ({"damping": 0}, "control.damping is 0: use a number from 0.03 to 0.3 s"),
         ({"contraction": 5}, "control.contraction is 5: use a number from 0 to 4 times a"),
-        ({"correction": 3}, "control.correction is 3: use a number from 0 to 2"),
+        ({"correction": 3}, "control.correction is 3: use a number from 0 to 1"),
         ({"delay": -0.01}, "control.delay is -0.01: use a number from 0 to 0.5 s"),
         ({"delay": 50}, "control.delay is 50: use a number from 0 to 0.5 s"),
         ({"reflex": 2}, "control.reflex is 2: use a number from 0 to 1"),

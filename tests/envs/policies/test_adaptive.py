@@ -31,7 +31,7 @@ def test_the_right_belief_stays():
     arms = ArmEnv("ElbowFlexion", **options).rows(2, max_episode_steps=1000)
     policy = make_policy("adaptive", arms)
     rollout(arms, policy, [1, 2])
-    np.testing.assert_allclose(policy.estimate[:, 1, 0], 1.0, atol=0.1)
+    np.testing.assert_allclose(policy.estimate[:, 1, 0], 1.0, atol=0.15)
 
 
 def test_no_data_leave_the_certified_set():

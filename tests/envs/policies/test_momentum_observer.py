@@ -56,7 +56,7 @@ def test_it_needs_no_model_of_the_suit():
     options |= {"suit": "emu-like"}
     policies = ("none", "observer", "compensation:suit=mock-suit")
     scores = evaluate("ActiveSuit/ElbowFlexion-v0", policies, **options).scores
-    off, observer, compensation = (scores[name].effort[0] for name in policies)
+    off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)
     assert observer < 0.3 * off
     assert observer < 0.5 * compensation
 

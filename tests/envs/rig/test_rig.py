@@ -175,7 +175,9 @@ def test_a_motion_that_the_rig_cannot_follow_is_refused(options, sentence):
 def test_what_it_measures_predicts_turns_it_did_not_fit(suit, joint):
     config = RigConfig(suit=suit, joint=joint)
     curves = curves_of(run_rig(config))
-    assert prediction_error(identify(curves), curves) <= 1.2 * config.noise
+    # The gas's part alone grew with the pressure of exploration-56kpa.
+    model = "asymmetric" if suit == "exploration-56kpa" else "jiles-atherton"
+    assert prediction_error(identify(curves, model=model), curves) <= 1.2 * config.noise
 
 
 @pytest.mark.slow

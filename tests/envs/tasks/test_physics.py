@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.model import ArmConfig, Payload, compose
 from activesuit.envs.model.workplace import PUSHES
 from activesuit.envs.simulation.plan import Plan
@@ -253,3 +254,15 @@ def test_all_blows_are_alike():
     for part in plan.motion:
         blows = part[:2500].reshape(-1, period, 4)
         np.testing.assert_allclose(blows, np.broadcast_to(blows[0], blows.shape), atol=1e-6)
+
+
+@pytest.mark.parametrize("reference", ["unsuited", "suited"])
+def test_both_references_bear_the_reaction_of_a_tool(reference):
+    """So relief above 1 says that motors bear it, too."""
+    torque = []
+    for pull in ((0.0, 0.0), (40.0, 40.0)):
+        task = replace(TASKS["Handrail"], duration=4.0, pull=pull)
+        env = ArmEnv(task, **reference_options(reference, {}))
+        env.reset(seed=0)
+        torque.append([env.step(np.zeros(0))[-1]["human_torque"] for _ in range(150)])
+    assert np.abs(np.subtract(*torque)).mean() > 2  # N·m

@@ -27,7 +27,7 @@ def test_branches_as_table_as_json_and_as_figures(capsys, tmp_path):
     main([*arguments, "--out", str(tmp_path)])
     out = capsys.readouterr().out
     assert "after 0.4 s of feedforward," in out
-    assert "clairvoyant" in out
+    assert "best-known-plan" in out
     for at in ("0.4", "0.8"):
         assert (tmp_path / f"branches-{at}s.png").stat().st_size > 10_000
     main([*arguments, "--json"])
@@ -35,8 +35,8 @@ def test_branches_as_table_as_json_and_as_figures(capsys, tmp_path):
     assert result == json.loads((tmp_path / "result.json").read_text())
     for fork in result["forks"]:
         futures = fork["futures"]
-        assert list(futures) == ["none", "compensation", "clairvoyant"]
-        assert futures["clairvoyant"]["regret"] == 0
+        assert list(futures) == ["none", "compensation", "best-known-plan"]
+        assert futures["best-known-plan"]["regret"] == 0
         assert futures["none"]["regret"] > futures["compensation"]["regret"]
 
 

@@ -82,7 +82,7 @@ def test_numbers_are_there(folder):
         }
         assert (relief["suited"], relief["unsuited"]) == pytest.approx((0, 1))
         assert relief["none"] < 0
-        assert relief["none"] < relief["compensation"] < relief["clairvoyant"]
+        assert relief["none"] < relief["compensation"] < relief["best-known-plan"]
         if gravity == "microgravity":
             assert 0.1 < relief["feedforward"] < relief["compensation"]
         rows = (folder / f"motions-{gravity}.csv").read_text().splitlines()

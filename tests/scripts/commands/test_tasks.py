@@ -55,7 +55,7 @@ def test_an_interrupted_table_goes_on(capsys, tmp_path, short, monkeypatch):
     assert measured == [("Ratchet", "shift")]
     first, second = (setting["scores"] for setting in found["settings"])
     assert set(first) == set(second) == set(command.SHOWN)
-    assert first["clairvoyant"]["effort"] != second["clairvoyant"]["effort"]
+    assert first["best-known-plan"]["effort"] != second["best-known-plan"]["effort"]
     page = (tmp_path / "tasks.md").read_text()
     assert page.count("| Ratchet |") == 2
     run(capsys, *arguments[:-2], "--seed", 3, "--levels", "nominal", "--out", tmp_path)
@@ -102,7 +102,10 @@ def test_a_recorded_motion_is_simulated(capsys, tmp_path, undrawn):
     ("arguments", "message"),
     [
         (["tasks", "--only", "Hamer"], "unknown task 'Hamer'.*did you mean 'Hammer'"),
-        (["tasks", "--table", "--levels", "hard"], "unknown level 'hard': use one of nominal"),
+        (
+            ["tasks", "--table", "--levels", "hard"],
+            "unknown level 'hard': use one of faults",
+        ),
         (["tasks", "--table", "--episodes", "7"], "episodes is 7: use at least 8"),
         (["simulate", "--task", "Hamer"], "unknown task 'Hamer'"),
         (["simulate", "--task", "none.csv"], "cannot read the motion 'none.csv'"),

@@ -1,6 +1,4 @@
-"""What scores and traces of policies say beside each other: relief, and errors of belief."""
-
-from collections.abc import Sequence
+"""Relief: the share of a suit's cost that a policy gives back, and what the suit costs."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,14 +46,3 @@ def relief_interval(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -
     if relief(unsuited, suited, effort) is None:
         return None
     return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))
-
-
-def root_mean_squares(believed: Sequence[Array], true: Sequence[Array]) -> Array:
-    """Returns the root mean square of believed less true torque of each motion [N·m].
-
-    Args:
-        believed: Believed torque in each motion [N·m], shape (n, joints).
-        true: True torque [N·m], of the same shapes.
-    """
-    pairs = zip(believed, true, strict=True)
-    return np.array([float(np.sqrt(np.mean((one - other) ** 2))) for one, other in pairs])

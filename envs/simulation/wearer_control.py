@@ -14,10 +14,10 @@ from ..person.strength import SHAPE
 from ..person.strength_kernels import group_torque
 from .addresses import Addresses
 from .inverse_dynamics import arm_torque
-from .structs import Episode, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
+from .structs import Episode, Feedback, Index, Intention, MuscleNoise, Muscles, Physics, Wearer
 
 # Rows of `impedance`.
-BASE, SLOPE, DAMPING, RELAXATION, EXTRA = range(5)
+BASE, SLOPE, DAMPING, RELAXATION, USUAL = range(5)
 # Entries of `recursion`: coefficients that advance noise and tremor by one control period.
 SLOW, RING, COSINE, SINE, SLOW_DRIVE, RING_DRIVE = range(6)
 FEATURES = 10  # number of features of the motion that predict the net load
@@ -125,6 +125,48 @@ def learn(row: int, sample: int, intention: Intention, wearer: Wearer) -> None:
             next_gains[row, j, k] += step * features[row, j, k]
 
 
+@inner(forceinline=True)
+def correct(
+    row: int,
+    step: int,
+    joint: int,
+    stiffness: float,
+    error: float,
+    target_rate: float,
+    limits: tuple[float, float],
+    feedback: Feedback,
+) -> None:
+    """Advances the voluntary correction of a joint; a new one may begin in this control period.
+
+    What the last two goals changed has not shown yet in the error that is seen. The change has the
+    course of minimum jerk, and its goal is within strength.
+    """
+    place = step % feedback.correction_delay.shape[1]
+    seen = feedback.correction_delay[row, place, joint]
+    feedback.correction_delay[row, place, joint] = error
+    goals = feedback.correction_goals
+    phase = step % feedback.correction_periods
+    if phase == 0:
+        elastic = stiffness * (1.0 + feedback.reflex_gain)
+        remains = seen - (goals[row, 0, joint] - goals[row, 2, joint]) / elastic
+        goals[row, 2, joint] = goals[row, 1, joint]
+        goals[row, 1, joint] = goals[row, 0, joint]
+        if abs(remains) > feedback.least + feedback.late * abs(target_rate):
+            wanted = goals[row, 0, joint] + feedback.correction_gain * elastic * remains
+            goals[row, 0, joint] = max(limits[0], min(wanted, limits[1]))
+    s = (phase + 1) / feedback.correction_periods
+    share = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
+    begin, end = goals[row, 1, joint], goals[row, 0, joint]
+    feedback.correction[row, joint] = begin + share * (end - begin)
+
+
+@inner(forceinline=True)
+def contraction(row: int, sample: Index, joint: int, intention: Intention) -> float:
+    """Returns the co-contraction that was learned for a sample, beyond the usual one [N·m]."""
+    learned = intention.learned_contraction
+    return learned[row, sample, joint] if learned.shape[1] > 0 else 0.0
+
+
 @njit(inline="always")
 def act(
     row: int,
@@ -161,7 +203,8 @@ def act(
             else:
                 low = -most(isometric, way, j, q, -v)
         muscle = max(low, min(own + reflex[row, j] + correction[row, j], high))
-        stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * abs(muscle)
+        tension = abs(muscle) + contraction(row, i, j, intention)
+        stiffness = impedance[row, BASE, j] + impedance[row, SLOPE, j] * tension
         damping = impedance[row, DAMPING, j] + impedance[row, RELAXATION, j] * stiffness
         intrinsic = stiffness * error + damping * slip
         total = max(low, min(muscle + intrinsic, high))
@@ -181,8 +224,4 @@ def act(
             now, sensed = sensed, feedback.reflex_delay[row, place, j]
             feedback.reflex_delay[row, place, j] = now
         reflex[row, j] += feedback.lag * (feedback.reflex_gain * sensed - reflex[row, j])
-        place = step % feedback.correction_delay.shape[1]
-        seen = feedback.correction_delay[row, place, j]
-        corrected = correction[row, j] + feedback.correction_gain * seen
-        correction[row, j] = max(low, min(corrected, high))
-        feedback.correction_delay[row, place, j] = stiffness * error
+        correct(row, step, j, stiffness, error, target_rate, (low, high), feedback)

@@ -25,6 +25,7 @@ def level_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per policy over all tasks of a level."""
     header = [
         *("policy", "sensors", "success", "relief\n(other motions)", "other tasks"),
+        "relief of\njoints with motors",
         *("mean", "worst setting", f"relief less\n{BASELINE}'s", "better / alike / worse"),
     ]
     rows = []
@@ -37,6 +38,7 @@ def level_rows(standings: Standings, level: str) -> Rows:
                 f"{one.success:.0%}",
                 interval_text(one.relief),
                 _ends(one.over_tasks),
+                interval_text(one.assisted),
                 "-" if one.mean is None else f"{one.mean:.2f}",
                 "-" if one.worst is None else f"{one.worst[0]:.2f} {one.worst[1].task}",
                 interval_text(one.gain if free else None),
@@ -90,11 +92,13 @@ def page(standings: Standings, title: str, figure: str) -> str:
         "is the share of the suit's cost that the wearer gets back: 0 is the suit without an "
         "exoskeleton, 1 is no suit. It is the interquartile mean over settings, and a setting is "
         "a task with a believed suit. The 95 % interval beside it is what *other motions* of these "
-        "tasks would tell; the next column is what *other tasks* like these would. *Mean* counts "
-        "harm in full, which the interquartile mean leaves out. *Worst setting* is the least mean "
-        f"relief. *Relief less {BASELINE}'s* compares both in the same motions. *Better / alike / "
+        "tasks would tell; the next column is what *other tasks* like these would. *Relief "
+        "of joints with motors* counts the effort of shoulder flexion and elbow alone. *Mean* "
+        "counts harm in full, which the interquartile mean leaves out. *Worst setting* is the "
+        f"least mean relief. *Relief less {BASELINE}'s* compares both in the same motions. "
+        "*Better / alike / "
         f"worse* are the shares of these motions with at least {MARGIN:g} more relief, about as "
-        "much, and less. *Sensors* are the suites that a policy needs. `clairvoyant` is a plan "
+        "much, and less. *Sensors* are the suites that a policy needs. `best-known-plan` is a plan "
         "that knows the true suit and the whole motion; it is the bound, not a controller."
         f"{_best(standings)}\n\n"
         f"![Share of motions with at least a relief, by policy and level]({figure})\n"

@@ -1,0 +1,146 @@
+"""Sensors that read wrong, late or not at all, and motors that stop."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from ...arrays import AnyArray, Array
+from ...assets import JOINTS
+from ...checks import once
+from ...errors import InputError, shown, unknown_name
+from ..model import ASSISTED
+from ..provenance import check_settings, setting
+from .addresses import Addresses
+from .measurements import COLUMNS, CUFF_SENSOR, ENCODER, ENCODER_RATE, INTERACTION
+from .structs import Reception, Whole
+
+RECEIVED = ("encoder_angle", "encoder_rate", "motor_torque", "interaction_torque", "emg")
+RECEIVED += ("cuff_sensor",)
+"""Measurements that come over a bus; a controller knows its last action and preview anyway."""
+
+LATE, LOST = range(2)  # random numbers of a control period
+
+
+@dataclass(frozen=True, kw_only=True)
+class Faults:
+    """Faults of sensors and motors, the same in every episode; without any by default.
+
+    Attributes:
+        torque_bias: Constant error of the interaction torque at every joint [N·m].
+        torque_drift: Its change per time [N·m/s].
+        force_bias: Constant error of each component of a cuff's force [N].
+        force_drift: Its change per time [N/s].
+        late: Chance that a control period brings the readings of the period before.
+        lost: Chance that a control period brings no readings, so that the last ones stay.
+        stuck: Joints whose encoders stay at their angle, with a rate of zero.
+        stopped: Joints whose motors lose their power.
+        since: Time at which encoders stick and motors stop [s].
+
+    Raises:
+        InputError: A value is outside its range, or a joint has no encoder or motor.
+    """
+
+    torque_bias: float = setting(0.0, "N·m", -50, 50)
+    torque_drift: float = setting(0.0, "N·m/s", -5, 5)
+    force_bias: float = setting(0.0, "N", -500, 500)
+    force_drift: float = setting(0.0, "N/s", -50, 50)
+    late: float = setting(0.0, "1", 0, 1)
+    lost: float = setting(0.0, "1", 0, 1)
+    stuck: tuple[str, ...] = ()
+    stopped: tuple[str, ...] = ()
+    since: float = setting(0.0, "s", 0, 3600)
+
+    def __post_init__(self) -> None:
+        check_settings(self, "faults.")
+        for name, known in (("stuck", JOINTS), ("stopped", ASSISTED)):
+            given: Any = getattr(self, name)
+            if isinstance(given, str) or not isinstance(given, list | tuple):
+                raise InputError(
+                    f"faults.{name} is {shown(given)}: give a list of joints, such as {[known[0]]}"
+                )
+            for joint in given:
+                if joint not in known:
+                    raise unknown_name(f"joint of faults.{name}", joint, known)
+            once(f"faults.{name}", given)
+            object.__setattr__(self, name, tuple(given))
+
+
+class Bus:
+    """Brings the readings of sensors to the controller, and its commands to the motors.
+
+    Between two control periods the measurements are what the controller receives, and `sent` is
+    what the sensors read; within one it is the other way round, since sensors filter their own
+    readings.
+
+    Args:
+        faults: What fails.
+        measured: Measurements of all rows, shape (n, columns), which are changed in place.
+        reception: Memory of the readings.
+        addresses: Addresses of the model.
+    """
+
+    def __init__(
+        self, faults: Faults, measured: Array, reception: Reception, addresses: Addresses
+    ) -> None:
+        self._faults, self._measured, self._memory = faults, measured, reception
+        self._columns = np.concatenate([np.r_[COLUMNS[name]] for name in RECEIVED])
+        self._limits: Array = np.array([ndtri(faults.late), ndtri(faults.lost)])
+        stuck = np.array([JOINTS.index(joint) for joint in faults.stuck], np.int64)
+        self._stuck = np.isin(self._columns, np.r_[ENCODER + stuck, ENCODER_RATE + stuck])
+        self._rates = np.flatnonzero(np.isin(self._columns, ENCODER_RATE + stuck))
+        torque = np.isin(self._columns, INTERACTION + np.arange(4))
+        force = np.isin(self._columns, CUFF_SENSOR + np.arange(addresses.cuffs.size))
+        self._bias = faults.torque_bias * torque + faults.force_bias * force
+        self._drift = faults.torque_drift * torque + faults.force_drift * force
+        self.stopped = np.array([ASSISTED.index(joint) for joint in faults.stopped], np.int64)
+
+    def begin(self, rows: Whole) -> None:
+        """Delivers the first readings of an episode."""
+        self._memory.sent[rows] = self._of(rows)
+        self._put(rows, self._memory.sent[rows] + self._bias)
+
+    def recall(self, rows: Whole) -> Array:
+        """Gives sensors their own readings back; returns those that the controller has."""
+        received = self._of(rows)
+        self._put(rows, self._memory.sent[rows])
+        return received
+
+    def deliver(self, rows: Whole, received: Array, time: AnyArray, draws: Array) -> None:
+        """Delivers new readings.
+
+        Args:
+            rows: The rows, shape (k,).
+            received: What `recall` returned.
+            time: Time since the reset [s], shape (k,).
+            draws: Random numbers of the period, normally distributed, shape (k, 2).
+        """
+        sent, before = self._of(rows), self._memory.sent[rows]
+        late, lost = (draws < self._limits).T[..., None]
+        new = np.where(late, before, sent) + self._bias + self._drift * time[:, None]
+        self._memory.sent[rows] = sent
+        failed = time[:, None] >= self._faults.since
+        kept = np.where(lost | (failed & self._stuck), received, new)
+        kept[:, self._rates] = np.where(failed, 0.0, kept[:, self._rates])
+        self._put(rows, kept)
+
+    def has_failed(self, time: AnyArray) -> NDArray[np.bool_]:
+        """Returns whether motors have stopped at times since the reset [s], of the same shape."""
+        return time >= self._faults.since
+
+    def _of(self, rows: Whole) -> Array:
+        return self._measured[rows[:, None], self._columns]
+
+    def _put(self, rows: Whole, values: Array) -> None:
+        self._measured[rows[:, None], self._columns] = values
+
+
+def reception_of(n: int, stretch: int, *, used: bool) -> Reception:
+    """Returns the memory of readings of rows, without any if it is not used."""
+    columns = sum(COLUMNS[name].stop - COLUMNS[name].start for name in RECEIVED)
+    return Reception(
+        sent=np.zeros((n, columns if used else 0)),
+        fault_draws=np.zeros((n, stretch if used else 0, 2)),
+    )
