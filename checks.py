@@ -9,6 +9,9 @@ import numpy as np
 
 from .errors import InputError, shown
 
+MOST = 10_000_000  # largest count; more would take days, or all memory
+HIGHEST_SEED = 2**63 - 1
+
 
 def number(name: str, value: Any, unit: str = "") -> float:
     """Returns `value` as a float; raises an InputError if it is not a finite number."""
@@ -37,16 +40,27 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
     return tuple(array.astype(np.float64).tolist())
 
 
-def at_least(name: str, value: int, least: int) -> None:
+def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
     """Checks that a value is a whole number of at least `least`.
 
     Raises:
-        InputError: It is no whole number, or smaller.
+        InputError: It is no whole number, smaller, or larger than `most`.
     """
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InputError(f"{name} is {shown(value)}: use a whole number of at least {least}")
     if value < least:
         raise InputError(f"{name} is {shown(value)}: use at least {least}")
+    if value > most:
+        raise InputError(f"{name} is {shown(value)}: use at most {most:,}")
+
+
+def check_seed(value: int) -> None:
+    """Checks a seed of random numbers.
+
+    Raises:
+        InputError: It is no whole number from 0 to `HIGHEST_SEED`.
+    """
+    at_least("seed", value, 0, HIGHEST_SEED)
 
 
 def once(what: str, names: Iterable[object]) -> None:

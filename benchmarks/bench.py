@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from ..checks import at_least
+from ..checks import at_least, check_seed
 from ..errors import InputError
 from ..scripts.engine_log import engine_warnings
 from ..scripts.options import Force, Json, Seed
@@ -66,7 +66,7 @@ def bench(
     """
     if repeats is not None:
         at_least("repeats", repeats, 1)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     if topic == "honesty":
         folder = RunFolder(out, "bench honesty", force=force) if out else None
         _count(repeats or (FEW if quick else MANY), seed, folder, json)

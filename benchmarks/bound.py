@@ -91,7 +91,8 @@ def attack(setting: Setting, repeats: int, advance: Callable[[], None]) -> Attac
         for _ in range(repeats if base is not None else 0):
             try:
                 found = reliefs(Planned(changed(plan.commands, dt, rng)))
-                gains.append(np.zeros(MOTIONS) if found is None else found - base)
+                if base is not None and found is not None:
+                    gains.append(found - base)
             except ArmLost:
                 gains.append(np.full(MOTIONS, -np.inf))
             advance()

@@ -139,7 +139,9 @@ def _case(task: str, gravity: str, change: str, one: Scores, nominal: Scores) ->
 
 def _relief(one: Scores) -> dict[str, float] | None:
     references = [one[name].effort for name in REFERENCES]
-    found = {name: relief_interval(*references, one[name].effort) for name in POLICIES}
+    found = {
+        name: relief_interval(references[0], references[1], one[name].effort) for name in POLICIES
+    }
     if any(relief is None for relief in found.values()):
         return None
     return {name: relief.value for name, relief in found.items() if relief is not None}

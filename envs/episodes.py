@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
 from ..assets import JOINTS
-from ..checks import flag, within
+from ..checks import HIGHEST_SEED, flag, within
 from ..errors import InputError, shown
 from .belief import LEAD, BelievedSuit, BelievedWeight, count_of
 from .info import Info
@@ -44,7 +44,7 @@ from .simulation.measurements import ENCODER, ENCODER_RATE, TIME, snapshot
 from .simulation.plan import Plan
 from .simulation.saving import check_state
 from .simulation.simulation import Start
-from .simulation.streams import HIGHEST_SEED, fresh_seed, stream
+from .simulation.streams import fresh_seed, stream
 from .simulation.structs import saved
 from .simulation.wearer_control import USUAL
 from .tasks import Task

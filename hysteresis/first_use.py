@@ -1,20 +1,28 @@
-"""A message to the user while a first use compiles kernels for more than a moment.
+"""The cache of compiled kernels, and a message while a first use fills it.
 
 Numba compiles a kernel when it is first called and caches the machine code on disk. On a new
-machine that takes up to a minute, and nothing else would show that the program is running.
+machine that takes up to a minute, and nothing else would show that the program is running. Who may
+write to the cache decides what code runs, as with the keys of ssh.
 """
 
+import os
+import stat
 import sys
 import time
 from typing import Any
 
+from numba import njit
 from numba.core import event
+
+from ..errors import InputError, shown
+
+CACHE = "NUMBA_CACHE_DIR"
 
 PATIENCE = 2.0  # [s], compile time before the message
 EVERY = 5.0  # [s], compile time between two reports of progress
 MESSAGE = (
     "activesuit: compiling kernels for their first use, up to a minute; they are cached on disk "
-    "(NUMBA_CACHE_DIR chooses where)"
+    f"({CACHE} chooses where)"
 )
 WHOLE, BESIDE = 162, 127
 """Kernels that a first environment compiles, alone and beside a second process.
@@ -62,5 +70,33 @@ class FirstUse(event.Listener):
             print(progress, file=sys.stderr, flush=True)
 
 
+def check_cache() -> None:
+    """Checks that there is a cache of kernels, and that nobody else can put code into it.
+
+    Raises:
+        InputError: There is none, or other users may write to it.
+    """
+    folder = os.environ.get(CACHE, "")
+    if os.name == "posix" and os.path.isdir(folder):
+        found = os.stat(folder)
+        if found.st_uid not in (0, os.getuid()) or found.st_mode & stat.S_IWOTH:
+            raise InputError(
+                f"{CACHE} is {shown(folder)}, where other users may write, and its files are code "
+                "that runs: choose a folder of your own, or take their right to write (chmod o-w)"
+            )
+    try:
+        njit(cache=True)(_nothing)
+    except RuntimeError as error:
+        raise InputError(
+            "there is no folder for the machine code of kernels, neither beside the package nor in "
+            f"a home folder: set {CACHE} to a folder that you may write"
+        ) from error
+
+
+def _nothing() -> None:
+    pass
+
+
+check_cache()
 listener = FirstUse()
 event.register("numba:compile", listener)

@@ -115,6 +115,12 @@ def choose(
     chosen = min(good, key=lambda candidate: candidate.parameters)
     why = _why(chosen, tried)
     baselines = predictions(asked, curves)
+    if len(curves) == 1 and any(question.beyond for question in asked):
+        why += (
+            "; each cycle of the record is larger than those before, so that the predictions reach "
+            "beyond the angles of the fits, where models differ more: a record that repeats its "
+            "largest cycle tells more"
+        )
     if interrupted:
         why += f"; interrupted after {len(tried)} of {len(FITS)} models"
     return Choice(chosen, tuple(tried), why, interrupted, baselines)

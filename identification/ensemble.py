@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..checks import at_least, number
+from ..checks import at_least, check_seed, number
 from ..errors import InputError, shown
 from ..hysteresis.protocol import HysteresisModel
 from .candidates import Candidate
@@ -225,7 +225,7 @@ def drawn(
         InputError: A number is below 0, or the kind of a member has no fit.
     """
     at_least("samples", samples, 0)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     measured = thinned(Curves(curves).fitted())
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
     can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]

@@ -96,7 +96,16 @@ class Fit:
     @property
     def agreed(self) -> int | None:
         """How many starts of the best trial ended at its model; None where it has one start."""
-        return min(self.trials, key=lambda trial: (trial.loss, trial.index)).agreed
+        return self._best_trial.agreed
+
+    @property
+    def starts(self) -> int | None:
+        """How many starts the best trial took; None likewise."""
+        return self._best_trial.starts
+
+    @property
+    def _best_trial(self) -> Trial:
+        return min(self.trials, key=lambda trial: (trial.loss, trial.index))
 
     def predict(self, curve: Curve) -> Array:
         """Returns the torque [N·m] along a curve, begun as the fitted ones; infinite at a pole."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks import at_least
+from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError, refuse_old_names, unknown_name
 from ._threads import run_threads
@@ -81,7 +81,7 @@ def identify(
     refuse_unknown(old)
     method = method_of(method)
     check_together(method, model, corrections, initial_torque)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     check_workers(workers)
     starts = initial_torque is not None and model == DEFAULT_MODEL
     start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}

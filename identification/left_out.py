@@ -12,6 +12,7 @@ from ..hysteresis.loops import reversals
 from .curves import Curve
 
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
+LEAST_TURNS = 3  # of a record in its last two thirds, if each is beyond those before
 BLOCKS = 3  # largest number of parts of a record that are left out
 BEYOND = 0.01  # tolerated excursion of a part beyond the known range, over that range
 
@@ -29,6 +30,12 @@ class Question(NamedTuple):
     curve: Curve
     asked: slice
 
+    @property
+    def beyond(self) -> bool:
+        """Whether the part has angles that the known curves have not reached."""
+        known = np.concatenate([one.angle for one in self.known])
+        return not _covers(known, self.curve.angle[self.asked])
+
     def errors(self, torque: Array) -> Array:
         """Returns predicted less measured torque [N·m], given the torque along the curve."""
         return (torque - self.curve.torque)[self.asked]
@@ -42,10 +49,11 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
     against it, however well it predicts inside. Of one record the end is left out, from a reversal
     on; the model runs through all samples before, so that its memory is right there, and the next
     fit includes that part too (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). Here too
-    the known part has reached all angles of the left-out one.
+    the known part has reached all angles of the left-out one, unless each cycle of the record is
+    larger than those before, as in protocols of structural tests: then predictions reach beyond it.
 
     Raises:
-        InputError: There is no curve, or one record reaches its range at its end only.
+        InputError: There is no curve, or one record has too few reversals.
     """
     if len(curves) > 1:
         reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]
@@ -59,17 +67,16 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
         raise InputError("there is no curve to fit: give at least one with role 'fit'")
     (record,) = curves
     first = LEAST_KNOWN * record.angle.size
-    origins = [
-        turn
-        for turn in reversals(record.angle)[1:].tolist()  # the first part has turned back too
-        if turn >= first and _covers(record.angle[: turn + 1], record.angle[turn:])
-    ]
-    if not origins:
+    # The first part has turned back too.
+    turns = [turn for turn in reversals(record.angle)[1:].tolist() if turn >= first]
+    origins = [turn for turn in turns if _covers(record.angle[: turn + 1], record.angle[turn:])]
+    if not origins and len(turns) < LEAST_TURNS:
         raise InputError(
             f"there is one curve with role 'fit', {record.name!r}, and no reversal in its last two "
-            "thirds before which it has turned back and reached all angles that follow: a choice "
-            "among models needs a record of several cycles, or 2 curves, better 3"
+            "thirds before which it has turned back and reached all angles that follow, nor three "
+            "of them: a choice among models needs a record of several cycles, or 2 curves, better 3"
         )
+    origins = origins or turns
     spread = np.unique(np.linspace(0, len(origins) - 1, BLOCKS).round().astype(int))
     chosen = [origins[i] for i in spread.tolist()]
     ends = [*chosen[1:], record.angle.size - 1]

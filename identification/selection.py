@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..arrays import Array
-from ..checks import at_least
+from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError
 from .candidates import Candidate, choose
@@ -106,7 +106,7 @@ def select(
     """
     refuse_unknown(old)
     check_beginning(initial_torque)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     check_workers(workers)
     if sum(one.role == "fit" for one in curves) == 1:
         initial_torque = "identified"  # a record may begin anywhere, unlike first-order curves

@@ -34,6 +34,7 @@ class Trial:
         evaluations: How often the model ran on all curves; None where the fit does not count.
         agreed: How many runs from different starts of a certified fit ended at this model; None
             where it has one start.
+        starts: How many runs there were; None likewise.
         history: The smallest objective so far, per iteration of a swarm or of a library's
             optimizer.
     """
@@ -45,6 +46,7 @@ class Trial:
     loss: float
     evaluations: int | None
     agreed: int | None = None
+    starts: int | None = None
     history: tuple[float, ...] = field(default=(), repr=False)
 
 
@@ -65,6 +67,7 @@ def fit_trial(
         loss=found.loss,
         evaluations=found.evaluations,
         agreed=found.agreed,
+        starts=found.starts,
     )
 
 

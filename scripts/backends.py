@@ -3,6 +3,7 @@
 import importlib
 import logging
 import os
+import secrets
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -126,6 +127,9 @@ def _ray(workers: int) -> Iterator[None]:
     elif started:
         # A cluster of our own tells nobody that it ran.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        # Its ports are open to the network, and whoever connects may run code: ask for a token.
+        os.environ["RAY_AUTH_MODE"] = "token"
+        os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
         ray.init("local", num_cpus=workers, include_dashboard=False, **quiet)
     ray_joblib.register_ray()
     try:

@@ -54,9 +54,10 @@ class RunFolder:
         self._made = [one for one in (path, *path.parents) if not one.exists()]
         try:
             path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
+        except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
+            reason = error.strerror if isinstance(error, OSError) else error
             raise InputError(
-                f"cannot make the folder {str(path)!r} ({error.strerror}): choose another --out"
+                f"cannot make the folder {str(path)!r} ({reason}): choose another --out"
             ) from error
         try:
             if command:

@@ -92,6 +92,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         # the exit code; another text makes it forget that.
         exec("")
         _stop(f"interrupted: {interrupt}" if interrupt.args else "interrupted")
+    except MemoryError as error:
+        _stop(f"error: there is not enough memory ({error}): ask for less at once")
     except BrokenPipeError:  # the reader of our output, `head` for one, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:

@@ -7,6 +7,7 @@ from typing import TextIO
 # Control and format characters, such as those that turn the direction of writing; halves of
 # characters, which bytes of a file name become; separators of lines and paragraphs.
 _HIDDEN = {"Cc", "Cf", "Cs", "Zl", "Zp"}
+MARKUP = "<>|[]`&\\"
 
 
 def visible(text: str) -> str:
@@ -15,6 +16,11 @@ def visible(text: str) -> str:
         char if char == "\n" or unicodedata.category(char) not in _HIDDEN else _escape(char)
         for char in text
     )
+
+
+def without_markup(text: str) -> str:
+    """Returns a text that Markdown and HTML show as it is, but for line breaks."""
+    return "".join(f"&#{ord(char)};" if char in MARKUP else char for char in text)
 
 
 def say(text: str, file: TextIO | None = None) -> None:

@@ -7,15 +7,17 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
-from ...errors import InputError, shortened, shown
+from ...errors import InputError, one_line, shortened, shown
+from ...files import content_of
 from ...json_files import parse_json
 from ..levels import LEVELS
 from ..tasks import TASKS
 
 RESULTS = "results.jsonl"
 Size = Annotated[float, Field(ge=0, le=1e6, strict=True)]  # an effort or an error
+Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_line)]
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
@@ -82,6 +84,9 @@ class Result:
                 raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
         if len({len(values[series]) for series in SERIES}) > 1:
             raise InputError(f"{name} has series of different lengths: delete it")
+        said, motions = values["protocol"].get("episodes"), len(values["effort"])
+        if said not in (None, motions):
+            raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
         return cls(**values)
 
 
@@ -92,8 +97,8 @@ class _Saved(BaseModel):
 
     task: str
     level: str
-    believed: str
-    policy: str
+    believed: Name
+    policy: Name
     options: dict[str, Any]
     effort: Annotated[tuple[Size | None, ...], Field(min_length=1)]
     assisted_effort: tuple[Size | None, ...]
@@ -152,10 +157,6 @@ def read_text(path: Path, what: str = "results") -> str:
         InputError: It cannot be read, is too long or no UTF-8.
     """
     try:
-        if path.stat().st_size > LARGEST:
-            raise InputError(f"{str(path)!r} is longer than {LARGEST >> 20} MiB: no results are")
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot read the {what} {str(path)!r}: {error.strerror}") from error
+        return content_of(path, what, LARGEST).decode("utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"cannot read the {what} {str(path)!r}: not a UTF-8 text") from error

@@ -118,7 +118,8 @@ class Standings:
             return None
         name = "assisted_effort" if assisted else "effort"
         unsuited, suited, mine = (getattr(one, name) for one in found)
-        return relief(unsuited, suited, mine[:motions])
+        common = min(len(unsuited), len(suited))  # results with more and with fewer motions merge
+        return relief(unsuited[:common], suited[:common], mine[:common][:motions])
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
         """Returns how a policy stands over some settings."""
@@ -202,14 +203,14 @@ class Standings:
         for place, results in self._found.items():
             rivals = results.items() if where(place) == setting else ()
             for motions in [_motions(one) for name, one in rivals if name not in FIXED]:
-                for i, motion in enumerate(motions):
+                for i, motion in enumerate(motions[: len(best)]):
                     if motion["success"] and motion["effort"] < best[i]["effort"]:
                         best[i] = motion
         series = {name: tuple(motion[name] for motion in best) for name in best[0]}
         self._found[setting][BOUND] = replace(bound, **series)
 
     def _paired(self, setting: Setting, one: str, other: str) -> tuple[Array, Array] | None:
-        """Returns relief of two policies in the motions that both ran."""
+        """Returns relief of two policies in the motions that both ran, at one cost of the suit."""
         results = [self.of(setting, name) for name in (one, other)]
         motions = min((len(each.effort) for each in results if each is not None), default=0)
         mine, theirs = (self.relief(setting, name, motions) for name in (one, other))

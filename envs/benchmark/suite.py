@@ -78,12 +78,12 @@ class Trial(NamedTuple):
     @property
     def file_name(self) -> str:
         """Name of the file of its result, which no other trial of a suite has."""
+        task, level, believed = self.setting
         text = json.dumps(self.policy.to_dict(), sort_keys=True, default=str)
-        mark = hashlib.sha256(f"{self.label}\n{text}".encode()).hexdigest()[:8]
-        name = "".join(c if c.isalnum() else "-" for c in self.label)[:40]
-        return (
-            f"{self.setting.task}.{self.setting.level}.{self.setting.believed}.{name}.{mark}.json"
-        )
+        mark = hashlib.sha256(f"{self.label}\n{believed}\n{text}".encode()).hexdigest()[:8]
+        names = (task, level, PurePath(believed).stem, self.label)
+        safe = ("".join(c if c.isalnum() else "-" for c in name)[:40] for name in names)
+        return f"{'.'.join(safe)}.{mark}.json"
 
 
 @dataclass(frozen=True, kw_only=True)

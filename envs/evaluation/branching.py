@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import at_least, number, once
+from ...checks import check_seed, number, once
 from ...errors import InputError
 from ..model import ASSISTED
 from ..policies import AnyPolicy, Policy, PolicySpec, make_policy, needed_options, policy_spec
@@ -140,7 +140,7 @@ def branch(
         InputError: An environment or policy is unknown, a branch would begin before the motion or
             end after it, or the base policy loses the arm before.
     """
-    at_least("seed", seed, 0)
+    check_seed(seed)
     if not len(at):
         raise InputError("no branch point is given: name at least one time")
     chosen = [one if one in BOUNDS else policy_spec(one, beside=BOUNDS) for one in policies]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...checks import at_least, flag
+from ...checks import at_least, check_seed, flag
 from ...errors import InputError, refuse_old_names, shown, unknown_name
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, policy_spec
@@ -144,7 +144,7 @@ def evaluate(
     """
     named = named_policies(policies)
     at_least("episodes", episodes, 1)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     flag("references", references)
     flag("adapted", adapted)
     if on_policy is not None and not callable(on_policy):

@@ -36,7 +36,7 @@ def relief(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Array |
     """
     unsuited, suited, effort = (np.asarray(one, float) for one in (unsuited, suited, effort))
     cost = suited - unsuited
-    if cost.mean() < LEAST_COST:
+    if not LEAST_COST <= cost.mean() < np.inf:  # a reference that failed has infinite effort
         return None
     return (suited[: effort.size] - effort) / cost[: effort.size].mean()
 

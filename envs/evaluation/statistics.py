@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
-from ...checks import at_least, numbers, within
+from ...checks import at_least, check_seed, numbers, within
 from ...errors import InputError
 
 # With fewer motions percentiles of resamples are coarse: 7 motions have 1,716 different resamples,
@@ -307,7 +307,7 @@ def _interquartile(scores: Array) -> tuple[Array, Array]:
 def _check_options(level: float, resamples: int, seed: int) -> None:
     within("level", level, *LEVELS)
     at_least("resamples", resamples, FEWEST_RESAMPLES)
-    at_least("seed", seed, 0)
+    check_seed(seed)
 
 
 def _columns(**series: ArrayLike) -> list[Array]:

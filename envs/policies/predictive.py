@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import at_least, within
+from ...checks import check_seed, within
 from ..belief import Belief
 from ..person import isometric_strength
 from ..person.control import STIFF
@@ -70,7 +70,7 @@ class PredictiveSampling(Compensation):
         within("samples", samples, FEWEST, MOST)
         within("horizon", horizon, 0.02, 0.5, " s")
         within("spread", spread, 0, 0.5)
-        at_least("seed", seed, 0)
+        check_seed(seed)
         arm = plant.believed(belief)
         self._model, self._samples, self._seed = arm.model(), samples, seed
         self._model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_SENSOR  # plans measure nothing

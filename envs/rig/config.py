@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import AnySuit, SuitJoint, load_suit
-from ...checks import at_least, number, numbers
+from ...checks import at_least, check_seed, number, numbers
 from ...errors import InputError, shown, unknown_name
 from ...hysteresis import HysteresisModel
 from ...published import LI_TURNS
@@ -120,7 +120,7 @@ class RigConfig:
         object.__setattr__(self, "turns", tuple(specimen.inside("turn", turn) for turn in turns))
         _check_turns(self.turns, start)
         at_least("repeats", self.repeats, 1)
-        at_least("seed", self.seed, 0)
+        check_seed(self.seed)
         _within("rate", self.rate, RATE_RANGE, "rad/s")
         _within("sample_rate", self.sample_rate, SAMPLE_RATE_RANGE, "Hz")
         number("drift", self.drift, "N·m/s")

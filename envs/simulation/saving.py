@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ...checks import HIGHEST_SEED
 from ...errors import InputError, shown
 from ..model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT
-from .streams import HIGHEST_SEED
 
 PHYSICS = mujoco.mjtState.mjSTATE_INTEGRATION  # all that the next step depends on
 MOTION = mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL | mujoco.mjtState.mjSTATE_ACT

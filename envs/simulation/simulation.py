@@ -1,6 +1,7 @@
 """Arms with their wearers and motors, one or a thousand, in one batch of MuJoCo."""
 
 import math
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -239,6 +240,11 @@ class Simulation:
                 [-1, 1] are clipped and counted.
             rows: The rows that move; by default all.
         """
+        if self._pid is not None and os.getpid() != self._pid:
+            raise InputError(
+                "this environment was made before a fork, whose child has none of its threads: "
+                "make it in the child, or with threads=1"
+            )
         moving = self._all if rows is None else rows
         received = self._bus.recall(moving) if self._bus else None
         if self._waiting:
@@ -334,6 +340,7 @@ class Simulation:
 
     def _begin_physics(self, threads: int) -> None:
         compiling.wait()
+        self._pid = os.getpid() if threads != 1 else None
         # An MjData takes 165 KB whatever the model, so that rows share those of the threads.
         batch = self.batch = Batch(self.model, self.n, nthread=threads, persistent=self.n == 1)
         batch.reset()

@@ -4,7 +4,7 @@ import zlib
 
 import numpy as np
 
-HIGHEST_SEED = 2**63 - 1
+from ...checks import HIGHEST_SEED
 
 
 def stream(seed: int, episode: int, purpose: str, part: int = 0) -> np.random.Generator:

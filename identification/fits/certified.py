@@ -27,6 +27,7 @@ EXCESS = (0.01, 20.0)  # c - 1
 REACH_LIMIT = 40_000.0  # k (c - 1); at least the start angle, so that the start is certified too
 
 SCREENED = 32
+AGREEING = 5  # runs that end at the same optimum, which ends the search
 BUDGET = 2_000  # evaluations; usual are 80 to 300, and some truths need more
 TINY = 1e-30
 LEAST_START, LEAST = 1e-6, 1e-9  # Ms over the peak, where a search starts and on its way
@@ -48,6 +49,7 @@ class CertifiedFit:
         evaluations: How often the model was evaluated on all curves; a response with all its
             derivatives counts as three.
         agreed: How many runs from different starts ended at this optimum.
+        starts: How many runs there were; they end at the noise, or when five agree.
         history: (evaluations, best NRMSE) whenever the best one improved.
     """
 
@@ -57,6 +59,7 @@ class CertifiedFit:
     nrmse: float
     evaluations: int
     agreed: int
+    starts: int
     history: tuple[tuple[int, float], ...]
 
     @property
@@ -100,7 +103,8 @@ def certified_fit(
     at_least("budget", budget, SCREENED + 1)
     problem = CertifiedProblem(curves, initial_torque)
     search = problem.search(budget)
-    search.run(problem.starts(search, rng), noise_floor(curves) / problem.objective.peak)
+    floor = noise_floor(curves) / problem.objective.peak
+    search.run(problem.starts(search, rng), floor, AGREEING)
     return problem.result(search)
 
 
@@ -237,6 +241,7 @@ class CertifiedProblem:
             nrmse=search.score,
             evaluations=search.evaluations,
             agreed=search.agreed,
+            starts=search.starts,
             history=tuple(search.history),
         )
 

@@ -101,6 +101,7 @@ class Fitted(NamedTuple):
         loss: The NRMSE on the curves; for Jiles-Atherton with their weights.
         evaluations: How often the model ran on all curves; None where the fit does not count.
         agreed: How many runs from different starts ended here; None where the fit has one start.
+        starts: How many runs there were; None likewise.
     """
 
     model: HysteresisModel
@@ -108,6 +109,7 @@ class Fitted(NamedTuple):
     loss: float
     evaluations: int | None = None
     agreed: int | None = None
+    starts: int | None = None
 
 
 def fit_model(
@@ -157,6 +159,7 @@ def fit_model(
         found.nrmse,
         found.evaluations,
         getattr(found, "agreed", None),
+        getattr(found, "starts", None),
     )
 
 

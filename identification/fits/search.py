@@ -88,6 +88,11 @@ class Search:
         self.history: list[tuple[int, float]] = []
 
     @property
+    def starts(self) -> int:
+        """How many runs have ended."""
+        return len(self._ends)
+
+    @property
     def agreed(self) -> int:
         """How many runs ended at the best score, within 0.1 %, penalties included."""
         best = min(self._ends, default=np.inf)

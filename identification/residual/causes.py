@@ -46,7 +46,7 @@ Fault = Literal["tare", "rate", "lag", "play", "gap", "drift", "softening", "off
 Faulty = Callable[[HysteresisModel, InitialTorque, float], Array]
 
 
-class Candidate(NamedTuple):
+class Hypothesis(NamedTuple):
     """A fault to try.
 
     Attributes:
@@ -143,13 +143,13 @@ class Linear(NamedTuple):
     """A fault as one column beside the derivatives of a fit.
 
     Attributes:
-        candidate: The fault.
+        hypothesis: The fault.
         column: What a fault of size 1 adds to the torque, shape (samples,).
         size: Its coefficient.
         explained: F test of the column.
     """
 
-    candidate: Candidate
+    hypothesis: Hypothesis
     column: Array
     size: float
     explained: Explained
@@ -193,12 +193,7 @@ def causes(
     columns = list(_columns(model, start, curves))
     lengths = [curve.torque.size for curve in curves]
 
-    def tried(fit: Beside, but: tuple[Fault, ...] = ()) -> list[Linear]:
-        return [
-            one for one in _likely(columns, fit, lengths, known) if one.candidate.name not in but
-        ]
-
-    alone = tried(Beside(residual, slopes, np.empty(0)))
+    alone = _likely(columns, Beside(residual, slopes, np.empty(0)), lengths, known)
     pairs = []
     for groups in ([(one,) for one in alone], pairs):
         right = []
@@ -209,13 +204,13 @@ def causes(
             if explained(fit.residual, fit.slopes, smooth, lengths, known).probability >= ENOUGH:
                 right.append((faults, fit))
             elif len(faults) == 1:
-                others = _likely(columns, fit, lengths, known, but=faults[0].candidate.name)
+                others = _likely(columns, fit, lengths, known, but=faults[0].hypothesis.name)
                 pairs += [(*faults, other) for other in others[:SECOND]]
         if right:
             faults, fit = min(right, key=lambda some: float(np.linalg.norm(some[1].residual)))
             left = float(np.sqrt(np.mean(fit.residual**2)))
             return [
-                Cause(one.candidate.name, one.candidate.curve, size, one.explained, left)
+                Cause(one.hypothesis.name, one.hypothesis.curve, size, one.explained, left)
                 for one, size in zip(faults, fit.sizes.tolist(), strict=True)
             ]
     return []
@@ -223,20 +218,20 @@ def causes(
 
 def _columns(
     model: HysteresisModel, start: InitialTorque, curves: Sequence[Curve]
-) -> Iterator[tuple[Candidate, Array]]:
+) -> Iterator[tuple[Hypothesis, Array]]:
     """Yields all faults that the curves can show, each with its column."""
-    for candidate in _candidates(model, curves):
+    for hypothesis in _hypotheses(model, curves):
         try:
-            here = candidate.torque(model, start, 0.0)
-            column = (candidate.torque(model, start, candidate.step) - here) / candidate.step
+            here = hypothesis.torque(model, start, 0.0)
+            column = (hypothesis.torque(model, start, hypothesis.step) - here) / hypothesis.step
         except InputError:
             continue  # the model cannot begin with that torque at another angle
         if np.isfinite(column).all():  # else the model meets its pole a little beyond the curves
-            yield candidate, column
+            yield hypothesis, column
 
 
 def _likely(
-    columns: Sequence[tuple[Candidate, Array]],
+    columns: Sequence[tuple[Hypothesis, Array]],
     fit: Beside,
     lengths: Sequence[int],
     known: Noise | None,
@@ -245,19 +240,19 @@ def _likely(
     """Returns the faults that surely are in a residual, the most certain first, but for one."""
     found: dict[Fault, Linear] = {}
     residual, slopes, _ = fit
-    for candidate, column in columns:
-        if candidate.name == but:
+    for hypothesis, column in columns:
+        if hypothesis.name == but:
             continue
         rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
         if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
             continue
         test = explained(residual, slopes, column[:, None], lengths, known)
         size = _coefficient(residual, slopes, column, lengths, test.noise)
-        if test.probability >= RARE or (candidate.name in NEVER_BELOW_ZERO and size < 0):
+        if test.probability >= RARE or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
             continue
-        best = found.get(candidate.name)
+        best = found.get(hypothesis.name)
         if best is None or test.statistic > best.explained.statistic:
-            found[candidate.name] = Linear(candidate, column, size, test)
+            found[hypothesis.name] = Linear(hypothesis, column, size, test)
     return sorted(found.values(), key=lambda one: -one.explained.statistic)[:TRIED]
 
 
@@ -278,7 +273,9 @@ def _fitted(
     if found is None:
         return None
     for one, size in zip(faults, found.sizes.tolist(), strict=True):
-        if abs(size) > one.candidate.most or (one.candidate.name in NEVER_BELOW_ZERO and size <= 0):
+        if abs(size) > one.hypothesis.most or (
+            one.hypothesis.name in NEVER_BELOW_ZERO and size <= 0
+        ):
             return None
     return found
 
@@ -305,7 +302,7 @@ def _anew(
         plain = np.concatenate([predicted(model, start, curve) for curve in curves])
         torque = plain.copy()
         for one, size in zip(faults, at[count:].tolist(), strict=True):
-            torque += one.candidate.torque(model, start, size) - plain
+            torque += one.hypothesis.torque(model, start, size) - plain
         left = measured - torque
         return np.where(np.isfinite(left), left, far)  # a pole
 
@@ -316,7 +313,7 @@ def _anew(
     return Beside(found.fun, -found.jac, found.x[count:])
 
 
-def _candidates(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Candidate]:
+def _hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypothesis]:
     """Yields all faults that the curves can show."""
     peak, span = Curves(curves).peak, max(float(np.ptp(curve.angle)) for curve in curves)
     sizes = [curve.torque.size for curve in curves]
@@ -341,30 +338,30 @@ def _candidates(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Can
     def gap_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
         return np.concatenate(plain(_behind_gap(model, size) if size > 0 else model, start))
 
-    yield Candidate("tare", "", peak, peak / 2, added(np.ones(sum(sizes))))
+    yield Hypothesis("tare", "", peak, peak / 2, added(np.ones(sum(sizes))))
     times = [curve.time for curve in curves if curve.time is not None]
     if len(times) == len(curves):
         pairs = zip(curves, times, strict=True)
         rate = np.concatenate([np.gradient(curve.angle, time) for curve, time in pairs])
         most = peak / max(float(np.abs(rate).max()), np.finfo(float).tiny)
-        yield Candidate("rate", "", most, most, added(rate))
+        yield Hypothesis("rate", "", most, most, added(rate))
         step = float(np.median(np.concatenate([np.diff(time) for time in times])))
         shortest = min(float(np.ptp(time)) for time in times)
-        yield Candidate("lag", "", step, shortest / 4, late_torque)
+        yield Hypothesis("lag", "", step, shortest / 4, late_torque)
     for width in WIDTHS.tolist():
-        yield Candidate("play", "", width, span / 4, played_torque)
+        yield Hypothesis("play", "", width, span / 4, played_torque)
         if not isinstance(without_rate(model), Backlash):
-            yield Candidate("gap", "", width, span / 4, gap_torque)
+            yield Hypothesis("gap", "", width, span / 4, gap_torque)
     order = np.repeat(np.arange(len(curves), dtype=np.float64), sizes)
     passed = order if len(curves) > 1 else _cycles(curves[0].angle)
     if len(curves) > 1 or passed[-1] >= LEAST_CYCLES:
-        yield Candidate("drift", "", 1.0, LARGEST_DRIFT, scaled(passed))
+        yield Hypothesis("drift", "", 1.0, LARGEST_DRIFT, scaled(passed))
     for pace in PACES.tolist() if passed[-1] >= LEAST_WEAR else ():
-        yield Candidate("softening", "", 1.0, LARGEST_DRIFT, scaled(np.exp(-passed / pace)))
+        yield Hypothesis("softening", "", 1.0, LARGEST_DRIFT, scaled(np.exp(-passed / pace)))
     for i, curve in enumerate(curves if len(curves) > 1 else ()):
         here = np.where(order == i, 1.0, 0.0)
-        yield Candidate("offset", curve.name, peak, peak / 2, added(here))
-        yield Candidate("gain", curve.name, 1.0, np.inf, scaled(here))
+        yield Hypothesis("offset", curve.name, peak, peak / 2, added(here))
+        yield Hypothesis("gain", curve.name, 1.0, np.inf, scaled(here))
 
 
 def _delayed(time: Array, torque: Array, lag: float) -> Array:

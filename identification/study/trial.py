@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AliasChoices, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...errors import InputError, shortened, unknown_name
 from ...hysteresis.loops import reversals
 from ...json_files import parse_json
@@ -78,7 +78,7 @@ class StudyConfig:
             if self.methods.count(method) > 1:
                 raise InputError(f"method {method!r} is there twice: name each method once")
         at_least("trials", self.trials, 1)
-        at_least("seed", self.seed, 0)
+        check_seed(self.seed)
         at_least("swarm_size", self.swarm_size, 2)
         at_least("iterations", self.iterations, 1)
 

@@ -9,7 +9,7 @@ from scipy.linalg import matmul_toeplitz
 from scipy.special import stdtrit
 
 from ...arrays import Array
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...errors import InputError, shown
 from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.around.viscoelastic import Viscoelastic
@@ -121,7 +121,7 @@ def uncertainty(
         InputError: The curves are unusable or too few.
     """
     at_least("samples", samples, 0)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     measured = thinned(Curves(curves).fitted())
     coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
     sizes = [curve.torque.size for curve in measured]

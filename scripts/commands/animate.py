@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...checks import at_least
+from ...checks import check_seed
 from ...envs.animation import LoopPanel
 from ...envs.evaluation import rollout
 from ...envs.making import make_arms
@@ -65,7 +65,7 @@ def animate(
         height: Height of the film [pixels].
     """
     write = _writer(out, force)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     _check_size(width, height)
     usual = {"env": REACH, "gravity": "microgravity"}
     chosen = scene(

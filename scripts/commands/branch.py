@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...checks import at_least
+from ...checks import check_seed
 from ...envs.evaluation.branching import Fork
 from ...envs.evaluation.branching import branch as branches_of
 from ...envs.figures import branches_figure
@@ -57,7 +57,7 @@ def branch(
         out: Folder for result.json and a figure for each branch point: a new or an empty one, or
             that of an earlier branch.
     """
-    at_least("seed", seed, 0)
+    check_seed(seed)
     chosen = scene(
         arm,
         env=env,

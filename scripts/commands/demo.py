@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...assets import CURVES, Suit, curves_path, load_suit
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace, evaluate
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figure
@@ -54,7 +54,7 @@ def demo(
     """
     at_least("trials", trials, 1)
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     folder = RunFolder(out, "demo", force=force)
     if not (folder / "fits.json").exists():
         _run(folder, out, trials, episodes, seed)

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.evaluation.compare import Policies, named_policies
@@ -87,7 +87,7 @@ def evaluate(
             one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
     scenes = list(

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.surprises import Surprise, surprises
@@ -69,7 +69,7 @@ def faults(
             run of this command.
     """
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     chosen = scene(
         arm,
         env=env,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...identification.benchmarks.dispatch import (
     OPTIMUM,
     RELAXED_OPTIMUM,
@@ -55,8 +55,8 @@ def kao_fung_2009(
         iterations: Number of iterations of the identification.
         trials: Number of runs of each method on the cost benchmark; the paper has 100.
     """
+    check_seed(seed)
     for name, value, least in (
-        ("seed", seed, 0),
         ("population", population, 2),
         ("iterations", iterations, 1),
         ("trials", trials, 1),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from ...assets import Suit, SuitJoint, load_suit
-from ...checks import at_least, once
+from ...checks import at_least, check_seed, once
 from ...envs.belief import JointBelief, belief_of
 from ...envs.evaluation.knowledge import NONE, Knowledge
 from ...envs.evaluation.knowledge import knowledge as evaluate_beliefs
@@ -46,6 +46,7 @@ WITH_MEMORY = {
 REVERSALS = 40  # random ones in the record to which all beliefs are fitted
 THINNED = 4  # every fourth sample is used where a fit takes all of them
 GRAVITY = "microgravity"  # where nothing but the suit is to be cancelled
+COLUMNS = 4  # panels beside each other in the figure
 Found = dict[tuple[str, str], Knowledge]
 
 
@@ -79,7 +80,7 @@ def knowledge(
             knowledge.
     """
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     folder = RunFolder(out, "knowledge", force=force) if out else None
     found: Found = {}
     once("classes", classes)
@@ -112,14 +113,17 @@ def knowledge_figure(found: Found) -> "Figure":
     """Draws relief and torque error of every belief, one panel a setting."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(3.4 * len(found) + 1.2, 5.2), layout="constrained")
-    axes = figure.subplots(2, len(found), squeeze=False, sharex=True, sharey="row")
-    for column, ((task, suit), one) in enumerate(found.items()):
+    columns = min(len(found), COLUMNS)
+    bands = -(-len(found) // columns)
+    figure = Figure(figsize=(3.4 * columns + 1.2, 3.6 * bands + 1.6), layout="constrained")
+    axes = figure.subplots(2 * bands, columns, squeeze=False, sharex=True)
+    for index, ((task, suit), one) in enumerate(found.items()):
+        band, column = divmod(index, columns)
         names, place = list(one.relief), np.arange(len(one.relief))
         reliefs = [one.mean_relief(name) for name in names]
         middle = np.array([each.value for each in reliefs])
         ends = np.array([[each.low, each.high] for each in reliefs]).T
-        upper, lower = axes[0][column], axes[1][column]
+        upper, lower = axes[2 * band : 2 * band + 2, column]
         upper.errorbar(place, middle, np.abs(ends - middle), fmt="o", capsize=3, color="C0")
         upper.axhline(1, color="0.6", linewidth=0.8)
         upper.set_title(f"{task}\n{suit}", fontsize=10)
@@ -127,8 +131,11 @@ def knowledge_figure(found: Found) -> "Figure":
         lower.set_xticks(place, names, rotation=60, ha="right", fontsize=8)
         for ax in (upper, lower):
             ax.grid(axis="y", alpha=0.3)
-    axes[0][0].set_ylabel("relief")
-    axes[1][0].set_ylabel("error of the believed\ntorque [N·m]")
+    for ax in axes.flat[len(found) + columns * bands :]:
+        ax.set_axis_off()
+    for upper, lower in zip(axes[::2, 0], axes[1::2, 0], strict=True):
+        upper.set_ylabel("relief")
+        lower.set_ylabel("error of the believed\ntorque [N·m]")
     return figure
 
 

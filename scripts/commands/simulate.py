@@ -5,7 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from ...checks import at_least
+from ...checks import check_seed
 from ...envs.evaluation import Trace, rollout, score
 from ...envs.figures import (
     cuff_forces_figure,
@@ -46,7 +46,7 @@ def simulate(
         out: Folder for trace.csv, result.json and the figures: a new or an empty one, or that of an
             earlier simulate.
     """
-    at_least("seed", seed, 0)
+    check_seed(seed)
     chosen = scene(
         arm,
         env=env,

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from ... import __version__
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED, Evaluation, evaluate
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.levels import COMPARED, LEVELS
@@ -62,7 +62,7 @@ def tasks(
         _list(chosen, json)
         return
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     folder = RunFolder(out, "tasks", force=force) if out else None
     settings = [(name, level) for name in chosen for level in levels]
     found: dict[tuple[str, str], dict[str, Any]] = {}

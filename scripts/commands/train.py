@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from ...assets import load_suit, suit_names
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.making import make_arms
 from ...envs.policies.network import ARCHITECTURES, algorithm_class
 from ...envs.policies.trained import CHECKPOINT, CONFIG, OWN_SUIT, training_config
@@ -27,7 +27,7 @@ from ..own_files import note, notes_folder
 from ..runs import Scene, scene
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
-STEPS = 100_000
+STEPS, MOST_STEPS = 100_000, 10**11
 
 
 def train(
@@ -62,9 +62,10 @@ def train(
             its files hold; no other command runs any.
     """
     at_least("torch-threads", torch_threads, 1)
-    for name, value, least in (("steps", steps, 1), ("seed", seed, 0)):
-        if value is not None:
-            at_least(name, value, least)
+    if steps is not None:
+        at_least("steps", steps, 1, MOST_STEPS)
+    if seed is not None:
+        check_seed(seed)
     checkpoint = _check_folder(out, resume, trust, force)
     config = _config(training_config(out) if resume else {}, out, algo, steps, seed)
     chosen = scene(

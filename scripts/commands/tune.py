@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...checks import at_least
+from ...checks import at_least, check_seed
 from ...envs.benchmark.tuning import tunable, tuning_cost
 from ...envs.policies import PolicySpec, policy_spec
 from ...errors import InputError
@@ -43,7 +43,7 @@ def tune(
     """
     given = policy_spec(policy, trust=trust)
     at_least("evaluations", evaluations, 1)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     check_backend("loky", workers)
     if out:
         check_target(out, force=force)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import tyro
 
 from ...assets import load_suit
-from ...checks import at_least, once
+from ...checks import at_least, check_seed, once
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.validation import (
@@ -104,7 +104,7 @@ def validate(
     if policy not in POLICIES:
         raise unknown_name("policy that believes a suit", policy, POLICIES)
     at_least("episodes", episodes, FEWEST_MOTIONS)
-    at_least("seed", seed, 0)
+    check_seed(seed)
     scenes = {
         true: scene(arm, env=env, suit=true, gravity=gravity, usual={"gravity": GRAVITY})
         for true in plant

@@ -9,7 +9,7 @@ from pathlib import Path
 import gymnasium
 import mujoco
 
-from ...checks import at_least
+from ...checks import check_seed
 from ...envs.arm_env import ArmEnv
 from ...envs.making import make_env
 from ...envs.model import ArmConfig, arm_spec, compose
@@ -65,7 +65,7 @@ def view(
         width: Width of the snapshot [pixels].
         height: Height of the snapshot [pixels].
     """
-    at_least("seed", seed, 0)
+    check_seed(seed)
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
     if snapshot is not None:

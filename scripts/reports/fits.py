@@ -33,7 +33,7 @@ def quality_table(fits: Mapping[str, Mapping[str, Fit]]) -> Rows:
                     f"{fit.nrmse:.2%}",
                     f"{fit.model.certificate().margin:.3f}",
                     "-" if fit.evaluations is None else f"{fit.evaluations:,}",
-                    "-" if fit.agreed is None else str(fit.agreed),
+                    "-" if fit.agreed is None else f"{fit.agreed} of {fit.starts}",
                     "\n".join(held_out) or "-",
                 ]
             )
@@ -126,6 +126,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "prediction_max_error": fit.prediction_errors,
         "evaluations": fit.evaluations,
         "agreed": fit.agreed,
+        "starts": fit.starts,
         "trials": len(fit.trials),
         "interrupted": fit.interrupted,
         "remarks": [asdict(remark) for remark in fit.remarks],
@@ -188,6 +189,7 @@ def write_trials(folder: RunFolder, name: str, fits: Mapping[str, Mapping[str, F
             "nrmse": trial.nrmse,
             "evaluations": trial.evaluations,
             "agreed": trial.agreed,
+            "starts": trial.starts,
             "initial_torque": trial.initial_torque,
             **dict(_numbers("", trial.model.to_dict())),
         }

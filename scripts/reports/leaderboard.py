@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...envs.benchmark.standings import FIXED, MARGIN, Standings
+from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
 from ...envs.benchmark.suite import BASELINE, Setting
 from ...envs.evaluation import Interval
 from ...envs.policies import POLICIES
 from ..output import Rows, markdown_table
+from ..text import without_markup
 from .motions import interval_text
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def page(standings: Standings, title: str, figure: str) -> str:
         title: Heading of the page.
         figure: Name of the file of the performance profiles.
     """
-    protocol = standings.protocol
+    protocol = {key: without_markup(str(value)) for key, value in standings.protocol.items()}
     versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
     parts = [
         f"{title}\n\n"
@@ -104,18 +105,25 @@ def page(standings: Standings, title: str, figure: str) -> str:
         f"![Share of motions with at least a relief, by policy and level]({figure})\n"
     ]
     for level in standings.levels:
-        parts.append(f"## {level}\n\n{markdown_table(*level_rows(standings, level))}\n")
+        parts.append(f"## {level}\n\n{markdown_table(*_safe(level_rows(standings, level)))}\n")
     for level in standings.levels:
-        header, rows = task_rows(standings, level)
+        header, rows = _safe(task_rows(standings, level))
         turned = [list(column) for column in zip(header, *rows, strict=True)]
         title = f"## {level}, by task: success and relief"
         parts.append(f"{title}\n\n{CELLS}\n\n{markdown_table(turned[0], turned[1:])}\n")
     parts.append(
         f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
         f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
-        f"({versions}; contract {protocol.get('contract')}).\n"
+        f"({versions}; contract {protocol.get('contract')}). Results are taken as they are: "
+        "nothing proves that a file of results comes from the runs that it names.\n"
     )
     return "\n".join(parts)
+
+
+def _safe(rows: Rows) -> Rows:
+    """Returns a table in which names from files have no markup of their own."""
+    header, body = rows
+    return [*map(without_markup, header)], [[*map(without_markup, row)] for row in body]
 
 
 def _best(standings: Standings) -> str:
@@ -128,10 +136,14 @@ def _best(standings: Standings) -> str:
     if first.success == most.success or first.relief is None or most.relief is None:
         return ""
     return (
-        f" **The best relief is not the best success**: at {level} `{first.policy}` has the most "
+        f" **The best relief is not the best success**: at {level} {_code(first)} has the most "
         f"relief ({first.relief.value:.2f}) and succeeds in {first.success:.0%} of its motions; "
-        f"`{most.policy}` succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
+        f"{_code(most)} succeeds in {most.success:.0%} with a relief of {most.relief.value:.2f}."
     )
+
+
+def _code(standing: Standing) -> str:
+    return f"`{standing.policy.replace('`', '')}`"
 
 
 def profile_figure(standings: Standings) -> "Figure":

@@ -1,6 +1,8 @@
 """What careless users did: nothing is lost, and one sentence says what was wrong."""
 
 import json
+import os
+import signal
 from dataclasses import dataclass, field
 
 import gymnasium
@@ -39,6 +41,21 @@ def test_short_episodes_are_scored_when_asked_for():
         ELBOW, ["none"], episodes=1, max_episode_steps=30, on_policy=lambda _, t: traces.extend(t)
     )
     assert traces[0].time[-1] == pytest.approx(0.3)
+
+
+def test_a_child_without_the_threads_of_its_parent_is_told_so():
+    arms = ArmVectorEnv(2, threads=2)
+    arms.reset(seed=0)
+    arms.step(np.zeros((2, 2)))
+    child = os.fork()
+    if child == 0:  # ends without a word to pytest, whatever happens
+        signal.alarm(20)
+        try:
+            arms.step(np.zeros((2, 2)))
+        except InputError as error:
+            os._exit(0 if "made before a fork" in str(error) else 2)
+        os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 def test_a_failed_reset_asks_for_another():
@@ -162,7 +179,7 @@ def test_tasks_are_checked(task, message):
         (lambda: ArmEnv(render_quality=[]), "unknown render_quality"),
         (lambda: ArmVectorEnv(2, autoreset_mode=[]), "unknown autoreset_mode"),
         (lambda: ArmVectorEnv(2, max_periods=4), "unknown option 'max_periods': use one of"),
-        (lambda: ArmVectorEnv(2, threads=10**12), "threads is 10.*: use a number from 0 to 1024"),
+        (lambda: ArmVectorEnv(2, threads=10**6), "threads is 10.*: use a number from 0 to 1024"),
         (lambda: ArmVectorEnv(2).reset(options=[]), r"the options \[\]: give a dict"),
         (lambda: evaluate(ELBOW, 3), "policies is 3: give a list of names"),
         (lambda: evaluate(3, ["none"]), "env_id is 3: give the id of an environment"),

@@ -1,6 +1,7 @@
 """A first use that compiles for long says so, once, and names the cache."""
 
 import pytest
+from activesuit.errors import InputError
 from activesuit.hysteresis import first_use
 from activesuit.hysteresis.engine import native
 
@@ -38,6 +39,23 @@ def test_long_compiling_is_announced_once_and_progress_later(capsys, clock):
     clock[0] += 100
     listener.on_end(None)
     assert capsys.readouterr().err == ""
+
+
+def test_a_cache_that_others_may_write_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setenv(first_use.CACHE, str(tmp_path))
+    first_use.check_cache()
+    tmp_path.chmod(0o777)
+    with pytest.raises(InputError, match="where other users may write, and its files are code"):
+        first_use.check_cache()
+
+
+def test_without_any_cache_one_sentence_says_what_to_do(monkeypatch):
+    def no_locator(**options):
+        raise RuntimeError("cannot cache function")
+
+    monkeypatch.setattr(first_use, "njit", no_locator)
+    with pytest.raises(InputError, match="set NUMBA_CACHE_DIR to a folder that you may write"):
+        first_use.check_cache()
 
 
 def test_a_plugin_is_compiled_when_it_is_needed_and_once():

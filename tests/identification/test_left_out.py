@@ -44,10 +44,21 @@ def test_the_end_of_a_record_is_left_out_block_by_block(elbow):
     assert [*joined[0], *joined[1], *joined[2]] == list(range(joined[0].start, one.angle.size))
 
 
-@pytest.mark.parametrize("turns", [(0.52, 1.57, 0.52), (0.52, 0.8, 0.6, 1.0, 0.6, 1.57)])
-def test_a_record_that_reaches_its_range_at_the_end_leaves_nothing_out(elbow, turns):
+@pytest.mark.parametrize("turns", [(0.52, 1.57, 0.52), (0.52, 0.8, 0.6, 1.57)])
+def test_a_record_without_cycles_leaves_nothing_out(elbow, turns):
     with pytest.raises(InputError, match="a record of several cycles, or 2 curves, better 3"):
         questions([record(elbow, turns=turns)])
+
+
+def test_a_record_whose_every_cycle_is_larger_than_the_last_is_predicted_beyond(elbow):
+    turns = (0.9, *np.ravel([(0.9 + size, 0.9 - size) for size in np.linspace(0.05, 0.5, 10)]))
+    one = record(elbow, turns=turns, noise=0.002)
+    assert all(question.beyond for question in questions([one]))
+    found = select([one])
+    assert found.fit.model_name == "jiles-atherton"
+    assert "each cycle of the record is larger than those before" in found.why
+    assert not any(question.beyond for question in questions([record(elbow)]))
+    assert "larger" not in select([record(elbow)]).why
 
 
 def test_auto_takes_one_record_with_two_amplitudes(elbow):

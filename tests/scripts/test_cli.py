@@ -268,6 +268,12 @@ MISTAKES = [
     (["identify", "{bad}/degrees.csv"], "more than a full turn"),
     (["identify", "{bad}/other.csv", "--out", "{bad}/out"], "give --joint"),
     (["identify", ELBOW, "--trials", "0"], "trials is 0"),
+    (["identify", ELBOW, "--trials", "1000000000"], "trials is 1000000000: use at most 10,000,000"),
+    (["evaluate", "--episodes", "1000000000"], "episodes is 1000000000: use at most"),
+    (
+        ["rig", "--repeats", "1000000000", "--out", "{bad}/out"],
+        "repeats is 1000000000: use at most",
+    ),
     (["identify", ELBOW, "--out", "{bad}/text.csv"], "--out"),
     (["identify", ELBOW, "--joint", "knee", "--out", "{bad}/out"], "unknown joint 'knee'"),
     (["evaluate", "--env", "ActiveSuit/Elbow-v0"], "did you mean 'ActiveSuit/ElbowFlexion-v0'"),

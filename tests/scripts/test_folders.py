@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from activesuit.assets import curves_path
@@ -164,6 +165,11 @@ def test_another_process_in_the_folder_is_reported(tmp_path):
     other.kill()
     other.communicate()
     RunFolder(tmp_path, "rig").text("a.txt", "")  # the lock ended with the process
+
+
+def test_a_path_that_is_none():
+    with pytest.raises(InputError, match="cannot make the folder"):
+        RunFolder(Path("a\0b"), "demo")
 
 
 def test_a_mistake_leaves_nothing(capsys, tmp_path):

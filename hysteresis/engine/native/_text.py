@@ -11,6 +11,7 @@ from ._memory import character_at, localeconv, pointer_at, strtod, warn
 
 BLANKS = (ord(" "), ord("\t"), ord("\n"), ord("\r"))
 SENTENCE_LIMIT = 600
+LARGEST, SMALLEST = 1e100, 1e-100  # sizes of numbers, whose squares and products stay finite
 
 
 @inner
@@ -109,7 +110,8 @@ def to_number(text, end):
 def parse_numbers(text, values):
     """Fills `values` with the blank-separated numbers of the C string at `text`.
 
-    Returns how many numbers there are, even if they do not all fit; -1 if one is not finite.
+    Returns how many numbers there are, even if they do not all fit; -1 if one is not finite,
+    larger than 1e100, or smaller than 1e-100 and not 0.
     """
     count = 0
     text = behind_blanks(text)
@@ -118,7 +120,8 @@ def parse_numbers(text, values):
         if end == text or not (character_at(end) == 0 or character_at(end) in BLANKS):
             return -1
         value = to_number(text, end)
-        if not math.isfinite(value):
+        size = abs(value)
+        if not size <= LARGEST or 0 < size < SMALLEST:
             return -1
         if count < values.size:
             values[count] = value

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -210,6 +211,11 @@ def test_results_go_through_a_file(tmp_path):
         ('{"task": 1}\n', "is no result of the benchmark"),
         (lines([made(effort=(-0.1, 0.2))]), "is no result of the benchmark"),
         (lines([made(task="Knee")]), "line 1, has the task 'Knee': delete it"),
+        (lines([made(policy="a" * 201)]), "at most 200 characters"),
+        (
+            lines([made(protocol={"contract": "abc", "episodes": 10**9})]),
+            "has 2 motions and says 1000000000: delete it",
+        ),
     ],
 )
 def test_results_that_cannot_be_merged(tmp_path, content, message):
@@ -217,6 +223,50 @@ def test_results_that_cannot_be_merged(tmp_path, content, message):
     (tmp_path / "b.jsonl").write_text(content)
     with pytest.raises(InputError, match=message):
         read_results([tmp_path / "a.jsonl", tmp_path / "b.jsonl"])
+
+
+def test_results_of_more_and_of_fewer_motions_stand_beside_each_other():
+    efforts = {"unsuited": [0.1] * 9, "suited": [0.3] * 12, "best-known-plan": [0.1] * 3}
+    efforts |= {"compensation": [0.2] * 12, "other": [0.16] * 8}
+    size = {"tracking": (0.0,) * 12, "success": (True,) * 12}
+    results = [
+        made(
+            policy=name,
+            effort=tuple(effort),
+            **{what: values[: len(effort)] for what, values in size.items()},
+        )
+        for name, effort in efforts.items()
+    ]
+    standings = Standings(results)
+    (setting,) = standings.settings
+    np.testing.assert_allclose(standings.relief(setting, "compensation"), [0.5] * 9)
+    found = {one.policy: one for one in standings.by_level("nominal")}
+    assert found["other"].gain.value == pytest.approx(0.2)
+    assert found["best-known-plan"].relief.value == pytest.approx(1)
+    assert standings.difference(setting, "other", "compensation").value == pytest.approx(0.2)
+
+
+def test_a_reference_that_failed_leaves_no_relief():
+    efforts = {"unsuited": 0.1, "suited": np.inf, "compensation": 0.2}
+    standings = Standings([made(policy=name, effort=(e,) * 2) for name, e in efforts.items()])
+    (setting,) = standings.settings
+    assert standings.relief(setting, "compensation") is None
+    assert standings.standing("compensation", [setting]).relief is None
+
+
+def test_results_that_are_no_file_of_results(tmp_path):
+    for path in (Path("/dev/zero"), Path("a\0b"), tmp_path):
+        with pytest.raises(InputError, match="cannot read the results"):
+            read_results([path])
+
+
+def test_a_suit_file_in_a_folder_names_no_folder_of_results(tmp_path):
+    save_suit(load_suit("emu-like"), tmp_path / "my.json")
+    small = suite("quick", tasks=("ElbowFlexion",), believed=(str(tmp_path / "my.json"),))
+    names = [trial.file_name for trial in small.trials]
+    assert all("/" not in name for name in names)
+    assert any(".my." in name for name in names)
+    assert len(set(names)) == len(names)
 
 
 def test_there_must_be_results(tmp_path):

@@ -126,6 +126,20 @@ def test_results_of_several_people_merge(capsys, tmp_path, whole):
     assert "| gravity |" in (tmp_path / "both" / "tables.md").read_text()
 
 
+def test_names_have_no_markup_in_tables(capsys, tmp_path, whole):
+    name = "a|b # pwned <script>alert(1)</script> ![x](http://evil/x.png) `c`"
+    text = (whole / "results.jsonl").read_text().replace('"none"', json.dumps(name))
+    (tmp_path / "forged.jsonl").write_text(text)
+    run(capsys, "benchmark", "table", tmp_path / "forged.jsonl", "--out", tmp_path / "page")
+    page = (tmp_path / "page" / "tables.md").read_text()
+    assert "pwned" in page
+    assert "<script>" not in page
+    assert "[x](" not in page
+    tables = [part.split("\n") for part in page.split("\n\n") if part.startswith("|")]
+    assert tables
+    assert all(row.count("|") == table[0].count("|") for table in tables for row in table)
+
+
 def test_two_policies_are_compared_motion_by_motion(capsys, whole):
     out = run(capsys, "benchmark", "compare", whole, "--policies", "none", "compensation")
     assert "relief of compensation less that of none" in out

@@ -104,6 +104,8 @@ def test_workers_and_processes_change_nothing(tmp_path, whole, arguments):
 def test_a_cluster_of_two_workers_changes_nothing(tmp_path, whole, backend):
     pytest.importorskip("distributed" if backend == "dask" else "ray")
     study(tmp_path, "--backend", backend, "--workers", 2)
+    if backend == "ray":  # whoever joins may run code, and its ports are open to the network
+        assert os.environ["RAY_AUTH_MODE"] == "token"
     assert tables(tmp_path) == whole
 
 
