@@ -29,6 +29,11 @@ def check_backend(backend: Backend, workers: int) -> None:
             installed.
     """
     check_workers(workers)
+    if backend == "ray" and not os.environ.get("RAY_ADDRESS"):
+        # The ports of a cluster of our own are open to the network, and whoever connects may run
+        # code, so that it asks for a token. Ray reads these variables when it is imported.
+        os.environ.setdefault("RAY_AUTH_MODE", "token")
+        os.environ.setdefault("RAY_AUTH_TOKEN", secrets.token_hex(32))
     try:
         for module in LIBRARIES.get(backend, ()):
             importlib.import_module(module)
@@ -127,9 +132,6 @@ def _ray(workers: int) -> Iterator[None]:
     elif started:
         # A cluster of our own tells nobody that it ran.
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
-        # Its ports are open to the network, and whoever connects may run code: ask for a token.
-        os.environ["RAY_AUTH_MODE"] = "token"
-        os.environ["RAY_AUTH_TOKEN"] = secrets.token_hex(32)
         ray.init("local", num_cpus=workers, include_dashboard=False, **quiet)
     ray_joblib.register_ray()
     try:

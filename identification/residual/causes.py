@@ -5,6 +5,7 @@ the F test finds are then fitted beside the model, alone or in pairs, and are ca
 but noise remains: a wrong model is no fault of the measurement, and no fault makes it right.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -207,13 +208,23 @@ def causes(
                 others = _likely(columns, fit, lengths, known, but=faults[0].hypothesis.name)
                 pairs += [(*faults, other) for other in others[:SECOND]]
         if right:
-            faults, fit = min(right, key=lambda some: float(np.linalg.norm(some[1].residual)))
+            faults, fit = min(right, key=lambda some: _criterion(*some))
             left = float(np.sqrt(np.mean(fit.residual**2)))
             return [
                 Cause(one.hypothesis.name, one.hypothesis.curve, size, one.explained, left)
                 for one, size in zip(faults, fit.sizes.tolist(), strict=True)
             ]
     return []
+
+
+def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
+    """Returns the Bayesian information criterion of faults that are fitted beside a model.
+
+    Wear-in has a pace, too, which is chosen among several.
+    """
+    numbers = sum(2 if one.hypothesis.name == "softening" else 1 for one in faults)
+    samples = fit.residual.size
+    return samples * math.log(float(fit.residual @ fit.residual)) + numbers * math.log(samples)
 
 
 def _columns(

@@ -271,7 +271,7 @@ MISTAKES = [
     (["identify", ELBOW, "--trials", "1000000000"], "trials is 1000000000: use at most 10,000,000"),
     (["evaluate", "--episodes", "1000000000"], "episodes is 1000000000: use at most"),
     (
-        ["rig", "--repeats", "1000000000", "--out", "{bad}/out"],
+        ["measure", "rig", "--repeats", "1000000000", "--out", "{bad}/out"],
         "repeats is 1000000000: use at most",
     ),
     (["identify", ELBOW, "--out", "{bad}/text.csv"], "--out"),
