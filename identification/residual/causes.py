@@ -303,7 +303,7 @@ def _anew(
 
     def residual(at: Array) -> Array:
         try:
-            with np.errstate(invalid="ignore"):
+            with np.errstate(over="ignore", invalid="ignore"):
                 return ahead(at)
         except (InputError, OverflowError):
             return np.full(measured.size, far)
@@ -315,7 +315,7 @@ def _anew(
         for one, size in zip(faults, at[count:].tolist(), strict=True):
             torque += one.hypothesis.torque(model, start, size) - plain
         left = measured - torque
-        return np.where(np.isfinite(left), left, far)  # a pole
+        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # near a pole
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)

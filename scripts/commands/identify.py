@@ -27,6 +27,7 @@ from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     advised,
+    band_of,
     band_table,
     bands_of,
     candidate_table,
@@ -212,6 +213,18 @@ def _print(
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     why = ": they hold no loops inside loops, and no intended motion is named (--for)"
     say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
+    if band := band_of(fit):
+        half = band["half_width"]
+        say(
+            f"band: along these curves the torque is within {half:.2g} N·m of the model "
+            f"({half / fit.curves.peak:.1%} of the peak), at {band['level']:.0%}, if its kind is "
+            "right (--method auto compares kinds)"
+        )
+    elif fit.verdict == NOT_BEYOND:
+        say(
+            "band: none, because nothing tests the model beyond these curves; measure also the "
+            "record of activesuit measure design"
+        )
     for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
         say(f"note: {sentence}")
 

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import InputError
 from ...hysteresis.around import Wrapper
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Candidate, Fit, Remark, Selection
+from ...identification.residual.verdict import DESCRIBES
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..output import Rows, RunFolder
 from .parameters import labeled
@@ -55,33 +57,56 @@ def candidate_table(selection: Selection) -> Rows:
     return header, rows
 
 
-def band_table(bands: Mapping[str, Mapping[str, float]]) -> Rows:
-    """Returns one row per curve that was kept out of the fit, see `fit_summary`."""
+def band_table(bands: Mapping[str, Mapping[str, Any]]) -> Rows:
+    """Returns one row per curve that was kept out of the fit, see `bands_of`."""
     header = ["curve", "half width\n[N·m]", "measured samples inside,\nnoise added"]
     rows = [
-        [name, f"{band['half_width']:.3g}", f"{band['inside']:.1%}"] for name, band in bands.items()
+        [name, "none", band["why"]]
+        if "why" in band
+        else [name, f"{band['half_width']:.3g}", f"{band['inside']:.1%}"]
+        for name, band in bands.items()
     ]
     return header, rows
 
 
-def bands_of(selection: Selection) -> dict[str, dict[str, float]]:
+def bands_of(selection: Selection) -> dict[str, dict[str, Any]]:
     """Returns what the band of an ensemble says along the curves kept out of its fit, by name.
 
     The half width is the mean of that of the torque without noise; what was measured has noise, so
-    that it is compared with the band of measured torque.
+    that it is compared with the band of measured torque. Without a band there is the reason why.
     """
     summaries, found = {}, selection.ensemble
     if found is None:
         return {}
     for curve in selection.fit.curves.held_out():
-        low, high = found.band(curve)
-        least, most = found.measured_band(curve)
+        try:
+            low, high = found.band(curve)
+            least, most = found.measured_band(curve)
+        except InputError as error:
+            summaries[curve.name] = {"why": str(error)}
+            continue
         inside = (least <= curve.torque) & (curve.torque <= most)
         summaries[curve.name] = {
             "half_width": float(np.mean(high - low)) / 2,
             "inside": float(np.mean(inside)),
         }
     return summaries
+
+
+def band_of(fit: Fit) -> dict[str, float] | None:
+    """Returns the largest half width [N·m] of the torque's 95 % band along the fitted curves.
+
+    None without a verdict that the model holds beyond them: the band is that of its parameters, and
+    says nothing about a model of the wrong kind. Also None where a fit did not minimize squares.
+    """
+    if fit.verdict != DESCRIBES:
+        return None
+    try:
+        found = fit.uncertainty()
+        ends = [found.band(curve) for curve in fit.curves.fitted()]
+    except InputError:
+        return None
+    return {"level": 0.95, "half_width": max(float(np.max(high - low)) / 2 for low, high in ends)}
 
 
 def uncertainty_table(fit: Fit, found: Uncertainty) -> Rows:
@@ -132,6 +157,7 @@ def fit_summary(fit: Fit, seed: int) -> dict[str, Any]:
         "remarks": [asdict(remark) for remark in fit.remarks],
         "verdict": fit.verdict,
         "judgement": fit.judgement and fit.judgement.to_dict(),
+        "band": band_of(fit),
         "certificate": {**asdict(certificate), "certified": certificate.certified},
     }
 

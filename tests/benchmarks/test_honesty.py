@@ -41,7 +41,7 @@ def test_each_part_has_its_case():
     wrong = honesty.verdict_case("first-order curves", "white", "1 %", 1)  # Bouc-Wen truth
     assert wrong.pop("off") > 1.3
     assert wrong == {"verdict": "no", "right": False, "causes": []}
-    band = honesty.band_case("Jiles-Atherton", "and a nested record", 0)
+    band = honesty.band_case("Jiles-Atherton", 0)
     assert band["inside"] > 0.5
     assert band["error"] < band["width"]
 
