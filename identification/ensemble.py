@@ -93,7 +93,7 @@ class Ensemble:
 
         Raises:
             InputError: The level is out of its range, a member cannot begin there, or the motion
-                has nested loops and no left-out data had any: such bands held 38 % of the true
+                has nested loops and no left-out data had any: such bands contained 36 % of the true
                 torques of viscous joints, where 90 % is nominal.
         """
         if not isinstance(curve, Curve):

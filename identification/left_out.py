@@ -12,7 +12,7 @@ from ..hysteresis.loops import reversals
 from .curves import Curve
 
 LEAST_KNOWN = 1 / 3  # least share of a record in the first fit
-LEAST_TURNS = 3  # of a record in its last two thirds, if each is beyond those before
+LEAST_TURNS = 3  # fewer in the last two thirds of a record ask nothing
 BLOCKS = 3  # largest number of parts of a record that are left out
 BEYOND = 0.01  # tolerated excursion of a part beyond the known range, over that range
 

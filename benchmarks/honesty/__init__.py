@@ -33,7 +33,7 @@ NOISES = {
     "slow and white": (0.95, 0.5),
 }
 SIZES = {"1 %": 0.01, "0.2 %": 0.002}
-RECORD = "a record of growing cycles"
+RECORD = "a record of ever larger cycles"
 SHAPES = ("first-order curves", RECORD)
 VERDICTS = {DESCRIBES: "yes", NOT_BEYOND: "yes", UNKNOWN: "unknown", NOT: "no"}
 LONG = 60  # letters of a sentence in a table

@@ -37,7 +37,7 @@ SECOND = 2  # number of faults that are fitted beside each of them
 FEW = 12  # coordinates of a model, up to which a fault is fitted beside it anew
 STEPS = 40  # largest number of steps of such a fit
 LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
-LEAST_CYCLES = 1.5  # of one record, below which no drift can be seen
+LEAST_CYCLES = 1.5  # a shorter record shows no drift
 # Paces of wear-in to try, as numbers of curves or cycles, and least number that shows it.
 PACES = np.geomspace(0.5, 8, 12)
 LEAST_WEAR = 2.0
@@ -315,7 +315,7 @@ def _anew(
         for one, size in zip(faults, at[count:].tolist(), strict=True):
             torque += one.hypothesis.torque(model, start, size) - plain
         left = measured - torque
-        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # near a pole
+        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
