@@ -10,7 +10,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..checks import at_least, flag, within
+from ..checks import at_least, flag
 from ..errors import InputError, refuse_old_names, shown, unknown_name
 from .episodes import Episodes, checked_seed
 from .rendering import ArmRenderer, RenderQuality
@@ -83,8 +83,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         **options: Any,
     ) -> None:
         at_least("num_envs", num_envs, 1)
-        at_least("threads", threads, 0)
-        within("threads", threads, 0, MOST_THREADS, "")
+        at_least("threads", threads, 0, MOST_THREADS)
         flag("stagger", stagger)
         if max_episode_steps is not None:
             at_least("max_episode_steps", max_episode_steps, 1)

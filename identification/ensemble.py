@@ -93,8 +93,8 @@ class Ensemble:
 
         Raises:
             InputError: The level is out of its range, a member cannot begin there, or the motion
-                has nested loops and no left-out data had any: such bands contained 36 % of the true
-                torques of viscous joints, where 90 % is nominal.
+                has nested loops and no left-out data had any: first-order curves show no effect
+                of a rate, for one, so that such bands are too narrow.
         """
         if not isinstance(curve, Curve):
             raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")

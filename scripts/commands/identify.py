@@ -27,7 +27,6 @@ from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
     advised,
-    band_of,
     band_table,
     bands_of,
     candidate_table,
@@ -133,7 +132,7 @@ def identify(
     if json:
         print(to_json(summary))
     else:
-        _print(result, curves, use, found)
+        _print(result, curves, use, found, summary["band"])
     if folder and joint_name:
         suit = Suit.from_fits(
             {joint_name: fit},
@@ -189,7 +188,11 @@ def _summary(
 
 
 def _print(
-    result: Fit | Selection, curves: Path, use: str | None, found: Uncertainty | None
+    result: Fit | Selection,
+    curves: Path,
+    use: str | None,
+    found: Uncertainty | None,
+    band: dict[str, float] | None,
 ) -> None:
     fit = _fit(result)
     if isinstance(result, Selection):
@@ -213,7 +216,7 @@ def _print(
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     why = ": they hold no loops inside loops, and no intended motion is named (--for)"
     say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
-    if band := band_of(fit):
+    if band:
         half = band["half_width"]
         say(
             f"band: along these curves the torque is within {half:.2g} N·m of the model "

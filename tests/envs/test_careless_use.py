@@ -179,7 +179,7 @@ def test_tasks_are_checked(task, message):
         (lambda: ArmEnv(render_quality=[]), "unknown render_quality"),
         (lambda: ArmVectorEnv(2, autoreset_mode=[]), "unknown autoreset_mode"),
         (lambda: ArmVectorEnv(2, max_periods=4), "unknown option 'max_periods': use one of"),
-        (lambda: ArmVectorEnv(2, threads=10**6), "threads is 10.*: use a number from 0 to 1024"),
+        (lambda: ArmVectorEnv(2, threads=10**12), "threads is 10.*: use at most 1,024"),
         (lambda: ArmVectorEnv(2).reset(options=[]), r"the options \[\]: give a dict"),
         (lambda: evaluate(ELBOW, 3), "policies is 3: give a list of names"),
         (lambda: evaluate(3, ["none"]), "env_id is 3: give the id of an environment"),
