@@ -18,7 +18,7 @@ from ..envs.person import VoluntaryControl
 from ..envs.policies import policy_spec
 from ..scripts.output import Rows, progress
 
-SUIT, MOTIONS = "mock-suit", 10
+SUIT, MOTIONS = "mock-suit", 20
 SETTINGS = (
     *(("ArmTracking", "earth"), ("ArmTracking", "microgravity")),
     *(("ReachPanel", "moon"), ("ObjectRelocation", "moon"), ("RangeOfMotion", "earth")),
