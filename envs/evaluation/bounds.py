@@ -3,12 +3,14 @@
 What a guided wearer and the motors give together is what the motion takes, and becomes the motors'
 plan: within their peaks, rationed where their heat would bind, their lag inverted. Then, pass by
 pass, adapted wearers move under the plan, and what they still give is added to it, until that
-falls by less than 1 %. The pass of the least effort counts, motion by motion. It is a bound in
-practice; no theorem.
+falls by less than 1 %. The pass of the least effort counts, motion by motion. Where the plan is
+better earlier or later, as before a blow that throws the arm back, what the wearers give does not
+say where to go: there, plans that are shifted in time, smoothed, scaled and bent are tried too. It
+is a bound in practice; no theorem.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -24,6 +26,11 @@ from .wearers import ArmLost, Wearers, smoothed
 GUIDED = 3  # passes under guided wearers
 PASSES = 8  # greatest number of passes under adapted wearers
 GAIN = 0.01  # share of the wearers' torque that another pass must take over
+SOONER = (-2, 2)  # control periods, shifts of a plan that show whether a search pays
+SHIFTS, SMOOTHINGS, SCALES = (-8, -4, -2, -1, 1, 2, 4, 8), (2, 4, 8), (0.9, 1.1)
+BENDS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005)  # root mean squares of bumps, over the plan's
+BEND_WIDTHS = (10, 80)  # control periods
+ROUNDS, LITTLE = 6, 0.002  # of the search: the most, and the share of effort below which it ends
 COOLNESS = 0.999  # share of the heat limit that a plan may use: the protection does not act
 BOUNDS = ("clairvoyant-suit", "best-known-plan")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
@@ -34,7 +41,6 @@ def clairvoyant(
     seeds: Sequence[int],
     *,
     suit_only: bool = False,
-    passes: int = PASSES,
     on_pass: Callable[[Array], None] = lambda _: None,
 ) -> Planned:
     """Returns the plan of one who knows the true model and each motion as a whole.
@@ -43,9 +49,8 @@ def clairvoyant(
         wearers: Wearers under whom the motions are planned.
         seeds: Seeds of the motions.
         suit_only: Whether to cancel the suit's torque alone.
-        passes: Greatest number of passes under adapted wearers.
-        on_pass: Function that is called after each of these with the least effort of each motion so
-            far, shape (motions,).
+        on_pass: Function that is called after each pass, and after each round of the search, with
+            the least effort of each motion so far, shape (motions,).
     """
     planner = _Planner(wearers)
     samples, assisted = planner.samples, planner.assisted
@@ -63,27 +68,96 @@ def clairvoyant(
         commands = planner.commands(wanted)
     if suit_only:
         return Planned(commands)
-    best, least, left = commands.copy(), np.full(len(seeds), np.inf), np.inf
-    for _ in range(passes):
-        try:
-            traces = wearers.adapted(partial(Planned, commands), seeds)
-        except ArmLost:
+    best, left = _Best(wearers, seeds, commands), np.inf
+    for _ in range(PASSES):
+        traces = best.tried(commands)
+        if not traces:
             break
-        effort = np.array([_effort(trace) for trace in traces])
-        better = effort < least
-        best[better], least = commands[better], np.minimum(least, effort)
-        on_pass(least)
+        on_pass(best.effort)
         given = smoothed([trace.human_torque for trace in traces], samples)[..., assisted]
         before, left = left, min(left, root_mean_square(given))
         if left > (1 - GAIN) * before:
             break
         wanted = planner.given(wanted) + given
         commands = planner.commands(wanted)
-    return Planned(best)
+    _search(best, on_pass)
+    return Planned(best.commands)
 
 
-def _effort(trace: Trace) -> float:
-    return np.inf if trace.terminated else root_mean_square(trace.effort)
+class _Best:
+    """The plans of the least effort so far, motion by motion.
+
+    Attributes:
+        commands: Torque of the motors over their peaks, shape (motions, periods, 2).
+        effort: Effort of adapted wearers over strength, shape (motions,); infinite before a try.
+    """
+
+    def __init__(self, wearers: Wearers, seeds: Sequence[int], commands: Array) -> None:
+        self.commands, self.effort = commands.copy(), np.full(len(seeds), np.inf)
+        self._wearers, self._seeds = wearers, seeds
+
+    def tried(self, commands: Array) -> list[Trace]:
+        """Returns the motions under other plans, none if an arm is lost; keeps better plans."""
+        try:
+            traces = self._wearers.adapted(partial(Planned, commands), self._seeds)
+        except ArmLost:
+            return []
+        effort = np.array(
+            [np.inf if one.terminated else root_mean_square(one.effort) for one in traces]
+        )
+        better = effort < self.effort
+        self.commands[better] = commands[better]
+        self.effort = np.minimum(self.effort, effort)
+        return traces
+
+
+def _search(best: _Best, on_pass: Callable[[Array], None]) -> None:
+    """Tries changes of the best plans, in rounds, as long as a round takes off enough effort."""
+    rng = np.random.default_rng(0)
+    for changes, least in ((_sooner_or_later, GAIN), *[(_changes, LITTLE)] * ROUNDS):
+        before = best.effort.mean()
+        for change in changes(rng):
+            best.tried(np.clip(change(best.commands), -1, 1))
+        on_pass(best.effort)
+        if not best.effort.mean() < (1 - least) * before:
+            break
+
+
+def _sooner_or_later(_: np.random.Generator) -> Iterator[Callable[[Array], Array]]:
+    for by in SOONER:
+        yield partial(_shifted, by=by)
+
+
+def _changes(rng: np.random.Generator) -> Iterator[Callable[[Array], Array]]:
+    """Yields changes of plans of shape (motions, periods, 2), from coarse to fine."""
+    from scipy.ndimage import gaussian_filter1d  # slow to import
+
+    for by in SHIFTS:
+        yield partial(_shifted, by=by)
+    for width in SMOOTHINGS:
+        yield partial(gaussian_filter1d, sigma=width, axis=1, mode="nearest")
+    for scale in SCALES:
+        for column in range(len(ASSISTED)):
+            factor = np.ones(len(ASSISTED))
+            factor[column] = scale
+            yield partial(np.multiply, factor)
+    for size in BENDS:
+        yield partial(_bent, size=size, rng=rng)
+
+
+def _shifted(commands: Array, by: int) -> Array:
+    """Returns plans some control periods later, or earlier where `by` is negative."""
+    at = np.clip(np.arange(commands.shape[1]) - by, 0, commands.shape[1] - 1)
+    return commands[:, at]
+
+
+def _bent(commands: Array, size: float, rng: np.random.Generator) -> Array:
+    """Returns plans with smooth random bumps, of a size over that of the plan."""
+    from scipy.ndimage import gaussian_filter1d  # slow to import
+
+    width = rng.uniform(*BEND_WIDTHS)
+    bumps = gaussian_filter1d(rng.normal(size=commands.shape), width, axis=1, mode="nearest")
+    return commands + size * root_mean_square(commands) / root_mean_square(bumps) * bumps
 
 
 class _Planner:

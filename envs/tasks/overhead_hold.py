@@ -1,4 +1,4 @@
-"""Work above the head: a tool is kept in place for two minutes, and the muscles tire."""
+"""Work above the head: a tool is kept still at place after place, and the muscles tire."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -6,22 +6,22 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from ...assets import JOINTS
 from ..model.config import HEAVIEST_PAYLOAD
 from ..model.workplace import draw, grip, holder
 from ..provenance import setting
 from ..simulation.kinematics import Arm
 from ..simulation.plan import Plan
-from .motions import posture
+from .motions import between, posture, through
 from .task import SUSTAINED, Task
 
-RAISED = posture(1.2, 1.2)
-SPREAD = 0.02  # [rad], spread of the postures
+SHOULDER = ((0.85, 0.95), (1.1, 1.2))  # [rad], of lower and of higher places, in turn
+ELBOW = (1.1, 1.3)  # rad
+HOLD, MOVE, SETTLING = 6.0, 1.5, 0.5  # s, at a place, to the next one, and before the hand counts
 
 
 @dataclass(frozen=True, kw_only=True)
 class OverheadHold(Task):
-    """The raised arm holds a tool still.
+    """The raised arm holds a tool still for six seconds, at one place after the other.
 
     Attributes:
         load: Mass of the tool [kg].
@@ -46,19 +46,19 @@ class OverheadHold(Task):
         )
 
     def plan(self, rng: np.random.Generator, samples: int, dt: float, arm: Arm) -> Plan:
-        """Returns a constant posture; the hand is watched all the time."""
-        del dt, arm
-        raised = RAISED + np.array([0, *rng.uniform(-SPREAD, SPREAD, 2), 0])
-        angle = np.tile(raised, (samples, 1))
-        still = np.zeros((samples, len(JOINTS)))
+        """Returns a lower and a higher place in turn; the hand is watched at each."""
+        del arm
+        period, stops, windows = HOLD + MOVE, [], []
+        for i in range(int(samples * dt / period) + 2):
+            place = posture(rng.uniform(*SHOULDER[i % 2]), rng.uniform(*ELBOW))
+            stops += [(i * period, place), (i * period + HOLD, place)]
+            windows.append((i * period + SETTLING * (i > 0), i * period + HOLD))
         return Plan(
-            (angle, still, still.copy()),
+            through(stops, samples, dt),
             mass=np.full(samples, self.load),
-            watched=np.ones(samples, np.bool_),
+            watched=between(windows, samples, dt),
         )
 
 
-OVERHEAD_HOLD = OverheadHold(
-    name="OverheadHold", duration=120.0, effort=SUSTAINED, tracking=0.1, hand_error=0.03
-)
-"""A tool of 1 kg, kept within 3 cm for 120 s by muscles that tire."""
+OVERHEAD_HOLD = OverheadHold(name="OverheadHold", duration=120.0, effort=SUSTAINED, hand_error=0.03)
+"""A tool of 1 kg, kept within 3 cm at each place, for 120 s, by muscles that tire."""
