@@ -4,11 +4,21 @@ A test looks for each in its page; where it is missing, the result has changed, 
 must follow.
 """
 
+import math
 from collections.abc import Callable, Iterator
+from itertools import chain
+from typing import Any
 
+import numpy as np
+
+from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from .measure import kept
 from .results import WEIGHTLESS, interval, relief_at, scores, settings, standing, standings
+
+AIMED = ("ReachPanel", "ObjectRelocation")
+LOADED = ("ObjectRelocation", "Ratchet")
+REPEATED = ("Ratchet", "Handrail", "Scoop")
 
 
 def _controllers() -> Iterator[str]:
@@ -49,6 +59,87 @@ def _benchmark() -> Iterator[str]:
     adaptive = standing("adaptive", "shift").compared
     if adaptive is not None:
         yield f"in {100 * adaptive[0]:.0f} % of the motions, and less in {100 * adaptive[2]:.0f} %"
+    usual, sees = (
+        [_success(task, "nominal", suit, policy) for task in AIMED for suit in BELIEVED]
+        for policy in ("compensation", "impedance")
+    )
+    yield f"succeeds in {min(usual):.0f} to {max(usual):.0f} % of these motions at nominal"
+    yield f"sees the intention, in {min(sees):.0f} to {max(sees):.0f} %"
+    harm, less = (
+        " and ".join(_relief(task, "randomized", "mock-suit", policy) for task in LOADED)
+        for policy in ("disturbance-observer", "observer")
+    )
+    yield f"(relief {harm} in the mock suit at randomized), and so does `observer` ({less})"
+    learned, fixed = (
+        "{}, {} and {}".format(*(_relief(task, "nominal", "emu-like", one) for task in REPEATED))
+        for one in ("iterative", "compensation")
+    )
+    yield f"`iterative` gives back {learned} where compensation gives {fixed}"
+    gains = [one["gain"] for one in kept("bound")["result"]["attacks"] if one["gain"] is not None]
+    yield f"The largest gain is {max(gains):.3f}"
+
+
+def _knowledge() -> Iterator[str]:
+    found = kept("knowledge")["result"]["settings"]
+    strong = [one for one in found if one["suit"].startswith("emu-like")]
+    gains = [one["beliefs"]["true model"]["gain"]["value"] for one in strong]
+    yield f"the true model has {min(gains):.2f} to {max(gains):.2f} more relief"
+
+    def behind(belief: str, of_preisach: bool) -> list[float]:
+        return [
+            _mean(one, "true model") - _mean(one, belief)
+            for one in strong
+            if one["suit"].endswith("preisach") == of_preisach
+        ]
+
+    yield f"comes within {_within(behind('Dahl', of_preisach=False))} of the true model"
+    less = behind("Dahl", of_preisach=True)
+    yield f"it keeps {min(less):.2f} to {max(less):.2f} less"
+    near = _within(behind("Preisach", of_preisach=True))
+    yield f"only the belief of Preisach comes within {near}"
+    weak = [one for one in found if one["suit"].startswith("mock-suit")]
+    pays = [
+        f"{one['beliefs']['true model']['gain']['value']:.2f}"
+        for one in weak
+        if one["task"] == "TransitionCurves"
+    ]
+    yield f"({' and '.join(pays)} with the true model)"
+
+
+def _within(differences: list[float]) -> str:
+    """Returns a hundredth that no difference exceeds."""
+    return f"{math.ceil(100 * max(map(abs, differences))) / 100:.2f}"
+
+
+def _mean(found: dict[str, Any], belief: str) -> float:
+    return found["beliefs"][belief]["mean_relief"]["value"]
+
+
+def _success(task: str, level: str, suit: str, policy: str) -> float:
+    """Returns the share of motions that succeed [%]."""
+    found = standings().of(Setting(task, level, suit), policy)
+    return np.nan if found is None else 100 * float(np.mean(found.success))
+
+
+def _relief(task: str, level: str, suit: str, policy: str) -> str:
+    found = standings().relief(Setting(task, level, suit), policy)
+    return "-" if found is None else f"{found.mean():.2f}"
+
+
+def _tasks() -> Iterator[str]:
+    failed = [
+        f"{100 - _success('ReachPanel', level, 'emu-like', 'best-known-plan'):.0f}"
+        for level in standings().levels
+    ]
+    yield "It fails `ReachPanel` in {}, {} and {} % of the motions".format(*failed)
+    beyond = 100 - _success("Hammer", "randomized", "emu-like", "unsuited")
+    yield f"are beyond the wearer even unsuited in {beyond:.0f} % of the motions"
+
+
+def _model() -> Iterator[str]:
+    cases = [one for one in kept("sensitivity")["result"]["cases"] if one["change"] != "nominal"]
+    turned = sum("observer relieves more than compensation" in one["flipped"] for one in cases)
+    yield f"{turned} of {len(cases)} changes turn their order"
 
 
 def _environments() -> Iterator[str]:
@@ -68,7 +159,9 @@ def _environments() -> Iterator[str]:
 
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "controllers.md": _controllers,
-    "benchmark.md": _benchmark,
+    "benchmark.md": lambda: chain(_benchmark(), _knowledge()),
+    "tasks.md": _tasks,
+    "model.md": _model,
     "environments.md": _environments,
 }
 """Parts of sentences by the page that has them."""
