@@ -27,10 +27,10 @@ GUIDED = 3  # passes under guided wearers
 PASSES = 8  # greatest number of passes under adapted wearers
 GAIN = 0.01  # share of the wearers' torque that another pass must take over
 SOONER = (-2, 2)  # control periods, shifts of a plan that show whether a search pays
-SHIFTS, SMOOTHINGS, SCALES = (-8, -4, -2, -1, 1, 2, 4, 8), (2, 4, 8), (0.9, 1.1)
-BENDS = (0.1, 0.05, 0.03, 0.02, 0.01, 0.005)  # root mean squares of bumps, over the plan's
+SHIFTS, SMOOTHINGS, SCALES = (-4, -2, -1, 1, 2), (4,), (0.9, 1.1)
+BENDS = (0.05, 0.02, 0.01, 0.005)  # root mean squares of bumps, over the plan's
 BEND_WIDTHS = (10, 80)  # control periods
-ROUNDS, LITTLE = 6, 0.002  # of the search: the most, and the share of effort below which it ends
+ROUNDS, LITTLE = 3, 0.002  # of the search: the most, and the share of effort below which it ends
 COOLNESS = 0.999  # share of the heat limit that a plan may use: the protection does not act
 BOUNDS = ("clairvoyant-suit", "best-known-plan")
 """One that cancels the suit's torque alone, and one that takes over all it can."""
