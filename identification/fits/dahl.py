@@ -13,7 +13,7 @@ from .projection import BesidePolynomial, search_shapes
 from .search import Evaluation
 
 YIELD = (0.003, 10.0)  # search box: friction / stiffness over the span of the angles
-SCREENED = 16
+SCREENED = 8
 
 
 def fit_dahl(
