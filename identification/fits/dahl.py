@@ -57,7 +57,7 @@ def fit_duhem(
     """Fits a friction whose ways up and down are unlike, as `fit_dahl` with two yield angles.
 
     Args:
-        curves: See `fit_dahl`.
+        curves: First-order curves, as `fit_dahl` takes them.
         rng: Seed or generator of the Sobol scrambling.
         degree: Degree of the spring, 1 to 5.
         budget: Largest number of evaluations of the model on all curves.

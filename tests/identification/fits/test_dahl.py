@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.honesty import truths
 from activesuit.errors import InputError
 from activesuit.hysteresis import Dahl, Duhem
 from activesuit.identification import Certified, Curve, fit_dahl, fit_duhem, identify
-from activesuit.identification.fits.registry import FITS
+from activesuit.identification.fits.registry import FITS, fit_model
+from activesuit.identification.prediction import torque_errors
 from helpers import sweep
 
 START, TURNS, UNSEEN = 0.52, (0.87, 1.22, 1.57), (0.75, 1.05, 1.4)
@@ -62,6 +64,22 @@ def test_unseen_curves_are_predicted_under_noise(name):
         certificate = fit.model.certificate()
         assert certificate.certified
         assert certificate.dissipative
+
+
+def test_random_joints_with_unlike_ways_are_described_to_the_noise():
+    """Those of `bench honesty`, beside fits of the other models with one state."""
+    left = {name: [] for name in ("duhem", "dahl", "bouc-wen", "jiles-atherton")}
+    for seed in range(12):
+        rng = np.random.default_rng([7, seed])
+        truth = truths.duhem(rng)
+        curves = truths.measured(truth, (0.0, 1.0), rng)
+        noise = np.concatenate([one.torque - truth.torque(one.angle) for one in curves])
+        for name, errors in left.items():
+            found = fit_model(name, curves, np.random.default_rng(0))
+            error = torque_errors(found.model, found.initial_torque, curves)
+            errors.append(np.linalg.norm(error) / np.linalg.norm(noise))
+    assert max(left.pop("duhem")) < 1.0
+    assert min(np.median(errors) for errors in left.values()) > 1.2
 
 
 @NAMES
