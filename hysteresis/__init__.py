@@ -8,6 +8,7 @@ from .around import Asymmetric, Backlash, Clipped, Viscoelastic
 from .bouc_wen import BoucWen
 from .certificate import Certificate, PoleError, UncertifiedModelError
 from .config import ConfigKey
+from .dahl import Dahl, Duhem
 from .hinged_stops import HingedStops
 from .jiles_atherton import TABLE_2, JilesAtherton, nearest_certified
 from .prandtl_ishlinskii import PrandtlIshlinskii
@@ -34,6 +35,8 @@ __all__ = [
     "Certificate",
     "Clipped",
     "ConfigKey",
+    "Dahl",
+    "Duhem",
     "Energy",
     "HingedStops",
     "HysteresisModel",

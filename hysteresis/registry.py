@@ -7,6 +7,7 @@ from typing import Any
 from ..errors import InputError, shown, unknown_name
 from .around import Asymmetric, Backlash, Clipped, Viscoelastic, Wrapper
 from .bouc_wen import BoucWen
+from .dahl import Dahl, Duhem
 from .hinged_stops import HingedStops
 from .jiles_atherton import JilesAtherton
 from .prandtl_ishlinskii import PrandtlIshlinskii
@@ -21,6 +22,8 @@ MODELS: dict[str, type[HysteresisModel]] = {
         Preisach,
         PrandtlIshlinskii,
         HingedStops,
+        Dahl,
+        Duhem,
         Asymmetric,
         Clipped,
         Backlash,

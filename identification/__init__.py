@@ -13,6 +13,7 @@ from .fits.asymmetric import fit_asymmetric
 from .fits.beginning import bare
 from .fits.bouc_wen import fit_bouc_wen
 from .fits.certified import certified_fit
+from .fits.dahl import fit_dahl, fit_duhem
 from .fits.hinged_stops import fit_hinged_stops
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
@@ -67,6 +68,8 @@ __all__ = [
     "first_order_motions",
     "fit_asymmetric",
     "fit_bouc_wen",
+    "fit_dahl",
+    "fit_duhem",
     "fit_hinged_stops",
     "fit_prandtl_ishlinskii",
     "fit_preisach",

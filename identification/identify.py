@@ -56,7 +56,8 @@ def identify(
     Args:
         curves: The measurements; those with role "predict" are kept out of the fit and tested.
         model: "jiles-atherton", "asymmetric" (the same beside a polynomial), "bouc-wen",
-            "prandtl-ishlinskii", "preisach" or "hinged-stops"; `select` chooses among them.
+            "prandtl-ishlinskii", "preisach", "hinged-stops", "dahl" or "duhem"; `select` chooses
+            among them.
         method: `Certified` or `Search` with their options; or the name of a method with its usual
             ones: "certified" (ours: least squares, can only return certified models); or, for
             "jiles-atherton" only, one of those of `Search`, such as "sa-pso".

@@ -9,9 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...hysteresis import BoucWen, JilesAtherton, PrandtlIshlinskii
+from ...hysteresis import BoucWen, Dahl, Duhem, JilesAtherton, PrandtlIshlinskii
 from ...hysteresis.certificate import PoleError
-from ...hysteresis.dahl import Dahl
 from ...hysteresis.jiles_atherton.margins import margin_in_range
 from ...hysteresis.protocol import HysteresisModel
 from ...identification import Curve, first_order_motions
@@ -108,7 +107,7 @@ def dahl(rng: np.random.Generator) -> Truth:
     """Draws a Dahl friction beside an exponential spring."""
     low, high = rng.uniform(0.2, 0.6), rng.uniform(1.4, 1.9)
     stiffness, friction, rise = rng.uniform(5, 40), rng.uniform(0.2, 1.0), rng.uniform(0.5, 3)
-    model = Dahl(spring=(0.0,), stiffness=stiffness, friction=friction, start_angle=low)
+    model = Dahl(spring=(0.0,), stiffness=stiffness, friction=friction)
 
     def torque(angle: Array) -> Array:
         spring = np.expm1(rise * (angle - low)) / np.expm1(rise * (high - low))
@@ -127,16 +126,14 @@ def duhem(rng: np.random.Generator) -> Truth:
     rate = np.exp(rng.uniform(1, 3, 2))
     limit = rng.uniform(0.3, 1.0, 2) * (1, -1)
     elastic = rng.uniform(0.5, 2)
-
-    def torque(angle: Array) -> Array:
-        found, z = np.zeros(angle.size), 0.0
-        for i, way in enumerate(np.diff(angle).tolist(), 1):
-            side = 0 if way > 0 else 1
-            z = limit[side] + (z - limit[side]) * math.exp(-rate[side] * abs(way))
-            found[i] = z
-        return found + elastic * (angle - low)
-
-    return scaled(torque, low, high)
+    model = Duhem.from_limits(
+        rate_up=rate[0],
+        limit_up=limit[0],
+        rate_down=rate[1],
+        limit_down=limit[1],
+        spring=(-elastic * low, elastic),
+    )
+    return scaled(model.response, low, high)
 
 
 def pinched(rng: np.random.Generator) -> Truth:

@@ -1,10 +1,10 @@
-"""Four models along one motion with five repetitions of a small loop; draws torque over angle."""
+"""Five models along one motion with five repetitions of a small loop; draws torque over angle."""
 
 from itertools import pairwise
 
 import matplotlib.pyplot as plt
 import numpy as np
-from activesuit.hysteresis import TABLE_2, BoucWen, PrandtlIshlinskii, Preisach
+from activesuit.hysteresis import TABLE_2, BoucWen, Duhem, PrandtlIshlinskii, Preisach
 
 TURNS = (0, 1, -1, *[0.1, -0.5] * 5, 1, -1)
 PER_BRANCH = 100
@@ -17,6 +17,7 @@ DENSITY = [
 MODELS = {
     "Jiles-Atherton": TABLE_2["elbow-sa-pso"],
     "Bouc-Wen": BoucWen(elastic=1.5, hysteretic=12, beta=5, gamma=-1, n=1.5),
+    "Duhem": Duhem(spring=(0.0, 1.0, 0.0, 2.0), stiffness=14, friction_up=3.5, friction_down=2),
     "Preisach": Preisach(
         levels=np.linspace(-1, 1, 21), density=DENSITY, elastic=np.linspace(9, 18, 20)
     ),
@@ -29,7 +30,7 @@ branches = [np.linspace(a, b, PER_BRANCH, endpoint=False) for a, b in pairwise(T
 angle = np.concatenate(branches)
 
 plt.style.use("seaborn-v0_8-whitegrid")
-figure, axes = plt.subplots(1, 4, figsize=(12, 3.4), layout="constrained", sharey=True)
+figure, axes = plt.subplots(1, 5, figsize=(14, 3.4), layout="constrained", sharey=True)
 for axis, (name, model) in zip(axes, MODELS.items(), strict=True):
     torque = model.response(angle)
     axis.plot(angle, torque, color="#8a94a6", linewidth=1.4)

@@ -4,14 +4,13 @@
 `Backlash` adds play, and `Viscoelastic` adds a torque that depends on the rate.
 """
 
-from .asymmetric import LARGEST_DEGREE, Asymmetric, sprung
+from .asymmetric import Asymmetric, sprung
 from .backlash import Backlash
 from .clipped import Clipped
 from .viscoelastic import Viscoelastic, without_rate
 from .wrapper import Wrapper
 
 __all__ = [
-    "LARGEST_DEGREE",
     "Asymmetric",
     "Backlash",
     "Clipped",

@@ -9,14 +9,13 @@ from numpy.polynomial import polynomial as poly
 from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ...checks import number, numbers, scales
+from ...checks import number, scales
 from ...errors import InputError, shown
 from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..polynomial import UNIT, coefficients, extremes, rescaled
 from ..protocol import Energy, HysteresisModel, Numbers, State, finite_series
 from .clipped import Clipped
 from .wrapper import Wrapper
-
-LARGEST_DEGREE = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,13 +44,7 @@ class Asymmetric(Wrapper):
             raise InputError(
                 f"model is {shown(self.model)}: give one hysteresis model, bare or `Clipped`"
             )
-        coefficients = numbers("polynomial", self.polynomial, "N·m/rad^i")
-        if len(coefficients) > LARGEST_DEGREE + 1:
-            raise InputError(
-                f"polynomial has {len(coefficients)} coefficients: give at most "
-                f"{LARGEST_DEGREE + 1}, of theta^0 to theta^{LARGEST_DEGREE}"
-            )
-        object.__setattr__(self, "polynomial", coefficients)
+        object.__setattr__(self, "polynomial", coefficients("polynomial", self.polynomial))
 
     def elastic(self, angle: ArrayLike) -> Array:
         """Returns the torque [N·m] of the polynomial at angles [rad]."""
@@ -107,17 +100,8 @@ class Asymmetric(Wrapper):
         """
         low, high = checked_range(angle_range)
         inner = self.model.certificate((low, high))
-        return replace(inner, torque_bound=inner.torque_bound + self._largest(low, high))
-
-    def _largest(self, low: float, high: float) -> float:
-        """Returns the largest |polynomial| [N·m] in a range of angles [rad]."""
-        if not any(self.polynomial[1:]):
-            return abs(self.polynomial[0])
-        if not np.isfinite(high - low):
-            return float("inf")
-        turns = poly.polyroots(poly.polyder(np.trim_zeros(self.polynomial, "b")))
-        inside = [x.real for x in turns if abs(x.imag) < 1e-9 and low < x.real < high]
-        return float(np.abs(self.elastic([low, high, *inside])).max())
+        largest = max(map(abs, extremes(self.polynomial, low, high)))
+        return replace(inner, torque_bound=inner.torque_bound + largest)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Asymmetric":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
@@ -126,9 +110,9 @@ class Asymmetric(Wrapper):
             InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
-        coefficients = [p * torque / angle**i for i, p in enumerate(self.polynomial)]
         return Asymmetric(
-            model=self.model.scaled(torque=torque, angle=angle), polynomial=coefficients
+            model=self.model.scaled(torque=torque, angle=angle),
+            polynomial=rescaled(self.polynomial, torque, angle),
         )
 
     @property
@@ -139,7 +123,7 @@ class Asymmetric(Wrapper):
     @property
     def units(self) -> dict[str, str]:
         """Units of the parameters, by name; a pure number has no entry."""
-        return {"polynomial": "N·m/rad^i"}
+        return {"polynomial": UNIT}
 
     def to_dict(self) -> dict[str, Any]:
         """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from ..polynomial_kernels import value_of
+
 GAP, END, SIZE = range(3)
 ZERO = 1e-9  # N·m, largest torque that counts as none
 OPEN = ZERO / 10  # torque at the root where contact opens, so small that it counts as none
@@ -34,15 +36,6 @@ def within(limits, angle):
     if limits.size == 0 or math.isnan(angle):
         return angle
     return min(max(angle, limits[0]), limits[1])
-
-
-@njit
-def value_of(polynomial, angle):
-    """Returns the elastic torque of the polynomial."""
-    value = 0.0
-    for power in range(polynomial.size - 1, -1, -1):
-        value = value * angle + polynomial[power]
-    return value
 
 
 @njit

@@ -21,6 +21,8 @@ Python, with `attach`, or from MJCF:
     activesuit.prandtl_ishlinskii   stiffness rest_angle* thresholds weights
     activesuit.hinged_stops         stiffness rest_angle* thresholds weights knots slopes offset*
     activesuit.preisach             levels density elastic*
+    activesuit.dahl                 spring stiffness friction
+    activesuit.duhem                spring stiffness friction_up friction_down
 
 Each plugin also has the keys `joint`, `start_angle`*, `start_torque`*, `start_path`* (angles that
 the memory goes through before the first step), `polynomial`* (coefficients of an elastic torque),

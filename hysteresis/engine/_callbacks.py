@@ -19,8 +19,9 @@ from numba import njit
 
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ..around.backlash_kernels import value_of, within
-from ._configuration import configure, connect, required_size, slope_of
+from ..around.backlash_kernels import within
+from ..polynomial_kernels import slope_of, value_of
+from ._configuration import configure, connect, required_size
 from ._faults import FINE, JOINT, POLE, complain_of
 from ._layout import Layout
 from ._state import (

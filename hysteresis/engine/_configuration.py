@@ -14,7 +14,7 @@ from numba import njit
 from ...kernels import inner
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ..around.backlash_kernels import value_of
+from ..polynomial_kernels import value_of
 from ._faults import (
     ABOVE_0,
     ALLOW,
@@ -308,12 +308,3 @@ def start(kernels, m, instance, joint, memory, p, polynomial, limits, play, at):
         if turn != memory[0] and math.isnan(kernels.commit(p, memory, turn)):
             return NO_PATH, START_PATH
     return FINE, JOINT
-
-
-@inner(cache=False)
-def slope_of(polynomial, angle):
-    """Returns the derivative of the polynomial with respect to the angle."""
-    slope = 0.0
-    for power in range(polynomial.size - 1, 0, -1):
-        slope = slope * angle + power * polynomial[power]
-    return slope

@@ -5,6 +5,7 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
+from .. import polynomial_kernels
 from ..around import Wrapper, backlash_kernels, viscoelastic_kernels
 from ..protocol import HysteresisModel
 from ..registry import MODELS
@@ -56,7 +57,8 @@ def _stamp(kernels: ModuleType) -> int:
     """
     own = Path(str(kernels.__file__)).parent.glob("*.py")
     engine = Path(__file__).parent.rglob("*.py")
-    around = [Path(str(module.__file__)) for module in (backlash_kernels, viscoelastic_kernels)]
+    shared = (backlash_kernels, viscoelastic_kernels, polynomial_kernels)
+    around = [Path(str(module.__file__)) for module in shared]
     files = [*sorted(own), *sorted(engine), *around]
     stats = [(path.name, path.stat().st_mtime_ns, path.stat().st_size) for path in files]
     return zlib.crc32(repr(stats).encode())

@@ -6,12 +6,13 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
-from ...hysteresis.around.asymmetric import LARGEST_DEGREE, Asymmetric
+from ...hysteresis.around.asymmetric import Asymmetric
 from ...hysteresis.around.clipped import Clipped
 from ...hysteresis.jiles_atherton import coordinates, kernels
 from ...hysteresis.jiles_atherton.langevin import langevin
 from ...hysteresis.jiles_atherton.margins import margin_everywhere, margin_in_range
 from ...hysteresis.jiles_atherton.model import JilesAtherton
+from ...hysteresis.polynomial import LARGEST_DEGREE
 from ..curves import Curve
 from .certified import shape_box
 from .projection import BesidePolynomial, search_shapes

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial import Polynomial
+from scipy.optimize import nnls
 
 from ...arrays import Array
 from ...checks import at_least
@@ -51,6 +52,11 @@ class BesidePolynomial:
         shape = self._without(shape)
         power = max(float(shape @ shape), np.finfo(float).tiny)
         return max(float(shape @ self._rest) / power, LEAST_SCALE)
+
+    def weights(self, shapes: Array) -> Array:
+        """Returns the weights above 0 with which shapes (samples, n) fit best together, (n,)."""
+        found, _ = nnls(self._without(shapes), self._rest)
+        return np.maximum(found, LEAST_SCALE)
 
     def residual(self, shape: Array) -> Array:
         """Returns (Tc - Tm) / max|Tm| with the best scale and polynomial, shape (samples,)."""

@@ -16,6 +16,7 @@ import numpy as np
 from ...errors import InputError
 from ...hysteresis.around.asymmetric import Asymmetric
 from ...hysteresis.bouc_wen.model import BoucWen
+from ...hysteresis.dahl.model import Dahl, Duhem
 from ...hysteresis.hinged_stops.model import HingedStops
 from ...hysteresis.jiles_atherton.model import JilesAtherton
 from ...hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
@@ -28,6 +29,7 @@ from .asymmetric import fit_asymmetric
 from .beginning import common_torque
 from .bouc_wen import fit_bouc_wen
 from .certified import certified_fit
+from .dahl import fit_dahl, fit_duhem
 from .hinged_stops import fit_hinged_stops
 from .linear import fit_prandtl_ishlinskii, fit_preisach
 from .play import Play, fit_behind_play
@@ -69,6 +71,8 @@ FITS: dict[str, FitFunction] = {
     PrandtlIshlinskii.name: fit_prandtl_ishlinskii,
     Preisach.name: fit_preisach,
     HingedStops.name: fit_hinged_stops,
+    Dahl.name: fit_dahl,
+    Duhem.name: fit_duhem,
 }
 
 

@@ -16,7 +16,6 @@ from ...envs.model import ASSISTED
 from ...envs.rig import Record, RigConfig, run_rig
 from ...errors import unknown_name
 from ...hysteresis.branches import spring, spring_with_friction, two_branches
-from ...hysteresis.dahl import fit_dahl
 from ...identification import Curve, Curves, Search, identify
 from ...identification.fits.registry import FITS
 from ..options import Force, Json, Seed, choice, gravity_option
@@ -37,6 +36,7 @@ WITHOUT_MEMORY = {
     "map of angle and direction": partial(two_branches, degree=7),
 }
 WITH_MEMORY = {
+    "Dahl": {"model": "dahl"},
     "Prandtl-Ishlinskii": {"model": "prandtl-ishlinskii"},
     "Preisach": {"model": "preisach"},
     "Bouc-Wen": {"model": "bouc-wen"},
@@ -154,7 +154,7 @@ def _beliefs(suit: Suit, seed: int) -> dict[str, dict[str, JointBelief]]:
     """Returns beliefs by name and joint, fitted to a record from the rig."""
     records = _records(suit, seed)
     found: dict[str, dict[str, JointBelief]] = {NONE: {}}
-    for name, fit in {**WITHOUT_MEMORY, "Dahl": fit_dahl}.items():
+    for name, fit in WITHOUT_MEMORY.items():
         found[name] = {
             joint: fit(one.angle[::THINNED], one.torque[::THINNED])
             for joint, one in records.items()

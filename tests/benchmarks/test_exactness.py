@@ -20,6 +20,8 @@ WRONG = {
     "prandtl-ishlinskii stops": {"weights": [6, 4, 2.0001]},
     "prandtl-ishlinskii plays": {"thresholds": [0.05, 0.2001, 0.7]},
     "hinged stops": {"slopes": (0.4, 1, 0.3, 1.6001)},
+    "dahl": {"friction": 1.5001},
+    "duhem": {"friction_down": 0.6001},
     "elbow-sa-pso in a range": {"angle_range": (0.7001, 1.3)},
     "asymmetric, elbow-sa-pso": {"polynomial": [0.3, -0.5, 0.8001]},
 }

@@ -12,6 +12,7 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Clipped,
+    Duhem,
     HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
@@ -188,7 +189,7 @@ positive = st.floats(-1, 1).map(lambda e: 10**e)
 @st.composite
 def dissipative_models(draw):
     """A certified, dissipative model of any kind."""
-    kind = draw(st.integers(0, 4))
+    kind = draw(st.integers(0, 5))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     if kind == 0:
         Ms, a, c = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-1, 3.7), 1 + 10 ** rng.uniform(-2, 1)
@@ -205,6 +206,10 @@ def dissipative_models(draw):
         levels = np.cumsum(rng.uniform(0.05, 0.5, size + 1)) - 1
         density = [rng.uniform(0, 1, i + 1).tolist() for i in range(size)]
         model = Preisach(levels=levels, density=density, elastic=rng.uniform(-1, 3, size))
+    elif kind == 5:
+        stiffness, up, down = 10 ** rng.uniform(-1, 1, 3)
+        spring = np.append(0.0, rng.normal(size=rng.integers(0, 4)))
+        model = Duhem(spring=spring, stiffness=stiffness, friction_up=up, friction_down=down)
     else:
         size, hinges = int(rng.integers(1, 9)), int(rng.integers(1, 7))
         thresholds, weights = np.cumsum(rng.uniform(0.01, 0.5, size)), rng.uniform(0, 5, size)

@@ -8,6 +8,8 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Clipped,
+    Dahl,
+    Duhem,
     HingedStops,
     JilesAtherton,
     PoleError,
@@ -31,6 +33,8 @@ MODELS = [
         slopes=[1, 0.3, 2],
     ),
     Preisach(levels=[0.1, 0.7, 1.5], density=[[0.2], [0.1, 0.3]], elastic=[1.0, 2.0]),
+    Dahl(spring=[0.1, 3.0, -0.5, 1.0], stiffness=9, friction=1.5),
+    Duhem(spring=[0.1, 3.0], stiffness=9, friction_up=1.5, friction_down=0.8),
     Clipped(model=ELBOW, angle_range=(0.4, 1.2)),
     Asymmetric(model=Clipped(model=ELBOW, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
 ]

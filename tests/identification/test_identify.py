@@ -168,7 +168,16 @@ def test_bad_methods():
 
 @pytest.mark.parametrize(
     "model",
-    ["jiles-atherton", "asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach"],
+    [
+        "jiles-atherton",
+        "asymmetric",
+        "bouc-wen",
+        "hinged-stops",
+        "prandtl-ishlinskii",
+        "preisach",
+        "dahl",
+        "duhem",
+    ],
 )
 def test_every_model_is_identified_safely(small_family, model):
     loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]

@@ -20,6 +20,8 @@ NAMES = {
     "jiles-atherton",
     "asymmetric",
     "bouc-wen",
+    "dahl",
+    "duhem",
     "hinged-stops",
     "prandtl-ishlinskii",
     "preisach",
@@ -121,6 +123,8 @@ def test_the_choice_follows_its_rule_and_says_so(truths):
     assert parameters == {
         "jiles-atherton": 5,
         "bouc-wen": 6,
+        "dahl": 6,
+        "duhem": 7,
         "asymmetric": 9,
         "prandtl-ishlinskii": 22,
         "hinged-stops": 23,
@@ -158,7 +162,7 @@ def test_a_candidate_that_fails_is_listed(truths, monkeypatch):
     assert (last.name, last.reason, last.model) == ("bouc-wen", "nothing fits: measure again", None)
     for name in NAMES:
         monkeypatch.setitem(FITS, name, unusable)
-    with pytest.raises(InputError, match=r"no model could be fitted .*preisach: nothing fits"):
+    with pytest.raises(InputError, match=r"no model could be fitted .*duhem: nothing fits"):
         select(curves)
 
 

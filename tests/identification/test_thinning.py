@@ -93,7 +93,8 @@ def test_a_direct_fit_refuses_what_memory_does_not_hold(elbow):
 
 
 @pytest.mark.parametrize(
-    "model", ["jiles-atherton", "preisach", "prandtl-ishlinskii", "hinged-stops", "bouc-wen"]
+    "model",
+    ["jiles-atherton", "preisach", "prandtl-ishlinskii", "hinged-stops", "bouc-wen", "duhem"],
 )
 def test_torques_too_small_for_their_squares(elbow, model):
     angle = sweep(0.52, 1.5, 0.52)

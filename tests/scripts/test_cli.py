@@ -412,6 +412,8 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
         "hinged-stops",
         "prandtl-ishlinskii",
         "preisach",
+        "dahl",
+        "duhem",
         "clipped",
     ],
 )

@@ -9,6 +9,7 @@ from activesuit.hysteresis import (
     Backlash,
     BoucWen,
     Clipped,
+    Duhem,
     HingedStops,
     PrandtlIshlinskii,
     Viscoelastic,
@@ -42,6 +43,7 @@ def rising(elbow):
         BoucWen(elastic=0.2, hysteretic=4.0, beta=6.0, gamma=2.0, n=1.5),
         PrandtlIshlinskii(**stops),
         HingedStops(**stops, knots=(-0.5, 0.5), slopes=(1.0, 0.2, 2.0)),
+        Duhem(spring=(-0.4, 0.6, 0.2), stiffness=9.0, friction_up=1.5, friction_down=2.5),
     )
 
 

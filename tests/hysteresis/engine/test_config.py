@@ -6,6 +6,8 @@ import pytest
 from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
+    Dahl,
+    Duhem,
     HingedStops,
     JilesAtherton,
     PrandtlIshlinskii,
@@ -49,6 +51,14 @@ HINGED_STOPS = {
     "slopes": "0.5 1 2",
 }
 PREISACH = {"joint": "one", "levels": "-1 0 1", "density": "0.5 0.25 0.5", "elastic": "3 4"}
+DAHL = {"joint": "one", "spring": "0.2 3 -1", "stiffness": 9, "friction": 1.5}
+DUHEM = {
+    "joint": "one",
+    "spring": "0.2 3 -1",
+    "stiffness": 9,
+    "friction_up": 1.5,
+    "friction_down": 0.8,
+}
 ONE_NUMBER = "give one number, 0 or 1e-100 to 1e100 in size"
 NUMBERS = "give numbers, 0 or 1e-100 to 1e100 in size, with blanks between them"
 GOOD = {
@@ -57,6 +67,8 @@ GOOD = {
     "prandtl_ishlinskii": PRANDTL_ISHLINSKII,
     "hinged_stops": HINGED_STOPS,
     "preisach": PREISACH,
+    "dahl": DAHL,
+    "duhem": DUHEM,
 }
 
 
@@ -83,6 +95,9 @@ def twin(name):
         return JilesAtherton(**config)
     if name == "bouc_wen":
         return BoucWen(**config)
+    if name in ("dahl", "duhem"):
+        config["spring"] = numbers(config["spring"])
+        return Dahl(**config) if name == "dahl" else Duhem(**config)
     if name in ("prandtl_ishlinskii", "hinged_stops"):
         lists = {k: numbers(v) for k, v in config.items() if k != "stiffness"}
         kind = PrandtlIshlinskii if name == "prandtl_ishlinskii" else HingedStops
@@ -209,6 +224,13 @@ def say(key, value, what):
         ("hinged_stops", {"slopes": "1 2 -3"}, "give numbers of at least 0"),
         ("hinged_stops", {"offset": "x"}, say("offset", "x", ONE_NUMBER)),
         ("hinged_stops", {"start_torque": "40"}, "cannot have start_torque at start_angle"),
+        ("dahl", {"spring": ""}, "spring is ''"),
+        ("dahl", {"spring": " 1" * 7}, "give 1 to 6 coefficients"),
+        ("dahl", {"stiffness": "0"}, say("stiffness", "0", "give a number above 0")),
+        ("dahl", {"friction": "-1"}, say("friction", "-1", "give a number above 0")),
+        ("duhem", {"friction_up": "-1"}, say("friction_up", "-1", "give a number above 0")),
+        ("duhem", {"friction_down": "0"}, say("friction_down", "0", "give a number above 0")),
+        ("duhem", {"start_torque": "9"}, "starts too far from rest"),
         ("preisach", {"levels": "0"}, say("levels", "0", "give increasing numbers")),
         ("preisach", {"levels": "0 0 1"}, say("levels", "0 0 1", "give increasing numbers")),
         ("preisach", {"levels": ""}, "levels is ''"),

@@ -11,6 +11,8 @@ from activesuit.hysteresis import (
     Asymmetric,
     BoucWen,
     Clipped,
+    Dahl,
+    Duhem,
     HingedStops,
     JilesAtherton,
     PoleError,
@@ -50,6 +52,8 @@ MODELS = {
         slopes=[0.5, 1, 1.5],
         offset=0.1,
     ),
+    "dahl": Dahl(spring=[0.1, 3.0, -0.5, 1.0], stiffness=9, friction=1.5),
+    "duhem": Duhem(spring=[0.1, 3.0], stiffness=9, friction_up=1.5, friction_down=0.8),
     "asymmetric": Asymmetric(model=ELBOW, polynomial=[0.3, -0.5, 0.8]),
     "clipped": Clipped(model=ELBOW, angle_range=(-0.4, 0.6)),
     "asymmetric in a range": Asymmetric(

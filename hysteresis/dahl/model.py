@@ -1,0 +1,218 @@
+"""Dahl's friction and the semilinear Duhem model, each beside a polynomial spring."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from types import ModuleType
+from typing import Any, ClassVar
+
+from ...arrays import Array
+from ...checks import number, scales
+from ...errors import InputError
+from ..certificate import ALL_ANGLES, Certificate, checked_range
+from ..config import ConfigKey
+from ..polynomial import UNIT, coefficients, extremes, rescaled
+from ..protocol import HysteresisModel, Numbers, read_only
+from . import kernels
+
+KEYS = (ConfigKey("spring", "list"), ConfigKey("stiffness"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Semilinear(HysteresisModel):
+    """What `Dahl` and `Duhem` share; the config keys after the first two are their frictions."""
+
+    kernels: ClassVar[ModuleType] = kernels
+
+    spring: Numbers
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "spring", coefficients("spring", self.spring))
+        for name in ("stiffness", *self._frictions):
+            unit = self.units[name]
+            value = number(name, getattr(self, name), unit)
+            if not value > 0:
+                raise InputError(f"{name} is {value}: give a number above 0 ({unit})")
+            object.__setattr__(self, name, value)
+
+    @property
+    def _frictions(self) -> dict[str, float]:
+        """The frictions by name: one, or that upwards and that downwards [N·m]."""
+        return {key.name: getattr(self, key.name) for key in self.config_keys[len(KEYS) :]}
+
+    @cached_property
+    def parameter_vector(self) -> Array:
+        """The stiffness, the frictions up and down, and the spring, as the kernels read them."""
+        up, *_, down = 2 * [*self._frictions.values()]
+        return read_only([self.stiffness, up, down, *self.spring])
+
+    @property
+    def memory_size(self) -> int:
+        """How many numbers the memory holds: angle, torque, loss and z."""
+        return kernels.MEMORY_SIZE
+
+    @property
+    def free_parameters(self) -> int:
+        """How many numbers a fit chooses, which are all."""
+        return len(self.spring) + 1 + len(self._frictions)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters, by name; a pure number has no entry."""
+        return {"spring": UNIT, "stiffness": "N·m/rad"} | dict.fromkeys(self._frictions, "N·m")
+
+    def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
+        """States what holds for every motion, whatever the parameters.
+
+        Upwards z approaches friction_up and downwards -friction_down, so that it never leaves the
+        range between them, and the stiffness is finite everywhere. The spring stores the integral
+        of p, and the friction z^2 / (2 stiffness). With dz of the class, what is left of the work
+        z dtheta is z^2 / friction_up |dtheta| upwards and z^2 / friction_down |dtheta| downwards:
+        the model dissipates, from any start. The memory bound is the smaller friction.
+
+        Raises:
+            InputError: `angle_range` is not two ascending angles.
+        """
+        low, high = checked_range(angle_range)
+        _, up, down = self.parameter_vector[: kernels.SPRING].tolist()
+        least, largest = extremes(self.spring, low, high)
+        return Certificate(
+            margin=1.0,
+            dissipative=True,
+            torque_bound=max(largest + up, down - least),
+            memory_bound=min(up, down),
+            angle_range=(low, high),
+        )
+
+    def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Semilinear":
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
+
+        Raises:
+            InputError: A scale is not finite or not above 0.
+        """
+        scales(torque=torque, angle=angle)
+        frictions: dict[str, Any] = {name: F * torque for name, F in self._frictions.items()}
+        return replace(
+            self,
+            spring=rescaled(self.spring, torque, angle),
+            stiffness=self.stiffness * torque / angle,
+            **frictions,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Returns name and parameters, ready for JSON; `model_from_dict` gives the model back."""
+        return {"model": self.name, **asdict(self), "spring": list(self.spring)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dahl(Semilinear):
+    """A polynomial spring beside Dahl's friction, which is the least memory that a joint can have.
+
+        T = p(theta) + z,    dz = stiffness (1 - sign(dtheta) z / friction) dtheta
+
+    (Dahl 1968, "A solid friction model", with the exponent 1.) With a straight spring it is a
+    Bouc-Wen model of n = 1 and gamma = 0. It stores the integral of p and z^2 / (2 stiffness), and
+    dissipates z^2 / friction |dtheta|.
+
+    Attributes:
+        spring: Coefficients of p, constant first, one to six [N·m/rad^i].
+        stiffness: Slope dz/dtheta at z = 0, > 0 [N·m/rad].
+        friction: Largest |z|, > 0 [N·m].
+
+    Raises:
+        InputError: A parameter is not finite or out of its range.
+    """
+
+    name: ClassVar[str] = "dahl"
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (*KEYS, ConfigKey("friction"))
+    least: ClassVar[Mapping[str, float]] = {"stiffness": 0.0, "friction": 0.0}
+
+    friction: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Duhem(Semilinear):
+    """A polynomial spring beside a friction whose ways up and down are unlike.
+
+        T  = p(theta) + z
+        dz = stiffness (1 - z / friction_up) dtheta       upwards
+        dz = stiffness (1 + z / friction_down) dtheta     downwards
+
+    Every semilinear Duhem model (Macki, Nistri and Zecca 1993; Padthe, Oh and Bernstein 2008) that
+    approaches a higher limit upwards than downwards, each at a rate of its own, is of this form:
+    see `from_limits`. With equal frictions it is `Dahl`.
+
+    Attributes:
+        spring: Coefficients of p, constant first, one to six [N·m/rad^i].
+        stiffness: Slope dz/dtheta at z = 0, the same on both ways, > 0 [N·m/rad].
+        friction_up: Limit of z upwards, > 0 [N·m].
+        friction_down: Limit of -z downwards, > 0 [N·m].
+
+    Raises:
+        InputError: A parameter is not finite or out of its range.
+    """
+
+    name: ClassVar[str] = "duhem"
+    config_keys: ClassVar[tuple[ConfigKey, ...]] = (
+        *KEYS,
+        ConfigKey("friction_up"),
+        ConfigKey("friction_down"),
+    )
+    least: ClassVar[Mapping[str, float]] = {
+        "stiffness": 0.0,
+        "friction_up": 0.0,
+        "friction_down": 0.0,
+    }
+
+    friction_up: float
+    friction_down: float
+
+    @classmethod
+    def from_limits(
+        cls,
+        *,
+        rate_up: float,
+        limit_up: float,
+        rate_down: float,
+        limit_down: float,
+        spring: Numbers = (0.0,),
+    ) -> "Duhem":
+        """Returns the model of a torque that approaches one limit upwards and another downwards.
+
+            T = p(theta) + y,    dy = rate_up (limit_up - y) dtheta       upwards
+                                 dy = rate_down (y - limit_down) dtheta   downwards
+
+        Upwards the slope falls with y, from a positive value at limit_down to 0 at limit_up;
+        downwards it rises from 0 to a positive value. So there is one y in between at which both
+        slopes are the same, y0 = (rate_up limit_up + rate_down limit_down) / (rate_up + rate_down).
+        With z = y - y0, and y0 as a part of the spring, that slope is the stiffness, and the limits
+        of z have opposite signs.
+
+        Args:
+            rate_up: Rate of the approach upwards, > 0 [1/rad].
+            limit_up: Limit of y upwards [N·m].
+            rate_down: Rate of the approach downwards, > 0 [1/rad].
+            limit_down: Limit of y downwards, below `limit_up` [N·m].
+            spring: Coefficients of p, constant first, one to six [N·m/rad^i].
+
+        Raises:
+            InputError: A number is not finite or out of its range.
+        """
+        for name, rate in (("rate_up", rate_up), ("rate_down", rate_down)):
+            if not number(name, rate, "1/rad") > 0:
+                raise InputError(f"{name} is {rate}: give a number above 0 (1/rad)")
+        width = number("limit_up", limit_up, "N·m") - number("limit_down", limit_down, "N·m")
+        if not width > 0:
+            raise InputError(
+                f"limit_down is {limit_down} N·m: it must be below limit_up, which is {limit_up}, "
+                "or the model would drive the joint"
+            )
+        up = rate_down / (rate_up + rate_down) * width
+        constant, *bend = coefficients("spring", spring)
+        return cls(
+            spring=(constant + limit_up - up, *bend),
+            stiffness=rate_up * up,
+            friction_up=up,
+            friction_down=width - up,
+        )

@@ -1,0 +1,204 @@
+"""Dahl's friction and the Duhem model: exact solution, energy, unlike ways, and bad input."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import BoucWen, Dahl, Duhem, model_from_dict
+from activesuit.hysteresis.dahl import kernels
+from helpers import sweep
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+SPRING = (1.0, 2.0, -3.0, 1.5)
+DAHL = Dahl(spring=SPRING, stiffness=30.0, friction=2.0)
+DUHEM = Duhem(spring=SPRING, stiffness=30.0, friction_up=2.0, friction_down=0.7)
+NO_SPRING = Duhem(spring=(0.0,), stiffness=3.0, friction_up=2.0, friction_down=0.5)
+
+
+def spring(angle):
+    return np.polynomial.polynomial.polyval(angle, SPRING)
+
+
+def ledger(model, angle, torque):
+    """Stored and dissipated energy at each angle, taken step by step."""
+    state = model.start(angle[0], torque)
+    energies = [model.energy(state)]
+    for a in angle[1:]:
+        state, _ = model.step(state, a)
+        energies.append(model.energy(state))
+    return np.array(energies).T
+
+
+@pytest.mark.parametrize("model", [DAHL, DUHEM], ids=["dahl", "duhem"])
+def test_it_solves_its_equation(model):
+    """The equation as printed, with its work and its loss, by DOP853."""
+    _, up, down = model.parameter_vector[:3]
+    turns = np.cumsum(np.random.default_rng(0).normal(0, 0.3, 12))
+    z, work, loss = [[one] for one in (0.3, 0.0, 0.0)]
+    for start, end in pairwise(turns):
+
+        def slope(theta, y, rises=end > start):
+            dz = model.stiffness * (1 - y[0] / up if rises else 1 + y[0] / down)
+            return [dz, spring(theta) + y[0], y[0] ** 2 / (up if rises else -down)]
+
+        here = [z[-1], work[-1], loss[-1]]
+        solved = solve_ivp(slope, (start, end), here, "DOP853", rtol=1e-12, atol=1e-13)
+        for series, value in zip((z, work, loss), solved.y[:, -1], strict=True):
+            series.append(value)
+    torque = spring(turns[0]) + 0.3
+    np.testing.assert_allclose(model.response(turns, torque), spring(turns) + z, atol=1e-10)
+    stored, dissipated = ledger(model, turns, torque)
+    np.testing.assert_allclose(dissipated, loss, atol=1e-10)
+    np.testing.assert_allclose(stored - stored[0] + dissipated, work, atol=1e-10)
+
+
+def test_dahl_is_duhem_with_equal_frictions_and_bouc_wen_with_a_straight_spring():
+    twin = Duhem(spring=SPRING, stiffness=30.0, friction_up=2.0, friction_down=2.0)
+    angle = sweep(0.2, 1.3, 0.5, 0.9, 0.1)
+    np.testing.assert_array_equal(DAHL.response(angle), twin.response(angle))
+    straight = Dahl(spring=(-0.3, 1.5), stiffness=8.0, friction=2.0)
+    wen = BoucWen(elastic=1.5, hysteretic=8.0, beta=4.0, gamma=0.0, n=1.0, rest_angle=0.2)
+    np.testing.assert_allclose(straight.response(angle), wen.response(angle), atol=1e-12)
+
+
+@pytest.mark.parametrize("z", [0.0, 1.0, -0.5, 1.999999, 7.0, -7.0])
+@pytest.mark.parametrize("step", [1e-12, 1e-6, 0.0333, 0.0334, 1.0, 40.0])
+def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps(z, step):
+    for sign, F in ((1, 2.0), (-1, 0.5)):
+        _, after = NO_SPRING.step(NO_SPRING.start(0.0, z), sign * step)
+        x = 3.0 * step / F
+        assert after == pytest.approx(sign * F + (z - sign * F) * math.exp(-x), rel=1e-9, abs=1e-15)
+        if x < 1e-5:
+            change = after - z
+            assert change == pytest.approx(3.0 * (sign - z / F) * step, rel=1e-4, abs=1e-15)
+
+        def rate(tau, F=F, w=sign * z / F):
+            return F * (w - (w - 1) * -math.expm1(-3.0 * tau / F)) ** 2
+
+        expected = quad(rate, 0, step, epsabs=0, epsrel=1e-11)[0]
+        _, loss = kernels.move(
+            NO_SPRING.parameter_vector.copy(), NO_SPRING.start(0.0, z).memory.copy(), sign * step
+        )
+        assert loss == pytest.approx(expected, rel=1e-10)
+
+
+models = st.builds(
+    Duhem,
+    spring=st.lists(st.floats(-5, 5), min_size=1, max_size=4).map(tuple),
+    stiffness=st.floats(0.05, 100),
+    friction_up=st.floats(0.05, 20),
+    friction_down=st.floats(0.05, 20),
+)
+paths = st.lists(
+    st.tuples(st.sampled_from((-1, 1)), st.floats(-9, 1)).map(lambda x: x[0] * 10 ** x[1]),
+    min_size=1,
+    max_size=15,
+)
+
+
+@settings(deadline=None, max_examples=300)
+@given(models, paths, st.floats(0, 1))
+def test_z_stays_between_its_limits_and_loss_never_falls(model, steps, share):
+    angle = np.cumsum([0.0, *steps])
+    z = share * model.friction_up - (1 - share) * model.friction_down
+    state = model.start(0.0, model.spring[0] + z)
+    assert model.start_is_certified(state)
+    bound = model.certificate((angle.min() - 1e-9, angle.max() + 1e-9)).torque_bound
+    for a in angle[1:]:
+        lost = model.energy(state).dissipated
+        state, torque = model.step(state, a)
+        assert model.energy(state).dissipated >= lost
+        z = state.memory[kernels.Z]
+        assert -model.friction_down * (1 + 1e-13) <= z <= model.friction_up * (1 + 1e-13)
+        assert abs(torque) <= bound * (1 + 1e-12)
+
+
+def test_a_start_outside_the_limits_comes_back_and_loses_energy():
+    angle = np.linspace(0, 5, 100)
+    torque = NO_SPRING.response(angle, 9.0)
+    assert (np.diff(torque) < 0).all()
+    assert torque[-1] == pytest.approx(2.0, abs=0.01)
+    _, dissipated = ledger(NO_SPRING, angle, 9.0)
+    assert (np.diff(dissipated) > 0).all()
+    for start, safe in ((9.0, False), (-0.6, False), (2.0, True), (-0.5, True), (0.0, True)):
+        assert NO_SPRING.start_is_certified(NO_SPRING.start(0.0, start)) == safe
+
+
+def test_unlike_ways_become_the_form_of_the_class():
+    """The crossing of both slopes becomes the zero of z, the torque stays the same."""
+    up, high, down, low = 12.0, 0.4, 3.0, -0.9
+    model = Duhem.from_limits(
+        rate_up=up, limit_up=high, rate_down=down, limit_down=low, spring=(0.2, 1.5)
+    )
+    crossing = (up * high + down * low) / (up + down)
+    assert model.stiffness == pytest.approx(up * (high - crossing))
+    assert model.stiffness == pytest.approx(down * (crossing - low))
+    assert model.friction_up == pytest.approx(high - crossing)
+    assert model.friction_down == pytest.approx(crossing - low)
+    angle, y = sweep(0.3, 1.5, 0.6, 1.1, 0.9, 1.4, samples=30), [0.1]
+    for way in np.diff(angle):
+        rate, limit = (up, high) if way > 0 else (down, low)
+        y.append(limit + (y[-1] - limit) * math.exp(-rate * abs(way)))
+    expected = 0.2 + 1.5 * angle + y
+    np.testing.assert_allclose(model.response(angle, expected[0]), expected, atol=1e-13)
+
+
+def test_certificate():
+    certificate = DUHEM.certificate((-0.5, 1.0))
+    assert (certificate.margin, certificate.dissipative) == (1.0, True)
+    assert certificate.memory_bound == 0.7
+    inside = spring(np.linspace(-0.5, 1, 10_001))
+    assert certificate.torque_bound == pytest.approx(max(inside.max() + 2.0, 0.7 - inside.min()))
+    assert math.isinf(DUHEM.certificate().torque_bound)
+    assert NO_SPRING.certificate().torque_bound == 2.0
+    with pytest.raises(InputError, match="ascending"):
+        DUHEM.certificate((1.0, 0.0))
+
+
+def test_a_trial_that_is_not_finite_leaves_the_memory():
+    p, s = DUHEM.parameter_vector.copy(), DUHEM.start(0.0).memory.copy()
+    before = s.copy()
+    for angle in (math.nan, math.inf, -math.inf, 1e300):
+        assert math.isnan(kernels.move(p, s, angle)[0])
+        assert math.isnan(kernels.commit(p, s, angle))
+    np.testing.assert_array_equal(s, before)
+
+
+GOOD = {"spring": [1.0, 2.0], "stiffness": 30.0, "friction_up": 2.0, "friction_down": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"spring": []}, r"spring is \[\]: give at least one number \(N·m/rad\^i\)"),
+        ({"spring": [1, math.nan]}, r"spring\[1\] is nan: give finite numbers"),
+        (
+            {"spring": [0] * 7},
+            r"spring has 7 coefficients: give at most 6, of theta\^0 to theta\^5",
+        ),
+        ({"spring": 1.0}, r"spring is 1.0: give at least one number"),
+        ({"stiffness": 0}, r"stiffness is 0.0: give a number above 0 \(N·m/rad\)"),
+        ({"stiffness": math.inf}, "stiffness is inf: give a finite number"),
+        ({"friction_up": -1}, r"friction_up is -1.0: give a number above 0 \(N·m\)"),
+        ({"friction_down": "a"}, "friction_down is 'a': give a number"),
+    ],
+)
+def test_bad_parameters(changes, message):
+    with pytest.raises(InputError, match=message):
+        Duhem(**{**GOOD, **changes})
+    with pytest.raises(InputError, match=message):
+        model_from_dict({"model": "duhem", **GOOD, **changes})
+
+
+def test_bad_frictions_and_limits():
+    with pytest.raises(InputError, match=r"friction is 0.0: give a number above 0 \(N·m\)"):
+        Dahl(spring=(0.0,), stiffness=1.0, friction=0)
+    limits = {"rate_up": 1.0, "limit_up": 1.0, "rate_down": 1.0, "limit_down": -1.0}
+    with pytest.raises(InputError, match=r"rate_up is 0: give a number above 0 \(1/rad\)"):
+        Duhem.from_limits(**{**limits, "rate_up": 0})
+    with pytest.raises(InputError, match=r"limit_down is 2 N·m: it must be below limit_up"):
+        Duhem.from_limits(**{**limits, "limit_down": 2})
