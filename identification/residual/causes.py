@@ -26,10 +26,16 @@ from .misfit import Explained, explained
 from .noise import GRID, Noise, whiten
 from .tangent import Coordinates
 
-RARE = 1e-4  # probability below which a fault is tried: one in thousands of fits without one
+RARE = 1e-4  # probability below which a fault is certain: one in thousands of fits without one
 ENOUGH = 0.005  # probability of the rest by noise alone, from which on nothing but noise remains
+# Probability below which a fault is fitted. Play and gaps are less certain by their column, which
+# has another size than they, than by their fit.
+SCREENED = 0.005
 # Plays and gaps to try [rad], because the torque that they add is not proportional to them.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
+# Where in a gap the motion begins: at the face that pushes upwards, between both, at the other one.
+FACES = (1, 0, -1)
+REST = 3600.0  # s, so long that the way to that face has no rate
 NEVER_BELOW_ZERO = ("play", "gap", "rate")
 NEGLIGIBLE = 1e-6  # least share of a column that the derivatives of the fit leave unexplained
 TRIED = 4  # number of faults that are fitted, of those with the largest F
@@ -164,11 +170,13 @@ class Beside(NamedTuple):
         slopes: Derivatives of the torque with respect to the model's coordinates and to the sizes
             of the faults, shape (samples, p + faults).
         sizes: Size of each fault.
+        added: Torque that each fault adds [N·m], shape (samples, faults).
     """
 
     residual: Array
     slopes: Array
     sizes: Array
+    added: Array
 
 
 def causes(
@@ -194,7 +202,8 @@ def causes(
     columns = list(_columns(model, start, curves))
     lengths = [curve.torque.size for curve in curves]
 
-    alone = _likely(columns, Beside(residual, slopes, np.empty(0)), lengths, known)
+    nothing = Beside(residual, slopes, np.empty(0), np.empty((residual.size, 0)))
+    alone = _likely(columns, nothing, lengths, known, below=SCREENED)
     pairs = []
     for groups in ([(one,) for one in alone], pairs):
         right = []
@@ -203,18 +212,46 @@ def causes(
             if fit is None:
                 continue
             if explained(fit.residual, fit.slopes, smooth, lengths, known).probability >= ENOUGH:
-                right.append((faults, fit))
-            elif len(faults) == 1:
-                others = _likely(columns, fit, lengths, known, but=faults[0].hypothesis.name)
+                proofs = _proofs(fit, faults, lengths, known)
+                if all(one.probability < RARE for one in proofs):
+                    right.append((faults, fit, proofs))
+            elif len(faults) == 1 and faults[0].explained.probability < RARE:
+                others = _likely(
+                    columns, fit, lengths, known, below=RARE, but=faults[0].hypothesis.name
+                )
                 pairs += [(*faults, other) for other in others[:SECOND]]
         if right:
-            faults, fit = min(right, key=lambda some: _criterion(*some))
+            faults, fit, proofs = min(right, key=lambda some: _criterion(*some[:2]))
             left = float(np.sqrt(np.mean(fit.residual**2)))
             return [
-                Cause(one.hypothesis.name, one.hypothesis.curve, size, one.explained, left)
-                for one, size in zip(faults, fit.sizes.tolist(), strict=True)
+                Cause(one.hypothesis.name, one.hypothesis.curve, size, proof, left)
+                for one, size, proof in zip(faults, fit.sizes.tolist(), proofs, strict=True)
             ]
     return []
+
+
+def _proofs(
+    fit: Beside, faults: Sequence[Linear], lengths: Sequence[int], known: Noise | None
+) -> list[Explained]:
+    """Returns the surer F test of each fault: by its column, or by what it adds at its size."""
+    first, found = fit.slopes.shape[1] - fit.sizes.size, []
+    for i, (one, added) in enumerate(zip(faults, fit.added.T, strict=True)):
+        others = np.delete(fit.slopes, first + i, axis=1)
+        test = _surest(fit.residual + added, others, added, lengths, known)
+        found.append(min(test, one.explained, key=lambda some: some.probability))
+    return found
+
+
+def _surest(
+    residual: Array, slopes: Array, column: Array, lengths: Sequence[int], known: Noise | None
+) -> Explained:
+    """Returns the F test of a column under the noise of repeats or of the residual.
+
+    One pair of repeats says little of slow noise, and so would make few faults certain.
+    """
+    noises = (known, None) if known else (None,)
+    tests = [explained(residual, slopes, column[:, None], lengths, one) for one in noises]
+    return min(tests, key=lambda one: one.probability)
 
 
 def _criterion(faults: Sequence[Linear], fit: Beside) -> float:
@@ -246,20 +283,22 @@ def _likely(
     fit: Beside,
     lengths: Sequence[int],
     known: Noise | None,
+    *,
+    below: float,
     but: str = "",
 ) -> list[Linear]:
-    """Returns the faults that surely are in a residual, the most certain first, but for one."""
+    """Returns the faults of a probability below some limit, the likeliest first, but for one."""
     found: dict[Fault, Linear] = {}
-    residual, slopes, _ = fit
+    residual, slopes = fit.residual, fit.slopes
     for hypothesis, column in columns:
         if hypothesis.name == but:
             continue
         rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
         if np.linalg.norm(rest) <= NEGLIGIBLE * np.linalg.norm(column):
             continue
-        test = explained(residual, slopes, column[:, None], lengths, known)
+        test = _surest(residual, slopes, column, lengths, known)
         size = _coefficient(residual, slopes, column, lengths, test.noise)
-        if test.probability >= RARE or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
+        if test.probability >= below or (hypothesis.name in NEVER_BELOW_ZERO and size < 0):
             continue
         best = found.get(hypothesis.name)
         if best is None or test.statistic > best.explained.statistic:
@@ -280,7 +319,8 @@ def _fitted(
     else:
         both = np.column_stack([slopes, *(one.column for one in faults)])
         best: Array = np.asarray(np.linalg.lstsq(both, residual, rcond=None)[0], dtype=np.float64)
-        found = Beside(residual - both @ best, both, best[slopes.shape[1] :])
+        sizes = best[slopes.shape[1] :]
+        found = Beside(residual - both @ best, both, sizes, both[:, slopes.shape[1] :] * sizes)
     if found is None:
         return None
     for one, size in zip(faults, found.sizes.tolist(), strict=True):
@@ -309,19 +349,22 @@ def _anew(
             return np.full(measured.size, far)
 
     def ahead(at: Array) -> Array:
+        plain, added = parts(at)
+        left = measured - plain - added.sum(axis=1)
+        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
+
+    def parts(at: Array) -> tuple[Array, Array]:
         model, start = coordinates.at(at[:count])
         plain = np.concatenate([predicted(model, start, curve) for curve in curves])
-        torque = plain.copy()
-        for one, size in zip(faults, at[count:].tolist(), strict=True):
-            torque += one.hypothesis.torque(model, start, size) - plain
-        left = measured - torque
-        return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
+        pairs = zip(faults, at[count:].tolist(), strict=True)
+        added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
+        return plain, np.column_stack(added)
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
     if not np.isfinite(found.fun).all() or not np.isfinite(found.jac).all():
         return None
-    return Beside(found.fun, -found.jac, found.x[count:])
+    return Beside(found.fun, -found.jac, found.x[count:], parts(found.x)[1])
 
 
 def _hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypothesis]:
@@ -346,8 +389,15 @@ def _hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hyp
         torques = zip(times, plain(model, start), strict=True)
         return np.concatenate([_delayed(time, torque, size) for time, torque in torques])
 
-    def gap_torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
-        return np.concatenate(plain(_behind_gap(model, size) if size > 0 else model, start))
+    def gap_torque(face: int) -> Faulty:
+        def torque(model: HysteresisModel, start: InitialTorque, size: float) -> Array:
+            if size <= 0:
+                return np.concatenate(plain(model, start))
+            behind = _behind_gap(model, size)
+            begun = [_begun_at_face(curve, face * size / 2) for curve in curves]
+            return np.concatenate([predicted(behind, start, curve)[1:] for curve in begun])
+
+        return torque
 
     yield Hypothesis("tare", "", peak, peak / 2, added(np.ones(sum(sizes))))
     times = [curve.time for curve in curves if curve.time is not None]
@@ -362,7 +412,8 @@ def _hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hyp
     for width in WIDTHS.tolist():
         yield Hypothesis("play", "", width, span / 4, played_torque)
         if not isinstance(without_rate(model), Backlash):
-            yield Hypothesis("gap", "", width, span / 4, gap_torque)
+            for face in FACES:
+                yield Hypothesis("gap", "", width, span / 4, gap_torque(face))
     order = np.repeat(np.arange(len(curves), dtype=np.float64), sizes)
     passed = order if len(curves) > 1 else _cycles(curves[0].angle)
     if len(curves) > 1 or passed[-1] >= LEAST_CYCLES:
@@ -380,6 +431,19 @@ def _delayed(time: Array, torque: Array, lag: float) -> Array:
     last = (torque[-1] - torque[-2]) / (time[-1] - time[-2])
     beyond = np.maximum(time - lag - time[-1], 0.0)
     return np.interp(time - lag, time, torque) + last * beyond
+
+
+def _begun_at_face(curve: Curve, shift: float) -> Curve:
+    """Returns a curve that has moved through a part of a gap before its first sample [rad]."""
+    time = curve.time
+    if time is not None:
+        time = np.concatenate([time[:1] - REST, time])
+    return replace(
+        curve,
+        angle=np.concatenate([curve.angle[:1], curve.angle + shift]),
+        torque=np.concatenate([curve.torque[:1], curve.torque]),
+        time=time,
+    )
 
 
 def _behind_gap(model: HysteresisModel, gap: float) -> HysteresisModel:

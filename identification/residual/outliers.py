@@ -37,7 +37,9 @@ def outliers(residual: Array, curves: Sequence[Curve], *, is_misfit: bool) -> li
     if scale == 0 or is_misfit:
         return []  # no noise, or torques so coarse that most samples repeat the one before
     size = np.pad(np.abs(apart) / scale, 1)
-    if np.mean((size > SOME) & (size <= FAR)) > HEAVY:
+    far_off = size > FAR
+    beside = np.pad(far_off[:-2] | far_off[2:], 1)  # an outlier spoils the means of its neighbors
+    if np.mean((size > SOME) & ~far_off & ~beside) > HEAVY:
         return []
     peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
     far = scale * size[1:-1][peaks & (size[1:-1] > FAR)]
