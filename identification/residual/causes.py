@@ -185,9 +185,12 @@ def causes(
     residual: Array,
     slopes: Array,
     smooth: Array,
+    scale: Array,
     known: Noise | None = None,
 ) -> list[Cause]:
     """Returns the fault, or the two, that explain a residual down to the noise.
+
+    Residual, slopes and smooth columns are divided by the relative deviation of the noise.
 
     Args:
         coordinates: Fitted model and initial torque.
@@ -196,10 +199,11 @@ def causes(
         slopes: Derivatives of the torque with respect to the fitted parameters, shape
             (samples, p).
         smooth: Columns that may explain what remains, shape (samples, q).
+        scale: Relative deviation of the noise of each sample, shape (samples,).
         known: Noise known from repeated curves; None estimates it.
     """
     model, start = coordinates.at(coordinates.point)
-    columns = list(_columns(model, start, curves))
+    columns = [(one, column / scale) for one, column in _columns(model, start, curves)]
     lengths = [curve.torque.size for curve in curves]
 
     nothing = Beside(residual, slopes, np.empty(0), np.empty((residual.size, 0)))
@@ -208,7 +212,7 @@ def causes(
     for groups in ([(one,) for one in alone], pairs):
         right = []
         for faults in groups:
-            fit = _fitted(coordinates, curves, residual, slopes, faults)
+            fit = _fitted(coordinates, curves, residual, slopes, scale, faults)
             if fit is None:
                 continue
             if explained(fit.residual, fit.slopes, smooth, lengths, known).probability >= ENOUGH:
@@ -311,11 +315,12 @@ def _fitted(
     curves: Sequence[Curve],
     residual: Array,
     slopes: Array,
+    scale: Array,
     faults: Sequence[Linear],
 ) -> Beside | None:
     """Returns faults that are fitted beside the model; None if one is not plausible."""
     if coordinates.point.size <= FEW:
-        found = _anew(coordinates, curves, faults)
+        found = _anew(coordinates, curves, scale, faults)
     else:
         both = np.column_stack([slopes, *(one.column for one in faults)])
         best: Array = np.asarray(np.linalg.lstsq(both, residual, rcond=None)[0], dtype=np.float64)
@@ -332,7 +337,7 @@ def _fitted(
 
 
 def _anew(
-    coordinates: Coordinates, curves: Sequence[Curve], faults: Sequence[Linear]
+    coordinates: Coordinates, curves: Sequence[Curve], scale: Array, faults: Sequence[Linear]
 ) -> Beside | None:
     """Fits model and faults together by least squares; None where that fails."""
     from scipy.optimize import least_squares  # slow to import
@@ -350,7 +355,7 @@ def _anew(
 
     def ahead(at: Array) -> Array:
         plain, added = parts(at)
-        left = measured - plain - added.sum(axis=1)
+        left = (measured - plain) / scale - added.sum(axis=1)
         return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
 
     def parts(at: Array) -> tuple[Array, Array]:
@@ -358,7 +363,7 @@ def _anew(
         plain = np.concatenate([predicted(model, start, curve) for curve in curves])
         pairs = zip(faults, at[count:].tolist(), strict=True)
         added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
-        return plain, np.column_stack(added)
+        return plain, np.column_stack(added) / scale[:, None]
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)

@@ -216,6 +216,8 @@ def _print(
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
     why = ": they hold no loops inside loops, and no intended motion is named (--for)"
     say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
+    if fit.judgement:
+        say(f"noise: {fit.judgement.noise}")
     if band:
         half = band["half_width"]
         say(
