@@ -22,7 +22,7 @@ from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
-from ..intended import needed_coverage
+from ..intended import intended_motions, needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
@@ -107,12 +107,13 @@ def identify(
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
-    needed = needed_coverage(family, curves, use, joint)
+    motions = intended_motions(curves, use, joint)
+    needed = needed_coverage(family, use, motions)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     if method == AUTO:
         _refuse_beside_auto(model=model, objective=objective, normalize=normalize, trials=trials)
-        run, total = partial(select, family), 1
+        run, total = partial(select, family, intended=motions), 1
     else:
         chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
         run = partial(identify_curves, family, model=model or DEFAULT_MODEL, method=chosen)
@@ -214,8 +215,9 @@ def _print(
         table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
-    why = ": they hold no loops inside loops, and no intended motion is named (--for)"
-    say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
+    say(f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}")
+    if isinstance(result, Selection) and result.agreement:
+        say(f"agreement: {result.agreement.sentence}")
     if fit.judgement:
         say(f"noise: {fit.judgement.noise}")
     if band:
@@ -232,6 +234,21 @@ def _print(
         )
     for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
         say(f"note: {sentence}")
+
+
+def _not_contained(fit: Fit) -> str:
+    """Returns what curves do not contain whose model is not valid beyond them, as a phrase."""
+    if fit.verdict != NOT_BEYOND or fit.coverage is None:
+        return ""
+    found = fit.coverage
+    rates = "no times"
+    if found.rates:
+        rates = f"no rates but {found.rates[0]:.2g} to {found.rates[1]:.2g} rad/s"
+    return (
+        f": they have no loops inside loops (reversals nested {found.nesting} deep), no branch "
+        f"below {found.branches[0]:.0%} of the range, {rates}; and no intended motion is named "
+        "(--for)"
+    )
 
 
 def _fit(result: Fit | Selection) -> Fit:
