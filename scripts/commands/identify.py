@@ -10,7 +10,7 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Corrections, Coverage, Fit, Selection, load_curves, select
+from ...identification import Corrections, Coverage, Curves, Fit, Selection, load_curves, select
 from ...identification import identify as identify_curves
 from ...identification.corrections import averaged
 from ...identification.cycles import cycles_of
@@ -96,13 +96,7 @@ def identify(
         out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG: a new or an
             empty one, or that of an earlier identify.
     """
-    family = load_curves(curves)
-    if corrections.average_cycles:
-        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        family = averaged(family, corrections)
-        corrections = replace(corrections, average_cycles=False)
-        if not json:
-            say(f"mean of the cycles after the first: {counts}")
+    family, corrections = _averaged(load_curves(curves), corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
@@ -127,7 +121,6 @@ def identify(
             needed=needed,
             on_trial=lambda trial: bar.advance(),
         )
-    fit = _fit(result)
     found = result.uncertainty(samples=samples, seed=seed) if samples else None
     summary = _summary(result, seed, use, needed, found)
     if json:
@@ -135,23 +128,23 @@ def identify(
     else:
         _print(result, curves, use, found, summary["band"])
     if folder and joint_name:
-        suit = Suit.from_fits(
-            {joint_name: fit},
-            name=curves.stem,
-            description=_description(result, curves, seed),
-            base=others,
-            samples={joint_name: found.samples if found else ()},
-        )
-        with folder.together() as new:
-            suit.save(new / "suit.json")
-            new.json("result.json", summary)
-            _write(new, joint_name, fit)
+        description = _description(result, curves, seed)
+        suit = _suit(_fit(result), joint_name, curves.stem, description, others, found)
+        _write(folder, joint_name, _fit(result), suit, summary)
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
-    if fit.interrupted:
-        raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
-    if fit.verdict == NOT:
-        raise SystemExit(NOT_DESCRIBED)
+    _end(result)
+
+
+def _averaged(family: Curves, corrections: Corrections, quiet: bool) -> tuple[Curves, Corrections]:
+    """Returns curves with averaged cycles where that is asked for, and the other corrections."""
+    if not corrections.average_cycles:
+        return family, corrections
+    counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+    family = averaged(family, corrections)
+    if not quiet:
+        say(f"mean of the cycles after the first: {counts}")
+    return family, replace(corrections, average_cycles=False)
 
 
 def _refuse_beside_auto(**given: str | int | None) -> None:
@@ -269,6 +262,32 @@ def _finished(result: Fit | Selection) -> str:
     return f"{len(result.trials)} finished trials"
 
 
-def _write(folder: RunFolder, joint: str, fit: Fit) -> None:
-    write_trials(folder, "trials.csv", {joint: {fit.method: fit}})
-    folder.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
+def _suit(
+    fit: Fit,
+    joint: str,
+    name: str,
+    description: str,
+    base: Suit | None,
+    found: Uncertainty | None,
+) -> Suit:
+    samples = {joint: found.samples if found else ()}
+    return Suit.from_fits(
+        {joint: fit}, name=name, description=description, base=base, samples=samples
+    )
+
+
+def _write(folder: RunFolder, joint: str, fit: Fit, suit: Suit, summary: dict[str, Any]) -> None:
+    with folder.together() as new:
+        suit.save(new / "suit.json")
+        new.json("result.json", summary)
+        write_trials(new, "trials.csv", {joint: {fit.method: fit}})
+        new.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
+
+
+def _end(result: Fit | Selection) -> None:
+    """Ends the command as a fit demands that was interrupted or does not describe the curves."""
+    fit = _fit(result)
+    if fit.interrupted:
+        raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
+    if fit.verdict == NOT:
+        raise SystemExit(NOT_DESCRIBED)
