@@ -287,7 +287,11 @@ def _anew(
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
     if not np.isfinite(found.fun).all() or not np.isfinite(found.jac).all():
         return None
-    return Beside(found.fun, -found.jac, found.x[count:], parts(found.x)[1])
+    try:
+        _, added = parts(found.x)
+    except (InputError, OverflowError):
+        return None  # it ended where there is no such model
+    return Beside(found.fun, -found.jac, found.x[count:], added)
 
 
 def _coefficient(
