@@ -18,9 +18,7 @@ from ..remarks import Remark
 
 # Plays and gaps to try [rad], because the torque that they add is not proportional to them.
 WIDTHS = np.radians([0.2, 1.0, 4.0])
-# Where in a gap the motion begins: at the face that pushes upwards, between both, at the other one.
-FACES = (1, 0, -1)
-REST = 3600.0  # s, so long that the way to that face has no rate
+REST = 3600.0  # s, so long that the way to a face has no rate
 LARGEST_DRIFT = 0.5  # share of the torque from curve to curve; more is no drift
 LEAST_CYCLES = 1.5  # a shorter record shows no drift
 # Paces of wear-in to try, as numbers of curves or cycles, and least number that shows it.
@@ -144,10 +142,12 @@ def hypotheses(model: HysteresisModel, curves: Sequence[Curve]) -> Iterator[Hypo
         step = float(np.median(np.concatenate([np.diff(time) for time in times])))
         shortest = min(float(np.ptp(time)) for time in times)
         yield Hypothesis("lag", "", step, shortest / 4, late_torque)
+    way = curves[0].angle - curves[0].angle[0]
+    ahead = 1 if way.max() > -way.min() else -1
     for width in WIDTHS.tolist():
         yield Hypothesis("play", "", width, span / 4, played_torque)
         if not isinstance(without_rate(model), Backlash):
-            for face in FACES:
+            for face in (0, ahead):  # the motion begins in the middle of the gap, or in contact
                 yield Hypothesis("gap", "", width, span / 4, gap_torque(face))
     order = np.repeat(np.arange(len(curves), dtype=np.float64), sizes)
     passed = order if len(curves) > 1 else _cycles(curves[0].angle)
