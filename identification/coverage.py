@@ -129,6 +129,11 @@ def shortfalls(measured: Coverage, needed: Coverage) -> list[str]:
     return [sentence for one in found if (sentence := one(measured, needed))]
 
 
+def loops_suffice(measured: Coverage, needed: Coverage) -> bool:
+    """Returns whether curves fall short of a motion at most in loops, not in range or rates."""
+    return not any(one(measured, needed) for one in (_range, _rates, _cycles))
+
+
 def nesting_of(points: Sequence[float], tolerance: float = 0.0) -> int:
     """Returns the most reversals that a motion remembers at once, see `Coverage`.
 

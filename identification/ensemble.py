@@ -121,9 +121,10 @@ class Ensemble:
     def measured_band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
         """Returns the ends of a band of measured torque, wider by the noise; see `band`."""
         low, high = self.band(curve, level)
-        noise = _quantile((1 + level) / 2) * self.noise.deviation
-        half = np.hypot((high - low) / 2, noise)
-        return (low + high) / 2 - half, (low + high) / 2 + half
+        middle = (low + high) / 2
+        noise = self.noise.deviation * self.noise.uneven.at(middle)
+        half = np.hypot((high - low) / 2, _quantile((1 + level) / 2) * noise)
+        return middle - half, middle + half
 
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values."""

@@ -21,6 +21,7 @@ CLIPPED = 6  # length of a run of equal torques at the extreme, from which on it
 SHUFFLED = 5.0  # samples over the way in ranges; fewer are in no order
 FEWEST = 20  # samples of a curve whose order can be judged
 PAUSE = 5.0  # ratio of a step of time to the usual one, where a turn may be missing
+AWAY = 0.02  # way over the range that the joint could go in that time, at least
 SURE = 4.0  # deviations of the noise that a jump of the torque has at least
 SUDDEN = 0.02  # jump of the torque over its range, at least
 OFTEN = 2  # returns to the first angle that may be the begin of another measurement
@@ -28,6 +29,7 @@ LATE = 20.0  # ratio of a step of time to the usual one, where the clock jumps
 NOISY = 2e-3  # noise of the angle over the range, from which on it counts
 SAME_PLACE = 0.02  # largest distance of two angles at one place, over the range
 SCALED = 0.05  # residual of a scaled copy, over the noise
+SMOOTH = 0.1  # noise of a torque over that of the angle, as shares of their ranges: exchanged
 
 
 IF_WRONG = ("work", "label")
@@ -85,6 +87,16 @@ def _family(curves: Curves) -> Iterator[Remark]:
             f"measured between {low:g} and {high:g}: check that time_s is in seconds",
         )
     work = loop_work(curves)
+    wrong = (
+        [""] if work.falls else [f" of curve {x.name!r}" for x in curves if loop_work([x]).falls]
+    )
+    if wrong:
+        yield Remark(
+            "sign",
+            f"the torque{wrong[0]} falls where the angle rises, as if the joint left by itself the "
+            "place where it rests: check the signs of angle and torque, which must be positive "
+            "against positive motion",
+        )
     if work.z < SURELY and work.rise > 0:
         yield Remark(
             "work",
@@ -166,22 +178,35 @@ def _label(curve: Curve, _: Place) -> Remark | None:
 
 
 def _turn(curve: Curve, place: Place) -> Remark | None:
-    """Returns a remark where time and torque jump at a turn."""
+    """Returns a remark where no sample is left of a time at a turn.
+
+    A torque that jumps there shows that the joint went on. One that does not says nothing: loops
+    may be as thin as the noise.
+    """
     if curve.time is None or curve.angle.size < FEWEST:
         return None
     late, steps = np.diff(curve.time), np.abs(np.diff(curve.torque))
+    rate = float(np.median(np.abs(np.diff(curve.angle)) / late))
     least = max(SURE * noise_floor([curve]), SUDDEN * np.ptp(curve.torque))
     for turn in reversals(curve.angle).tolist():
         near = np.arange(max(turn - 2, 0), min(turn + 2, steps.size))
         at = int(near[np.argmax(late[near])])
-        if late[at] < PAUSE * np.median(late) or steps[at] < least:
+        if late[at] < PAUSE * np.median(late):
             continue
-        return Remark(
-            "turn",
-            f"between {place(at)} and {place(at + 1)}, where the motion turns, {late[at]:.3g} s "
-            f"pass and the torque jumps by {steps[at]:.3g} N·m: record the turn too, or the whole "
-            "time of a rest there",
-        )
+        where = f"between {place(at)} and {place(at + 1)}, where the motion turns, {late[at]:.3g} s"
+        if steps[at] >= least:
+            return Remark(
+                "turn",
+                f"{where} pass and the torque jumps by {steps[at]:.3g} N·m: record the turn too, "
+                "or the whole time of a rest there",
+            )
+        away = rate * late[at] / 2
+        if away >= AWAY * np.ptp(curve.angle):
+            return Remark(
+                "turn",
+                f"{where} have no sample, and the joint could go on by {away:.2g} rad and come "
+                "back: if it did not rest there, record the turn too",
+            )
     return None
 
 
@@ -236,6 +261,14 @@ def _noisy(curve: Curve, place: Place) -> Remark | None:
     span, noise = float(np.ptp(curve.angle)), angle_noise(curve.angle)
     if noise <= NOISY * span:
         return None
+    torque = angle_noise(curve.torque) / max(float(np.ptp(curve.torque)), np.finfo(float).tiny)
+    if torque < SMOOTH * noise / span:
+        return Remark(
+            "exchanged",
+            f"the angles of curve {curve.name!r} have a noise of {noise / span:.1%} of their "
+            f"range, and the torques one of {100 * torque:.1g} %, though angles are measured "
+            "better: check whether the columns of angle and torque are exchanged",
+        )
     return Remark(
         "encoder",
         f"the angles of curve {curve.name!r} have a noise of {np.degrees(noise):.2g} degrees, "

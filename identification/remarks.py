@@ -12,6 +12,8 @@ Code = Literal[
     "encoder",
     "copy",
     "work",
+    "sign",
+    "exchanged",
     "clipped",
     "turn",
     "label",
@@ -40,6 +42,7 @@ Code = Literal[
 
 The curves: `coverage` (they do not cover the intended motion), `disorder` (noisy or not in order),
 `unit`, `clock`, `coarse`, `encoder`, `copy`, `outliers`, `work` (the loops give energy back),
+`sign` (the torque falls where the angle rises), `exchanged` (the columns of angle and torque),
 `clipped`, `turn` (it is missing), `label` (one for several curves), `thinned` (a part of the
 samples is used).
 The model: `range` (safe between some angles), `certificate` and `limit` (the fit ended at a limit),

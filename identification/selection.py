@@ -8,16 +8,19 @@ from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError
+from .agreement import NARROW, Agreement, agreement
 from .candidates import Candidate, choose
 from .corrections import Corrections
-from .coverage import Coverage
+from .coverage import Coverage, loops_suffice, motion_coverage
 from .curves import Curve
 from .ensemble import LEVEL, Ensemble, drawn, ensemble
 from .fit import Fit, judged_fit
 from .fits.registry import FITS
 from .identify import NONE, fits_start, prepared, refuse_unknown, refuse_weights
 from .methods import DEFAULT_MODEL, check_beginning
+from .motion_files import Motion
 from .objective import InitialTorque
+from .residual.verdict import DESCRIBES, NOT_BEYOND
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty
 
@@ -32,12 +35,14 @@ class Selection:
         candidates: All models that were tried, the best prediction first.
         ensemble: Candidates that predict left-out curves nearly as well as the best, of which
             `band` is made; None where all meet a pole.
+        agreement: How far these differ on the intended motions; None without such motions.
     """
 
     fit: Fit
     why: str
     candidates: tuple[Candidate, ...]
     ensemble: Ensemble | None
+    agreement: Agreement | None = None
 
     def band(self, curve: Curve, level: float = LEVEL) -> tuple[Array, Array]:
         """Returns the ends of a band of the torque along a curve [N·m], shape (samples,) each.
@@ -81,6 +86,7 @@ def select(
     seed: int = 0,
     workers: int = -1,
     needed: Coverage | None = None,
+    intended: Sequence[Motion] = (),
     on_trial: Callable[[Trial], None] | None = None,
     **old: Any,
 ) -> Selection:
@@ -97,7 +103,9 @@ def select(
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
         workers: The number of threads, which share the models; -1 uses all cores.
-        needed: Coverage of the intended motions, see `identify`.
+        needed: Coverage of the intended motions, see `identify`; by default that of `intended`.
+        intended: Intended motions, on which the kinds of model are compared: the verdict extends to
+            loops that the curves do not have if a tested band is narrow there.
         on_trial: Function that gets the fit of the chosen model.
         **old: Names of version 0.2, which are refused with the new one.
 
@@ -111,6 +119,8 @@ def select(
     if sum(one.role == "fit" for one in curves) == 1:
         initial_torque = "identified"  # a record may begin anywhere, unlike first-order curves
     start: dict[str, Any] = {} if initial_torque is None else {"initial_torque": initial_torque}
+    if needed is None and intended:
+        needed = motion_coverage(intended)
     ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed)
     refuse_weights(ready.measured)
     ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
@@ -129,7 +139,7 @@ def select(
         interrupted=choice.interrupted,
         memoryless=choice.unneeded,
     )
-    members = None
+    members = alike = None
     if fit.judgement is not None:
         members = ensemble(
             choice.candidates,
@@ -139,7 +149,28 @@ def select(
             options=ways,
             fitted_start=lambda name: fits_start(name, initial_torque),
         )
-    return Selection(fit=fit, why=choice.why, candidates=choice.candidates, ensemble=members)
+    if members is not None and intended:
+        alike = agreement(members, intended, ready.measured.peak)
+        fit = _weighed(fit, alike, needed)
+    return Selection(
+        fit=fit,
+        why=choice.why,
+        candidates=choice.candidates,
+        ensemble=members,
+        agreement=alike,
+    )
+
+
+def _weighed(fit: Fit, alike: Agreement | None, needed: Coverage | None) -> Fit:
+    """Returns a fit whose verdict extends to intended loops if a tested band is narrow there."""
+    if fit.verdict != NOT_BEYOND or alike is None or needed is None:
+        return fit
+    assert fit.judgement is not None and fit.coverage is not None  # there is a verdict
+    narrow = alike.tested and alike.half_width <= NARROW * fit.curves.peak
+    if not narrow or not loops_suffice(fit.coverage, needed):
+        return fit
+    remarks = tuple(one for one in fit.remarks if one.code != "coverage")
+    return replace(fit, judgement=replace(fit.judgement, verdict=DESCRIBES), remarks=remarks)
 
 
 def _trial(chosen: Candidate) -> Trial:

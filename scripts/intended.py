@@ -1,5 +1,6 @@
 """What an intended use needs of curves: the motions of a task, of a file, or any."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..arrays import Array
@@ -15,27 +16,35 @@ MOTION = ".csv"  # how the names of files of motions end
 MOTIONS = 20  # number of motions of a task, the same as in `evaluate`
 
 
-def needed_coverage(
-    curves: Curves, path: Path, use: str | None, joint: str | None
-) -> Coverage | None:
+def needed_coverage(curves: Curves, use: str | None, motions: Sequence[Motion]) -> Coverage | None:
     """Returns what a use needs of curves; None without a use.
 
     Args:
         curves: Measured curves.
-        path: Path of their file, whose name may tell the joint.
+        use: As in `intended_motions`.
+        motions: Its motions.
+    """
+    if use == ANY:
+        return any_motion(coverage(curves.fitted() or curves))
+    return motion_coverage(motions) if motions else None
+
+
+def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Motion]:
+    """Returns the motions of a use; none where there is no use, or any motion is one.
+
+    Args:
+        path: Path of the file of curves, whose name may tell the joint.
         use: Name of a task, path of a CSV file of a motion, or "any"; None for no use.
         joint: Name of the joint, if it is given.
 
     Raises:
         InputError: There is no such task or file, or nobody says which joint the curves are of.
     """
-    if use is None:
-        return None
-    if use == ANY:
-        return any_motion(coverage(curves.fitted() or curves))
+    if use is None or use == ANY:
+        return []
     if use.lower().endswith(MOTION):
-        return motion_coverage([load_motion(use, _joint_if_known(path, joint))])
-    return motion_coverage(_task_motions(use, joint_of(path, joint)))
+        return [load_motion(use, _joint_if_known(path, joint))]
+    return _task_motions(use, joint_of(path, joint))
 
 
 def _joint_if_known(path: Path, joint: str | None) -> str | None:

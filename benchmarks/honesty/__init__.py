@@ -31,7 +31,9 @@ NOISES = {
     "AR(1) 0.9": (0.9, 0.0),
     "AR(1) 0.97": (0.97, 0.0),
     "slow and white": (0.95, 0.5),
+    "2 % of the torque": (0.0, 0.0),
 }
+UNEVEN = {"2 % of the torque": (0.1 * NOISE, 0.02)}  # constant part, and share of the torque
 SIZES = {"1 %": 0.01, "0.2 %": 0.002}
 RECORD = "a record of ever larger cycles"
 SHAPES = ("first-order curves", RECORD)
@@ -47,7 +49,9 @@ def interval_case(noise: str, seed: int) -> dict[str, Any]:
     """
     rng = np.random.default_rng([seed, 1])
     truth = jiles_atherton(rng)
-    fit = identify(measured(truth, NOISES[noise], rng), seed=seed, workers=1)
+    size, share = UNEVEN.get(noise, (NOISE, 0.0))
+    curves = measured(truth, NOISES[noise], rng, size=size, share=share)
+    fit = identify(curves, seed=seed, workers=1)
     sure = fit.uncertainty()
     probe = multi_order_motion(truth.low, truth.high, turns=8, angle_step=STEP, rng=rng)
     right = truth.torque(probe)

@@ -18,23 +18,11 @@ from .truths import NOISE, STEP, Truth, first_order, jiles_atherton
 OFFSET, RATE, LAG = 0.8, 1.0, 0.1  # N·m, N·m·s/rad, s
 SEEN = 1.0  # N·m, torque below zero that shows a gap
 SLOWEST = 0.15  # rad/s, rate of the first curve; the others are faster
-CODES = {
-    *(
-        "tare",
-        "rate",
-        "lag",
-        "play",
-        "gap",
-        "drift",
-        "softening",
-        "offset",
-        "gain",
-        "clipped",
-        "turn",
-        "label",
-    ),
-    *("disorder", "unit", "clock", "encoder", "copy", "work", "coarse", "outliers"),
-}
+_CAUSES = "tare rate lag play gap drift softening offset gain"
+_MISTAKES = (
+    "clipped turn label disorder unit clock encoder copy work sign exchanged coarse outliers"
+)
+CODES = {*_CAUSES.split(), *_MISTAKES.split()}
 """Codes of remarks that name a fault; the others doubt the model."""
 
 Series = dict[str, tuple[Array, Array, Array]]  # time, angle and torque by curve
@@ -160,9 +148,9 @@ def _cells(change: Callable[[list[str]], list[str]]) -> Callable[[list[str]], li
 
 
 def _back(lines: list[str]) -> list[str]:
-    cells = lines[30].split(",")
+    cells = lines[-5].split(",")  # the last curve has more samples
     cells[2] = "0.0001"
-    return [*lines[:30], ",".join(cells), *lines[31:]]
+    return [*lines[:-5], ",".join(cells), *lines[-4:]]
 
 
 def _rising(angle: Array) -> NDArray[np.bool_]:

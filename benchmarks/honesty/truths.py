@@ -224,6 +224,7 @@ def measured(
     rng: np.random.Generator,
     *,
     size: float = NOISE,
+    share: float = 0.0,
     repeats: int = 1,
     record: bool = False,
 ) -> list[Curve]:
@@ -233,7 +234,8 @@ def measured(
         truth: Joint.
         noise: Correlation of slow noise from sample to sample, and share of white noise.
         rng: Generator of the noise.
-        size: Standard deviation of the noise [N·m].
+        size: Standard deviation of the noise without torque [N·m].
+        share: Part of that deviation in proportion to the torque, as a share of it.
         repeats: Number of times that each curve is measured.
         record: Whether it is one record of growing cycles instead of first-order curves.
     """
@@ -244,7 +246,9 @@ def measured(
         for name, angle in motions.items():
             slow = math.sqrt(1 - white) * slow_noise(angle.size, memory, rng)
             drawn = slow + math.sqrt(white) * rng.standard_normal(angle.size)
-            curves.append(Curve(angle, truth.torque(angle) + size * drawn, f"{name}-{i}"))
+            torque = truth.torque(angle)
+            noisy = torque + np.hypot(size, share * torque) * drawn
+            curves.append(Curve(angle, noisy, f"{name}-{i}"))
     return curves
 
 

@@ -23,16 +23,23 @@ class LoopWork(NamedTuple):
         work: Sum over all pairs of branches of the work in the range that both share [J].
         deviation: Standard deviation of the work due to the noise of the torque [J].
         rise: Sum over all branches of change of torque times change of angle [J].
+        rise_deviation: Standard deviation of the rise due to that noise [J].
     """
 
     work: float
     deviation: float
     rise: float
+    rise_deviation: float
 
     @property
     def z(self) -> float:
         """The work over its deviation."""
         return self.work / self.deviation if self.deviation > 0 else math.copysign(9.9, self.work)
+
+    @property
+    def falls(self) -> bool:
+        """Whether the torque surely falls where the angle rises, over all branches."""
+        return self.rise < SURELY * self.rise_deviation
 
 
 def loop_work(curves: Sequence[Curve]) -> LoopWork:
@@ -41,13 +48,14 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
     Each branch makes a loop with the next one, in the angles that both pass. An offset of the
     torque takes no work.
     """
-    work = variance = rise = 0.0
+    work = variance = rise = ways = 0.0
     noise = noise_floor(curves)
     for curve in curves:
         if curve.angle.size < 3:
             continue
         pieces = branches(curve.angle, curve.torque)
         rise += sum(float(np.ptp(one.angle[[0, -1]]) * _gain(one)) for one in pieces)
+        ways += sum(2 * float(np.ptp(one.angle[[0, -1]])) ** 2 for one in pieces)
         for one, other in pairwise(pieces):
             low = max(one.angle.min(), other.angle.min())
             high = min(one.angle.max(), other.angle.max())
@@ -60,7 +68,10 @@ def loop_work(curves: Sequence[Curve]) -> LoopWork:
                 work += piece.direction * float(np.trapezoid(there, grid))
                 variance += float(np.sum(np.gradient(grid) ** 2)) if grid.size > 1 else 0.0
     rounding = ROUNDING * Curves(curves).peak
-    return LoopWork(work, math.hypot(noise * math.sqrt(variance), rounding), rise)
+    deviation, rise_deviation = (
+        math.hypot(noise * math.sqrt(one), rounding) for one in (variance, ways)
+    )
+    return LoopWork(work, deviation, rise, rise_deviation)
 
 
 def refuse_driven(curves: Sequence[Curve]) -> None:

@@ -19,7 +19,7 @@ from scipy.special import fdtrc
 from ...arrays import Array
 from ...hysteresis.loops import branches
 from ..curves import Curve, Curves
-from .noise import GRID, Noise, estimate_noise, independent, whiten
+from .noise import EVEN, GRID, Noise, Uneven, estimate_noise, independent, whiten
 
 BY_ANGLE, BY_DEPTH = 5, 3  # degrees of the smooth columns
 LEAST_FREEDOM = 5  # least excess of samples over columns; few samples allow fewer columns
@@ -50,8 +50,11 @@ def explained(
     columns: Array,
     sizes: Sequence[int],
     known: Noise | None = None,
+    uneven: Uneven = EVEN,
 ) -> Explained:
     """Tests columns beside the derivatives of a fit.
+
+    All of them are divided by the relative deviation of uneven noise.
 
     Args:
         residual: Residual of the fit [N·m], shape (samples,).
@@ -60,12 +63,13 @@ def explained(
         columns: Columns that may explain the residual, shape (samples, q).
         sizes: Number of samples of each curve.
         known: Noise known from repeated curves; None estimates it.
+        uneven: How the deviation of the noise depends on the torque.
     """
     inner = independent(slopes)
     beside = independent(columns - inner @ (inner.T @ columns))
     beside = beside[:, : max(residual.size - inner.shape[1] - LEAST_FREEDOM, 0)]
     both = np.column_stack([inner, beside])
-    noise = known or estimate_noise(both, residual, sizes)
+    noise = known or estimate_noise(both, residual, sizes, uneven)
     freedom = noise.freedom
     statistic = probability = 0.0
     for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
@@ -108,11 +112,15 @@ def smooth_columns(curves: Sequence[Curve]) -> Array:
     return np.concatenate(parts)
 
 
-def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
+def repeated_noise(curves: Sequence[Curve], uneven: Uneven = EVEN) -> Noise | None:
     """Returns the noise from differences of curves along one path; None without such curves.
 
     Half the difference of two curves is free of what both have in common, a misfit too. A constant,
     a slope and a share of the torque count as faults of one of them, and not as noise.
+
+    Args:
+        curves: Measured curves.
+        uneven: How the deviation of the noise depends on the torque.
     """
     low, high = Curves(curves).angle_range
     differences, sizes, shares, columns = [], [], [], []
@@ -135,7 +143,9 @@ def repeated_noise(curves: Sequence[Curve]) -> Noise | None:
         line = np.vander(np.linspace(-1, 1, size), 2)
         block[begin : begin + size] = np.column_stack([line, share])
         columns.append(block)
-    return estimate_noise(np.column_stack(columns), np.concatenate(differences), sizes)
+    scale = uneven.at(np.concatenate(shares))
+    beside = np.column_stack(columns) / scale[:, None]
+    return estimate_noise(beside, np.concatenate(differences) / scale, sizes, uneven)
 
 
 def _along(curve: Curve, path: Curve, within: float) -> Array | None:

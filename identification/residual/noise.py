@@ -5,11 +5,15 @@ A sensor's noise has two parts: one that is independent from sample to sample, a
 smaller. Restricted maximum likelihood (Patterson and Thompson 1971, Biometrika 58, 545) takes
 account of that. Since no single pair of numbers is certain, what follows from the noise is
 averaged over a grid of them, weighed by their likelihood.
+
+The noise of some sensors is in part proportional to the torque. A residual and its columns are then
+divided by the relative deviation of each sample, after which the noise is even.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -21,6 +25,29 @@ SHARES = (0.0, 0.1, 0.25, 0.5, 0.75, 0.9)
 GRID = np.array([(0.0, 0.0), *((memory, white) for memory in MEMORIES for white in SHARES)])
 """Correlation of slow noise from sample to sample, and share of white noise in the variance."""
 SIMPLER = 10.0  # prior odds of white noise alone
+AT_PEAK = np.geomspace(0.5, 50, 15)  # ratios to try of the proportional part to the constant one
+OVERLAP = 1.45  # of samples that share neighbors as many are one: the sum of their correlations
+TINY = 1e-3  # least distance from the neighbors over the median one; torques may have few digits
+FEWEST = 30  # samples, below which noise counts as even
+
+
+class Uneven(NamedTuple):
+    """How the deviation of noise depends on the torque.
+
+    Attributes:
+        ratio: Part in proportion to the torque over the constant part [1/(N·m)].
+        square: Mean of 1 + (ratio * torque)^2 over the curves.
+    """
+
+    ratio: float = 0.0
+    square: float = 1.0
+
+    def at(self, torque: Array) -> Array:
+        """Returns the deviation at torques [N·m] over its root mean square along the curves."""
+        return np.sqrt((1 + (self.ratio * torque) ** 2) / self.square)
+
+
+EVEN = Uneven()
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,16 +58,32 @@ class Noise:
         weight: Probability of each noise of the grid, shape (g,).
         variance: Variance of the torque under each of them [(N·m)^2], shape (g,).
         freedom: Number of samples less that of the columns of the fit.
+        uneven: How its deviation depends on the torque; the variance is the mean.
     """
 
     weight: Array
     variance: Array
     freedom: int
+    uneven: Uneven = EVEN
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the torque [N·m]."""
+        """Standard deviation of the torque, root mean square along the curves [N·m]."""
         return math.sqrt(float(self.weight @ self.variance))
+
+    @property
+    def constant(self) -> float:
+        """The part of the deviation that is there without torque [N·m]."""
+        return self.deviation / math.sqrt(self.uneven.square)
+
+    @property
+    def share(self) -> float:
+        """The part of the deviation in proportion to the torque, as a share of it."""
+        return self.constant * self.uneven.ratio
+
+    def __str__(self) -> str:
+        constant = f"{self.constant:.2g} N·m"
+        return f"{constant} and {100 * self.share:.2g} % of the torque" if self.share else constant
 
     @property
     def white(self) -> float:
@@ -53,10 +96,11 @@ class Noise:
         slow = GRID[:, 0] * (1 - GRID[:, 1])
         return float(self.weight @ slow)
 
-    def draw(self, sizes: Sequence[int], rng: np.random.Generator) -> Array:
+    def draw(self, torque: Array, sizes: Sequence[int], rng: np.random.Generator) -> Array:
         """Returns noise along curves [N·m], end to end, of one pair of numbers drawn at random.
 
         Args:
+            torque: Torque along the curves, without noise [N·m], shape (samples,).
             sizes: Number of samples of each curve.
             rng: Generator of the random numbers.
         """
@@ -64,17 +108,50 @@ class Noise:
         memory, white = GRID[chosen]
         deviation = math.sqrt(self.variance[chosen])
         found = [_draw(size, memory, white, rng) for size in sizes]
-        return deviation * np.concatenate(found)
+        return deviation * self.uneven.at(torque) * np.concatenate(found)
 
 
-def estimate_noise(columns: Array, residual: Array, sizes: Sequence[int]) -> Noise:
+def uneven_noise(residual: Array, torque: Array, sizes: Sequence[int]) -> Uneven:
+    """Returns whether noise has a part in proportion to the torque, by the information criterion.
+
+    It compares how far samples are from the mean of their two neighbors, which a smooth misfit and
+    slow noise leave small. Logarithms of these distances bear outliers and heavy tails.
+
+    Args:
+        residual: Residual of a fit [N·m], shape (samples,).
+        torque: Fitted torque [N·m], shape (samples,).
+        sizes: Number of samples of each curve, end to end.
+    """
+    ends = np.cumsum(sizes)[:-1]
+    apart = [np.abs(one[1:-1] - (one[:-2] + one[2:]) / 2) for one in np.split(residual, ends)]
+    size = np.concatenate(apart)
+    here = np.concatenate([one[1:-1] for one in np.split(torque, ends)])
+    usual = float(np.median(size)) if size.size >= FEWEST else 0.0
+    if usual == 0 or not here.any():
+        return EVEN
+    logs = np.log(np.maximum(size, TINY * usual))
+    ratios = np.array([0.0, *AT_PEAK / np.abs(here).max()])
+    spread = [float(np.var(logs - np.log1p((ratio * here) ** 2) / 2)) for ratio in ratios]
+    best = int(np.argmin(spread))
+    if size.size / OVERLAP * math.log(spread[0] / spread[best]) <= math.log(size.size):
+        return EVEN
+    ratio = float(ratios[best])
+    return Uneven(ratio, float(np.mean(1 + (ratio * torque) ** 2)))
+
+
+def estimate_noise(
+    columns: Array, residual: Array, sizes: Sequence[int], uneven: Uneven = EVEN
+) -> Noise:
     """Estimates the noise of curves from the residual of a fit.
+
+    Columns and residual of uneven noise are divided by its relative deviation, `uneven.at`.
 
     Args:
         columns: Derivatives of the torque with respect to the fitted parameters, shape
             (samples, p); they need not be independent.
         residual: Residual torque [N·m], shape (samples,).
         sizes: Number of samples of each curve, end to end; noise is independent between curves.
+        uneven: How the deviation depends on the torque.
     """
     basis = independent(columns)
     freedom = residual.size - basis.shape[1]
@@ -88,7 +165,7 @@ def estimate_noise(columns: Array, residual: Array, sizes: Sequence[int]) -> Noi
         variance[i] = left / freedom
     weight = np.exp(likelihood - likelihood.max())
     weight[0] *= SIMPLER
-    return Noise(weight / weight.sum(), variance, freedom)
+    return Noise(weight / weight.sum(), variance, freedom, uneven)
 
 
 def independent(columns: Array) -> Array:

@@ -18,29 +18,36 @@ FAR_RUN = 9.0  # deviations of a run from the samples before and after it
 NEAR_TURN = 6  # samples at a turn, where a misfit looks like a run
 
 
-def outliers(residual: Array, curves: Sequence[Curve], *, is_misfit: bool) -> list[Remark]:
+def outliers(
+    residual: Array, curves: Sequence[Curve], scale: Array, *, is_misfit: bool
+) -> list[Remark]:
     """Returns remarks on samples that a sensor cannot have measured.
 
     The first statistic is the residual less the mean of its two neighbors, which a smooth misfit
     leaves small; the second one the mean of a run less that of the samples before and after. Both
     are divided by their deviation by the median, which outliers leave as it is. Noise whose tails
-    are heavy, such as one in proportion to the torque, has no outliers.
+    are heavy has no outliers.
 
     Args:
-        residual: Residual of the fit [N·m], shape (samples,).
+        residual: Residual of the fit [N·m] over the scale, shape (samples,).
         curves: The fitted curves.
+        scale: Relative deviation of the noise of each sample, shape (samples,).
         is_misfit: Whether the model surely is wrong; then it may be at fault, and none is returned.
     """
-    parts = np.split(residual, np.cumsum([curve.torque.size for curve in curves])[:-1])
+    ends = np.cumsum([curve.torque.size for curve in curves])[:-1]
+    parts = np.split(residual, ends)
     apart = np.concatenate([one[1:-1] - (one[:-2] + one[2:]) / 2 for one in parts])
-    scale = _deviation(apart)
-    if scale == 0 or is_misfit:
+    usual = _deviation(apart)
+    if usual == 0 or is_misfit:
         return []  # no noise, or torques so coarse that most samples repeat the one before
-    size = np.pad(np.abs(apart) / scale, 1)
-    if np.mean((size > SOME) & (size <= FAR)) > HEAVY:
+    size = np.pad(np.abs(apart) / usual, 1)
+    far_off = size > FAR
+    beside = np.pad(far_off[:-2] | far_off[2:], 1)  # an outlier spoils the means of its neighbors
+    if np.mean((size > SOME) & ~far_off & ~beside) > HEAVY:
         return []
     peaks = (size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])  # outliers, not their neighbors
-    far = scale * size[1:-1][peaks & (size[1:-1] > FAR)]
+    inner = np.concatenate([one[1:-1] for one in np.split(scale, ends)])
+    far = (usual * inner * size[1:-1])[peaks & (size[1:-1] > FAR)]
     if far.size >= FEWEST:
         return [
             Remark(
@@ -51,25 +58,26 @@ def outliers(residual: Array, curves: Sequence[Curve], *, is_misfit: bool) -> li
                 ("objective", "robust"),
             )
         ]
-    return _runs(parts, curves)
+    return _runs(parts, np.split(scale, ends), curves)
 
 
-def _runs(parts: Sequence[Array], curves: Sequence[Curve]) -> list[Remark]:
+def _runs(parts: Sequence[Array], scales: Sequence[Array], curves: Sequence[Curve]) -> list[Remark]:
     """Returns a remark on the run that is farthest from the samples around it, if it is far."""
     best = (FAR_RUN, 0.0, 0, 0, "")
     for length in RUNS:
         found = [_apart(part, length) for part in parts]
-        scale = _deviation(np.concatenate(found))
-        if scale == 0:
+        usual = _deviation(np.concatenate(found))
+        if usual == 0:
             continue
-        for series, curve in zip(found, curves, strict=True):
+        for series, scale, curve in zip(found, scales, curves, strict=True):
             first = np.arange(series.size) + length  # index of the first sample of each run
             turns = np.array([0, *reversals(curve.angle).tolist(), curve.angle.size - 1])[:, None]
             near = (first <= turns + NEAR_TURN) & (first + length >= turns - NEAR_TURN)
             free = np.where(near.any(axis=0), 0.0, series)
-            if free.size and (size := np.abs(free).max() / scale) > best[0]:
+            if free.size and (size := np.abs(free).max() / usual) > best[0]:
                 at = int(np.argmax(np.abs(free)))
-                best = (size, float(free[at]), at + length, length, curve.name)
+                height = float(free[at] * scale[at + length])
+                best = (size, height, at + length, length, curve.name)
     _, height, begin, length, name = best
     if not name:
         return []

@@ -18,7 +18,7 @@ from ..remarks import Remark
 from ..thinning import thinned
 from .causes import Cause, causes
 from .misfit import LEAST_FREEDOM, Explained, explained, repeated_noise, smooth_columns
-from .noise import Noise, independent
+from .noise import Noise, independent, uneven_noise
 from .outliers import outliers
 from .smoother import smoother_noise
 from .tangent import coordinates_of, tangent
@@ -70,6 +70,7 @@ class Judgement:
             "verdict": self.verdict,
             "times_noise": self.times_noise,
             "noise": self.noise.deviation,
+            "noise_share": self.noise.share,
             "noise_bound": self.noise_bound,
             "noise_correlation": self.noise.memory,
             "misfit": {
@@ -114,27 +115,32 @@ def judge(
         InputError: There are no more samples than numbers that the model fits.
     """
     family = thinned(curves, JUDGED)
-    residual = -torque_errors(model, initial_torque, family)
-    if not np.isfinite(residual).all():
+    whole = -torque_errors(model, initial_torque, family)
+    if not np.isfinite(whole).all():
         return None
     coordinates = coordinates_of(model, initial_torque, fitted_start=fitted_start)
-    slopes = _reached(tangent(coordinates, family))
-    if residual.size <= slopes.shape[1] + LEAST_FREEDOM:
+    reached = _reached(tangent(coordinates, family))
+    if whole.size <= reached.shape[1] + LEAST_FREEDOM:
         raise InputError(
-            f"the fitted curves have {residual.size} samples in all, and the model "
-            f"{model.name!r} fits {slopes.shape[1]} numbers to them: give more samples, or choose "
+            f"the fitted curves have {whole.size} samples in all, and the model "
+            f"{model.name!r} fits {reached.shape[1]} numbers to them: give more samples, or choose "
             "a model with fewer numbers"
         )
     sizes = [curve.torque.size for curve in family]
-    known, smooth = repeated_noise(family), smooth_columns(family)
-    misfit = explained(residual, slopes, smooth, sizes, known)
+    torque = np.concatenate([curve.torque for curve in family]) - whole
+    uneven = uneven_noise(whole, torque, sizes)
+    scale = uneven.at(torque)
+    residual, slopes = whole / scale, reached / scale[:, None]
+    known, smooth = repeated_noise(family, uneven), smooth_columns(family) / scale[:, None]
+    misfit = explained(residual, slopes, smooth, sizes, known, uneven)
     bound = misfit.noise.deviation if known else min(misfit.noise.deviation, smoother_noise(family))
-    own = nrmse(residual, family)
+    own = nrmse(whole, family)
     matters = own > MATTERS
     left = math.sqrt(float(residual @ residual) / max(residual.size - slopes.shape[1], 1))
     found = _Findings(
         family=family,
         residual=residual,
+        scale=scale,
         known=known,
         misfit=misfit,
         bound=bound,
@@ -142,8 +148,10 @@ def judge(
         own=own,
         constant=float(np.std(np.concatenate([curve.torque for curve in family]))) / family.peak,
         surely=misfit.probability < UNLIKELY and matters,
-        unfinished=_unfinished(residual, slopes) if searched else 1.0,
-        causes=causes(coordinates, family, residual, slopes, smooth, known) if matters else [],
+        unfinished=_unfinished(whole, reached) if searched else 1.0,
+        causes=causes(coordinates, family, residual, slopes, smooth, scale, known)
+        if matters
+        else [],
         baselines=baseline_errors(family),
     )
     describes = NOT_BEYOND if beyond else DESCRIBES
@@ -164,7 +172,8 @@ class _Findings(NamedTuple):
 
     Attributes:
         family: The curves that are judged.
-        residual: Measured less fitted torque [N·m].
+        residual: Measured less fitted torque over the scale [N·m].
+        scale: Relative deviation of the noise of each sample.
         known: Noise from repeated measurements; None without any.
         misfit: The part of the residual that is not noise.
         bound: Deviation that the noise has at most [N·m].
@@ -179,6 +188,7 @@ class _Findings(NamedTuple):
 
     family: Curves
     residual: Array
+    scale: Array
     known: Noise | None
     misfit: Explained
     bound: float
@@ -246,7 +256,7 @@ def _remarks(found: _Findings) -> Iterator[Remark]:
             f"the model explains next to nothing of the torque (NRMSE {own:.2%}, a constant torque "
             f"{found.constant:.2%}): check the columns, or measure larger motions",
         )
-    yield from outliers(found.residual, found.family, is_misfit=found.surely)
+    yield from outliers(found.residual, found.family, found.scale, is_misfit=found.surely)
     yield from (cause.remark for cause in found.causes)
     if found.unfinished >= UNFINISHED and own > MATTERS:
         less = 1 - 1 / found.unfinished

@@ -24,7 +24,7 @@ from ..fits.registry import FITS, fit_model
 from ..fits.search import MARGIN
 from ..objective import CurveObjective, InitialTorque, sample_weights
 from ..prediction import torque_errors
-from ..residual.noise import GRID, Noise, estimate_noise
+from ..residual.noise import GRID, Noise, estimate_noise, uneven_noise
 from ..residual.tangent import STEP, Coordinates, coordinates_of, tangent
 from ..thinning import thinned
 from .likelihood import Likelihood
@@ -137,12 +137,15 @@ def uncertainty(
         )
     scale = np.sqrt(sample_weights(measured))
     slopes = tangent(coordinates, measured) * scale[:, None]
-    noise = estimate_noise(slopes, residual * scale, sizes)
-    covariance = estimator_covariance(slopes, noise, sizes)
+    torque = np.concatenate([curve.torque for curve in measured]) - residual
+    uneven = uneven_noise(residual, torque, sizes)
+    relative = uneven.at(torque)
+    noise = estimate_noise(slopes / relative[:, None], residual * scale / relative, sizes, uneven)
+    covariance = estimator_covariance(slopes, noise, sizes, relative)
     limit = _binding(coordinates)
     intervals = _intervals(coordinates, covariance, limit, noise)
     deviation = np.sqrt(np.diag(covariance))
-    relative = np.where(
+    steps = np.where(
         np.isfinite(coordinates.least), 1.0, np.maximum(np.abs(coordinates.values), STEP)
     )
     return Uncertainty(
@@ -150,7 +153,7 @@ def uncertainty(
         values=coordinates.values,
         standard_errors=deviation * coordinates.slopes(),
         correlation=covariance / np.outer(deviation, deviation),
-        condition=float(np.linalg.cond(slopes * relative)),
+        condition=float(np.linalg.cond(slopes * steps)),
         sloppy=(
             *_directions(model, measured, initial_torque, fitted_start),
             *_open_ends(coordinates, intervals),
@@ -172,7 +175,7 @@ def uncertainty(
     )
 
 
-def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int]) -> Array:
+def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int], scale: Array) -> Array:
     """Returns the covariance of least squares, which assume white noise, under any noise.
 
     With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
@@ -182,8 +185,9 @@ def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int]) -> A
         slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
         noise: Noise of the torque.
         sizes: Number of samples of each curve.
+        scale: Relative deviation of the noise of each sample, shape (samples,).
     """
-    inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T
+    inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T * scale[:, None]
     parts = np.split(inverse, np.cumsum(sizes)[:-1])
     found, total = np.zeros((slopes.shape[1],) * 2), 0.0
     for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
@@ -336,7 +340,7 @@ def _repetitions(
     torque = torque + np.concatenate([curve.torque for curve in curves])
     scale = np.sqrt(sample_weights(curves))
     for child in np.random.SeedSequence(seed).spawn(samples):
-        drawn = noise.draw(sizes, np.random.default_rng(child)) / scale
+        drawn = noise.draw(torque, sizes, np.random.default_rng(child)) / scale
         parts = np.split(torque + drawn, ends)
         yield [replace(curve, torque=part) for curve, part in zip(curves, parts, strict=True)]
 

@@ -10,7 +10,7 @@ import tyro
 from ...assets import Suit, load_suit
 from ...checks import at_least
 from ...errors import InputError
-from ...identification import Corrections, Coverage, Fit, Selection, load_curves, select
+from ...identification import Corrections, Coverage, Curves, Fit, Selection, load_curves, select
 from ...identification import identify as identify_curves
 from ...identification.corrections import averaged
 from ...identification.cycles import cycles_of
@@ -22,7 +22,7 @@ from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
-from ..intended import needed_coverage
+from ..intended import intended_motions, needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..reports.fits import (
@@ -96,23 +96,18 @@ def identify(
         out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG: a new or an
             empty one, or that of an earlier identify.
     """
-    family = load_curves(curves)
-    if corrections.average_cycles:
-        counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
-        family = averaged(family, corrections)
-        corrections = replace(corrections, average_cycles=False)
-        if not json:
-            say(f"mean of the cycles after the first: {counts}")
+    family, corrections = _averaged(load_curves(curves), corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
     joint_name = joint_of(curves, joint) if out or joint is not None else None
-    needed = needed_coverage(family, curves, use, joint)
+    motions = intended_motions(curves, use, joint)
+    needed = needed_coverage(family, use, motions)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     if method == AUTO:
         _refuse_beside_auto(model=model, objective=objective, normalize=normalize, trials=trials)
-        run, total = partial(select, family), 1
+        run, total = partial(select, family, intended=motions), 1
     else:
         chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
         run = partial(identify_curves, family, model=model or DEFAULT_MODEL, method=chosen)
@@ -126,7 +121,6 @@ def identify(
             needed=needed,
             on_trial=lambda trial: bar.advance(),
         )
-    fit = _fit(result)
     found = result.uncertainty(samples=samples, seed=seed) if samples else None
     summary = _summary(result, seed, use, needed, found)
     if json:
@@ -134,23 +128,23 @@ def identify(
     else:
         _print(result, curves, use, found, summary["band"])
     if folder and joint_name:
-        suit = Suit.from_fits(
-            {joint_name: fit},
-            name=curves.stem,
-            description=_description(result, curves, seed),
-            base=others,
-            samples={joint_name: found.samples if found else ()},
-        )
-        with folder.together() as new:
-            suit.save(new / "suit.json")
-            new.json("result.json", summary)
-            _write(new, joint_name, fit)
+        description = _description(result, curves, seed)
+        suit = _suit(_fit(result), joint_name, curves.stem, description, others, found)
+        _write(folder, joint_name, _fit(result), suit, summary)
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
-    if fit.interrupted:
-        raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
-    if fit.verdict == NOT:
-        raise SystemExit(NOT_DESCRIBED)
+    _end(result)
+
+
+def _averaged(family: Curves, corrections: Corrections, quiet: bool) -> tuple[Curves, Corrections]:
+    """Returns curves with averaged cycles where that is asked for, and the other corrections."""
+    if not corrections.average_cycles:
+        return family, corrections
+    counts = ", ".join(f"{cycles_of(one)} of {one.name}" for one in family)
+    family = averaged(family, corrections)
+    if not quiet:
+        say(f"mean of the cycles after the first: {counts}")
+    return family, replace(corrections, average_cycles=False)
 
 
 def _refuse_beside_auto(**given: str | int | None) -> None:
@@ -214,8 +208,11 @@ def _print(
         table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
         table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
-    why = ": they hold no loops inside loops, and no intended motion is named (--for)"
-    say(f"verdict: the model {fit.verdict}{why if fit.verdict == NOT_BEYOND and not use else ''}")
+    say(f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}")
+    if isinstance(result, Selection) and result.agreement:
+        say(f"agreement: {result.agreement.sentence}")
+    if fit.judgement:
+        say(f"noise: {fit.judgement.noise}")
     if band:
         half = band["half_width"]
         say(
@@ -230,6 +227,21 @@ def _print(
         )
     for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
         say(f"note: {sentence}")
+
+
+def _not_contained(fit: Fit) -> str:
+    """Returns what curves do not contain whose model is not valid beyond them, as a phrase."""
+    if fit.verdict != NOT_BEYOND or fit.coverage is None:
+        return ""
+    found = fit.coverage
+    rates = "no times"
+    if found.rates:
+        rates = f"no rates but {found.rates[0]:.2g} to {found.rates[1]:.2g} rad/s"
+    return (
+        f": they have no loops inside loops (reversals nested {found.nesting} deep), no branch "
+        f"below {found.branches[0]:.0%} of the range, {rates}; and no intended motion is named "
+        "(--for)"
+    )
 
 
 def _fit(result: Fit | Selection) -> Fit:
@@ -250,6 +262,32 @@ def _finished(result: Fit | Selection) -> str:
     return f"{len(result.trials)} finished trials"
 
 
-def _write(folder: RunFolder, joint: str, fit: Fit) -> None:
-    write_trials(folder, "trials.csv", {joint: {fit.method: fit}})
-    folder.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
+def _suit(
+    fit: Fit,
+    joint: str,
+    name: str,
+    description: str,
+    base: Suit | None,
+    found: Uncertainty | None,
+) -> Suit:
+    samples = {joint: found.samples if found else ()}
+    return Suit.from_fits(
+        {joint: fit}, name=name, description=description, base=base, samples=samples
+    )
+
+
+def _write(folder: RunFolder, joint: str, fit: Fit, suit: Suit, summary: dict[str, Any]) -> None:
+    with folder.together() as new:
+        suit.save(new / "suit.json")
+        new.json("result.json", summary)
+        write_trials(new, "trials.csv", {joint: {fit.method: fit}})
+        new.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
+
+
+def _end(result: Fit | Selection) -> None:
+    """Ends the command as a fit demands that was interrupted or does not describe the curves."""
+    fit = _fit(result)
+    if fit.interrupted:
+        raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
+    if fit.verdict == NOT:
+        raise SystemExit(NOT_DESCRIBED)

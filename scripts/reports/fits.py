@@ -167,6 +167,7 @@ def selection_summary(selection: Selection) -> dict[str, Any]:
     members = selection.ensemble
     return {
         "why": selection.why,
+        "agreement": selection.agreement and selection.agreement._asdict(),
         "candidates": [_candidate_summary(one) for one in selection.candidates],
         "ensemble": members and {**members.to_dict(), "bands": bands_of(selection)},
     }

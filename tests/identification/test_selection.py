@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, PrandtlIshlinskii, Preisach
-from activesuit.identification import Curve, select
+from activesuit.identification import Curve, Motion, select
 from activesuit.identification import candidates as auto
+from activesuit.identification.agreement import agreement
 from activesuit.identification.fits import registry as own_fits
 from activesuit.identification.fits.beginning import common_torque
 from activesuit.identification.fits.registry import FITS
+from activesuit.identification.residual.verdict import DESCRIBES, NOT_BEYOND
 from helpers import sweep
 
 START = 0.52
@@ -248,3 +250,29 @@ def test_outliers_stop_no_fit(truths):
     found = select(spoiled)
     assert all(one.model or "cannot begin" in one.reason for one in found.candidates)
     assert np.isfinite(found.fit.nrmse)
+
+
+def test_the_verdict_extends_to_loops_on_which_a_tested_band_is_narrow(elbow):
+    rng = np.random.default_rng(0)
+    ways = {"A": (0.52, 1.0, 0.52), "B": (0.52, 1.3, 0.52), "C": (0.52, 1.57, 0.52)}
+    ways["loops"] = (0.52, 1.5, 0.7, 1.3, 0.9)
+    curves = []
+    for name, way in ways.items():
+        angle = sweep(*way, samples=60)
+        noise = 0.05 * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, elbow.response(angle) + noise, name))
+    deeper = Motion(None, sweep(0.52, 1.55, 0.6, 1.45, 0.7, 1.35, 0.8, 1.2, 0.95))
+    found = select(curves, intended=[deeper])
+    assert found.fit.shortfalls  # seven reversals within each other, the curves have three
+    assert found.fit.verdict == DESCRIBES
+    assert found.agreement.tested and found.agreement.half_width < 0.05 * found.fit.curves.peak
+    assert "tested by predictions of curve 'loops'" in found.agreement.sentence
+    farther = select(curves, intended=[deeper, Motion(None, sweep(0.52, 1.7))])
+    assert farther.fit.verdict == NOT_BEYOND  # a band says nothing outside the range
+    alone = select(curves[:3], intended=[deeper])
+    assert alone.fit.verdict == NOT_BEYOND
+    assert not alone.agreement.tested
+    assert "all may be wrong together" in alone.agreement.sentence
+    turned = agreement(alone.ensemble, [Motion(None, np.array([0.0, 7.0]))], 5.0)
+    assert "cannot be compared on the intended motion: curve" in turned.sentence
+    assert agreement(alone.ensemble, [Motion(None, np.zeros(3))], 5.0) is None

@@ -1,13 +1,18 @@
 """Noise that is white, slow, or both: whitening, and its estimate from a residual."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from activesuit.identification.residual.noise import (
+    EVEN,
     GRID,
     Noise,
+    Uneven,
     estimate_noise,
     independent,
     slow_noise,
+    uneven_noise,
     whiten,
 )
 from scipy.linalg import toeplitz
@@ -57,7 +62,7 @@ def test_drawn_noise_is_of_the_grid():
     weight = np.zeros(len(GRID))
     weight[30] = 1.0
     noise = Noise(weight=weight, variance=np.full(len(GRID), 0.04), freedom=100)
-    drawn = noise.draw([5000, 5000], np.random.default_rng(0))
+    drawn = noise.draw(np.ones(10_000), [5000, 5000], np.random.default_rng(0))
     memory, white = GRID[30]
     assert drawn.std() == pytest.approx(0.2, rel=0.1)
     assert np.corrcoef(drawn[:-1], drawn[1:])[0, 1] == pytest.approx((1 - white) * memory, abs=0.05)
@@ -69,3 +74,30 @@ def test_columns_that_depend_on_others_count_once():
     assert basis.shape == (40, 2)
     np.testing.assert_allclose(basis.T @ basis, np.eye(2), atol=1e-12)
     assert independent(np.zeros((40, 2))).shape == (40, 0)
+
+
+def test_noise_in_proportion_to_the_torque_is_distinguished_from_even_noise():
+    rng = np.random.default_rng(3)
+    torque = np.tile(np.concatenate([np.linspace(0, 10, 120), np.linspace(10, -1, 120)]), 3)
+    sizes, shares = [240] * 3, []
+    for _ in range(8):
+        even = 0.1 * rng.standard_normal(torque.size)
+        assert uneven_noise(even, torque, sizes) == EVEN
+        assert uneven_noise(0.1 * rng.standard_t(3, torque.size), torque, sizes) == EVEN
+        drawn = np.hypot(0.02, 0.015 * torque) * rng.standard_normal(torque.size)
+        uneven = uneven_noise(drawn, torque, sizes)
+        scale = uneven.at(torque)
+        assert np.mean(scale**2) == pytest.approx(1)
+        shares.append(estimate_noise(np.empty((720, 0)), drawn / scale, sizes, uneven).share)
+    assert np.mean(shares) == pytest.approx(0.015, rel=0.1)
+    assert uneven_noise(np.zeros(720), torque, sizes) == EVEN
+
+
+def test_noise_in_words():
+    one = np.eye(len(GRID))[0]
+    noise = Noise(one, np.full(len(GRID), 4e-4), 100)
+    assert str(noise) == "0.02 N·m"
+    uneven = Uneven(ratio=0.75, square=1.0)
+    assert str(replace(noise, uneven=uneven)) == "0.02 N·m and 1.5 % of the torque"
+    drawn = replace(noise, uneven=uneven).draw(np.full(9000, 4.0), [9000], np.random.default_rng(0))
+    assert np.std(drawn) == pytest.approx(0.02 * np.hypot(1, 3), rel=0.05)

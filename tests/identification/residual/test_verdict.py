@@ -77,6 +77,22 @@ def test_an_error_above_five_percent_needs_repeats(elbow):
     assert identify([*loud, *again]).verdict == NOT_BEYOND
 
 
+def test_noise_in_proportion_to_the_torque_has_no_outliers(elbow):
+    for seed in range(8):
+        loud = family(elbow, seed=seed)
+        curves = [
+            replace(one, torque=one.torque * (1 + 0.02 * noise_of(one, seed))) for one in loud
+        ]
+        fit = identify(curves)
+        assert fit.verdict == NOT_BEYOND
+        assert not any(one.code == "outliers" for one in fit.remarks)
+        assert fit.judgement.to_dict()["noise_share"] == pytest.approx(0.02, rel=0.5)
+    spoilt = curves[-1].torque.copy()
+    spoilt[[20, 50]] += 2.0
+    (remark,) = identify([*curves[:-1], replace(curves[-1], torque=spoilt)]).remarks
+    assert remark.code == "outliers"
+
+
 def noise_of(curve, seed=0):
     return np.random.default_rng([curve.torque.size, seed]).standard_normal(curve.torque.size)
 

@@ -73,8 +73,27 @@ def test_covariance_under_white_noise_is_the_textbook_formula(elbow):
     J = jacobian(elbow, curves)
     J = J / np.linalg.norm(J, axis=0)
     sizes = [one.torque.size for one in curves]
-    found = estimator_covariance(J, WHITE, sizes)
+    found = estimator_covariance(J, WHITE, sizes, np.ones(len(J)))
     np.testing.assert_allclose(found, 0.0025 * np.linalg.inv(J.T @ J), rtol=1e-6)
+
+
+def test_standard_errors_know_noise_in_proportion_to_the_torque(elbow):
+    """Those of even noise are 30 % too small for the parameters of large torques."""
+    exact, trials, start = family(elbow, 0.0), 100, parameters(elbow)
+    torque = np.concatenate([one.torque for one in exact])
+    rng = np.random.default_rng(5)
+
+    def noisy():
+        drawn = 0.02 * torque * rng.standard_normal(torque.size)
+        parts = np.split(torque + drawn, np.cumsum([one.torque.size for one in exact])[:-1])
+        return [replace(one, torque=part) for one, part in zip(exact, parts, strict=True)]
+
+    fits = [refined(noisy(), start) for _ in range(trials)]
+    spread = np.std([fit.parameters for fit in fits], axis=0, ddof=1)
+    found = [uncertainty(elbow, noisy()) for _ in range(8)]
+    stated = np.mean([one.standard_errors for one in found], axis=0)
+    np.testing.assert_allclose(spread, stated, rtol=0.3)
+    assert np.mean([one.noise.share for one in found]) == pytest.approx(0.02, rel=0.1)
 
 
 def test_standard_errors_are_those_of_many_noisy_fits(elbow):
