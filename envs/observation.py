@@ -107,6 +107,7 @@ class Observer:
     Attributes:
         sensors: Names of the suites.
         normalized: Whether each part is divided by its scale.
+        history: Number of observations that make up one.
         layout: Slice of the observation that contains each part, by the name of the part; with a
             history the newest comes first, and the layout is that of the newest.
         space: Observation space of one row.
@@ -125,7 +126,7 @@ class Observer:
                 "sensors has 'cuffs', and this coupling has none: use coupling='cuffs', or leave "
                 "the suite out"
             )
-        self.sensors, self.normalized = tuple(sensors), normalize
+        self.sensors, self.normalized, self.history = tuple(sensors), normalize, history
         columns = {**columns, "belief": BELIEF}
         self.layout: dict[str, slice] = {}
         index, factors, limits = [], [], []

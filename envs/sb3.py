@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from ..errors import InputError, shown
+from .reward import COSTS
 from .vector_env import ArmVectorEnv
 
 
@@ -18,7 +19,7 @@ class ArmVecEnv(VecEnv):
 
     The info of a row whose episode goes on is empty, and one dict is shared by all of them. Where
     an episode has ended it contains `terminal_observation`, `TimeLimit.truncated` and `is_success`,
-    which learners log.
+    which learners log, and `episode_costs`, the `cost_terms` of the episode.
 
     Args:
         arms: Vector environment with `autoreset_mode="SameStep"`.
@@ -63,10 +64,12 @@ class ArmVecEnv(VecEnv):
         ended = terminated | truncated
         infos: list[dict[str, Any]] = [{}] * self.num_envs
         for row in np.flatnonzero(ended).tolist():
+            costs = info["final_info"]["cost_terms"]
             infos[row] = {
                 "terminal_observation": info["final_obs"][row],
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
                 "is_success": bool(info["final_info"]["is_success"][row]),
+                "episode_costs": {name: float(costs[name][row]) for name in COSTS},
             }
         return observation, reward.astype(np.float32), ended, infos
 

@@ -367,14 +367,18 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         if full:
             found["clipped_actions"] = counters.clipped.copy()
             found["diverged"] = counters.diverged.copy()
-            each = [
-                cost_terms(row, int(count))
-                for row, count in zip(episodes.costs, counters.step, strict=True)
-            ]
-            by_name = {name: np.array([one[name] for one in each]) for name in COSTS}
-            found["cost_terms"] = _with_masks(by_name, mask)
+            found["cost_terms"] = self._cost_terms(mask)
         terms = {name: episodes.terms[:, i].copy() for i, name in enumerate(TERMS)}
         found["reward_terms"] = _with_masks(terms, mask)
+        return _with_masks(found, mask)
+
+    def _cost_terms(self, mask: Bools) -> dict[str, Any]:
+        """Returns the costs of the episodes of the rows of a mask by name, 0 in the others."""
+        found = {name: np.zeros(self.num_envs) for name in COSTS}
+        steps = self.episodes.simulation.state.episode.step
+        for row in self._rows[mask].tolist():
+            for name, value in cost_terms(self.episodes.costs[row], int(steps[row])).items():
+                found[name][row] = value
         return _with_masks(found, mask)
 
     def _successes(self) -> Bools:
@@ -399,6 +403,8 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
                 **self._infos(ended),
                 "is_success": self._successes(),
                 "_is_success": ended.copy(),
+                "cost_terms": self._cost_terms(ended),
+                "_cost_terms": ended.copy(),
             },
             "_final_info": ended.copy(),
         }

@@ -12,7 +12,8 @@ from ..envs.levels import with_level
 from ..envs.making import OURS
 from ..envs.policies import POLICIES, PolicySpec, policy_spec
 from ..envs.policies.build import is_saved
-from ..envs.policies.trained import CONFIG, training_config
+from ..envs.policies.network import CARD
+from ..envs.policies.trained import OBSERVATION, environment_of
 from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
 from ..errors import InputError, shown, unknown_name
@@ -136,12 +137,13 @@ def run_options(folder: str) -> dict[str, Any]:
     Raises:
         InputError: The folder is not a training run, or an option is unknown or cannot be used.
     """
-    config = training_config(folder)
-    arm = {name: value for name, value in config.items() if name not in ("algo", "seed", "steps")}
+    beside = ("level", *OBSERVATION)
+    found = environment_of(folder)
+    arm = {name: value for name, value in found.items() if name not in beside}
     flat = flat_options(arm)
     if nested_options(flat) != arm:
         raise InputError(
-            f"{str(Path(folder) / CONFIG)!r} has options of wearer or payload that no training "
+            f"{str(Path(folder) / CARD)!r} has options of wearer or payload that no training "
             "has: restore it"
         )
     return {**USUAL_OPTIONS, **flat, "env": flat["env"].removeprefix(OUR_MODULE)}
@@ -154,9 +156,9 @@ def _runs_among(policies: Sequence[str]) -> list[str]:
 def _check_module(trained_on: str, given: str | None, folder: str) -> None:
     if ":" not in trained_on or given == trained_on:
         return
-    if not is_own((Path(folder) / CONFIG).read_bytes()):
+    if not is_own((Path(folder) / CARD).read_bytes()):
         raise InputError(
-            f"the run in {folder!r} needs {shown(trained_on)}, and its {CONFIG} is not of this "
+            f"the run in {folder!r} needs {shown(trained_on)}, and its {CARD} is not of this "
             f"machine: add --env {trained_on} if that module may be imported"
         )
 

@@ -482,10 +482,10 @@ def run_command(rng: Rng) -> list[str]:
 
 
 def run_config(change: Callable[[str, Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites config.json of the run from its text."""
+    """Returns damage that rewrites policy.json of the run from its text."""
 
     def damage(folder: Path, rng: Rng) -> list[str]:
-        path = folder / "run" / "config.json"
+        path = folder / "run" / "policy.json"
         write(path, change(path.read_text(), rng))
         return run_command(rng)
 
@@ -494,60 +494,43 @@ def run_config(change: Callable[[str, Rng], str | bytes]) -> Damage:
 
 def run_option(name: str, *values: Any) -> Damage:
     """Returns damage that gives an option of the run one of some values."""
-    return run_config(
-        lambda text, rng: json.dumps({**json.loads(text), name: values[rng.integers(len(values))]})
-    )
+
+    def change(text: str, rng: Rng) -> str:
+        card = json.loads(text)
+        part = "training" if name in card["training"] else "environment"
+        card[part][name] = values[rng.integers(len(values))]
+        return json.dumps(card)
+
+    return run_config(change)
 
 
 def network(change: Callable[[Path, Rng], None]) -> Damage:
-    """Returns damage of model.zip."""
+    """Returns damage of the file of the weights."""
 
     def damage(folder: Path, rng: Rng) -> list[str]:
-        change(folder / "run" / "model.zip", rng)
+        change(folder / "run" / "policy.safetensors", rng)
         return run_command(rng)
 
     return damage
 
 
-def part(name: str, content: bytes | None) -> Damage:
-    """Returns damage that replaces a part of model.zip, or removes it."""
-
-    def change(path: Path, rng: Rng) -> None:
-        import zipfile
-
-        del rng
-        with zipfile.ZipFile(path) as archive:
-            parts = {one: archive.read(one) for one in archive.namelist() if one != name}
-        if content is not None:
-            parts[name] = content
-        with zipfile.ZipFile(path, "w") as archive:
-            for one, old in parts.items():
-                archive.writestr(one, old)
-
-    return network(change)
-
-
 def not_a_number(path: Path, rng: Rng) -> None:
     """Makes one weight of the network not a number."""
-    import zipfile
+    from activesuit.envs.policies.network import files_of, read_card, read_network
 
-    import torch
-    from trained_runs import replace_part
-
-    with zipfile.ZipFile(path) as archive, archive.open("policy.pth") as file:
-        weights = torch.load(io.BytesIO(file.read()), weights_only=True)
-    names = sorted(weights)
-    weights[names[rng.integers(len(names))]].view(-1)[0] = (np.nan, np.inf)[rng.integers(2)]
-    content = io.BytesIO()
-    torch.save(weights, content)
-    replace_part(path, "policy.pth", content.getvalue())
+    card = read_card(path.parent)
+    network = read_network(path.parent, card)
+    names = sorted(network.weights)
+    network.weights[names[rng.integers(len(names))]].flat[0] = (np.nan, np.inf)[rng.integers(2)]
+    for name, content in files_of(card, network).items():
+        (path.parent / name).write_bytes(content)
 
 
 RUNS = [
     *(Kind(f"run: config {name}", run_config(change)) for name, change in BROKEN.items()),
     Kind(
         "run: config missing",
-        lambda folder, rng: [*_gone(folder / "run" / "config.json"), *run_command(rng)],
+        lambda folder, rng: [*_gone(folder / "run" / "policy.json"), *run_command(rng)],
     ),
     Kind(
         "run: algorithm", run_option("algo", "dqn", "", 3, None, ["ppo"], "__class__", "x" * 3000)
@@ -570,8 +553,6 @@ RUNS = [
         network(lambda path, rng: write(path, path.read_bytes()[: rng.integers(9, 9999)])),
     ),
     Kind("run: network a folder", network(lambda path, rng: _folder(path) and None)),
-    Kind("run: no weights", part("policy.pth", None)),
-    Kind("run: weights are text", part("policy.pth", b"weights")),
     Kind("run: weights not finite", network(not_a_number)),
 ]
 

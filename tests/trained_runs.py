@@ -1,17 +1,26 @@
 """Run folders as `activesuit train` leaves them, made without training; some by an enemy."""
 
 import base64
+import hashlib
 import json
 import pickle
 import zipfile
 from pathlib import Path
 
 import gymnasium
+from activesuit.envs.policies.network import (
+    CARD,
+    WEIGHTS,
+    Card,
+    Network,
+    card_file,
+    contract_of,
+    files_of,
+)
+from activesuit.envs.policies.saving import network_of
 
-CONFIG = {
+ENVIRONMENT = {
     "env": "ActiveSuit/ElbowFlexion-v0",
-    "algo": "ppo",
-    "seed": 0,
     "suit": "mock-suit",
     "pressure": None,
     "gravity": "moon",
@@ -21,6 +30,20 @@ CONFIG = {
     "side": "right",
     "tilt": [0.0, 0.0],
     "allow_uncertified": False,
+}
+TRAINING = {"algo": "ppo", "seed": 0, "rows": 1, "steps": 64, "hyperparameters": {"n_steps": 64}}
+OBSERVATION = {
+    "sensors": ["encoders"],
+    "normalize": False,
+    "layout": {
+        "angle": [0, 4],
+        "rate": [4, 8],
+        "motor_torque": [8, 10],
+        "previous_action": [10, 12],
+    },
+    "size": 12,
+    "motors": 2,
+    "dt": 0.01,
 }
 
 
@@ -42,18 +65,36 @@ def learner(algo="ppo", env="ActiveSuit/ElbowFlexion-v0", **settings):
     return make("MlpPolicy", gymnasium.make(f"activesuit:{env}"), device="cpu", **settings)
 
 
-def make_run(folder: Path, algo="ppo", **config) -> Path:
+def make_run(folder: Path, algo="ppo", **options) -> Path:
     """Makes the folder of a run whose network has not learned anything."""
-    folder.mkdir()
-    write_config(folder, algo=algo, **config)
     small = {"sac": {"buffer_size": 100}, "ppo": {"n_steps": 64}}[algo]
-    learner(algo, **small).save(folder / "model.zip")
+    model = learner(algo, **small)
+    folder.mkdir()
+    model.save(folder / "model.zip")
+    write_network(folder, network_of(model), algo=algo, **options)
     return folder
 
 
-def write_config(folder: Path, **config) -> None:
-    """Writes config.json with some options of its own."""
-    (folder / "config.json").write_text(json.dumps({**CONFIG, **config}))
+def write_network(folder: Path, network: Network, **options) -> None:
+    """Writes a network, with a card that fits."""
+    for name, content in files_of(card(**options), network).items():
+        (folder / name).write_bytes(content)
+
+
+def write_card(folder: Path, **options) -> None:
+    """Writes a card with some options of its own."""
+    (folder / CARD).write_bytes(card_file(card(**options)))
+
+
+def card(**options) -> Card:
+    """Returns a card with some options of its own, of the environment or of the training."""
+    training = {name: options.pop(name) for name in [*options] if name in TRAINING}
+    return Card(
+        observation=OBSERVATION,
+        contract=contract_of(OBSERVATION),
+        environment={**ENVIRONMENT, **options},
+        training={**TRAINING, **training},
+    )
 
 
 def replace_part(path: Path, name: str, content: bytes) -> None:
@@ -75,12 +116,12 @@ def poison_data(folder: Path, trap: Path) -> None:
 
 
 def poison_weights(folder: Path, trap: Path) -> None:
-    """Puts a pickled object into the weights."""
-    import torch
-
-    path = folder.with_name(f"{folder.name}.pth")
-    torch.save({"weights": Enemy(trap)}, path)
-    replace_part(folder / "model.zip", "policy.pth", path.read_bytes())
+    """Makes the weights a pickled object, and the card one of them."""
+    content = pickle.dumps(Enemy(trap))
+    (folder / WEIGHTS).write_bytes(content)
+    found = json.loads((folder / CARD).read_text())
+    found["weights"] = hashlib.sha256(content).hexdigest()
+    (folder / CARD).write_text(json.dumps(found))
 
 
 def poison_replay(folder: Path, trap: Path) -> None:

@@ -8,6 +8,7 @@ from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
 from .no_assist import NoAssist
 from .oracle import Oracle
+from .saving import save_policy
 from .trained import TrainedPolicy
 
 __all__ = [
@@ -27,4 +28,5 @@ __all__ = [
     "make_policy",
     "needed_options",
     "policy_spec",
+    "save_policy",
 ]

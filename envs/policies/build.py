@@ -37,7 +37,7 @@ from .outside import own_policy
 from .predictive import PredictiveSampling
 from .proportional import ProportionalAssist
 from .radial_basis import RadialBasisTracker
-from .trained import TrainedPolicy
+from .trained import OBSERVATION, TrainedPolicy, environment_of
 from .transparent import Transparent
 
 POLICIES: dict[str, Callable[..., Policy]] = {
@@ -203,13 +203,18 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
     Args:
-        given: A policy, which needs its sensor suites in their units; or the folder of a training
-            run, or a class of your own without `sensors`, which take what there is.
+        given: A policy, which needs its sensor suites in their units; or the folder of a trained
+            one, which needs what it was trained with; or a class of your own without `sensors`,
+            which takes what there is.
 
     Raises:
         InputError: See `policy_spec`.
     """
-    sensors = getattr(maker_of(policy_spec(given).name), "sensors", None)
+    name = policy_spec(given).name
+    maker = maker_of(name)
+    if maker is None:
+        return {part: value for part, value in environment_of(name).items() if part in OBSERVATION}
+    sensors = getattr(maker, "sensors", None)
     return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
 
@@ -233,6 +238,9 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
             f"policy {name!r} needs motors, and coupling is 'none': use 'rigid' or 'cuffs', or the "
             "policy 'none'"
         )
+    maker = maker_of(name)
+    if maker is None:
+        return TrainedPolicy(name, plant)
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
@@ -243,9 +251,6 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
             f"policy {name!r} reads angles in rad, and the environment has normalize=True: make it "
             "without"
         )
-    maker = maker_of(name)
-    if maker is None:
-        return TrainedPolicy(name, plant)
     options = dict(spec.options)
     guarded = options.pop(GUARD, False)
     belief = Belief(**{part: options.pop(part) for part in _BELIEF if part in options})

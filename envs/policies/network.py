@@ -1,115 +1,255 @@
-"""Reads trained networks without running anything that a file brings along.
+"""Trained networks as data: numbers in a safetensors file, a card in JSON, NumPy that runs both.
 
-A checkpoint of Stable-Baselines3 holds Python objects, whose reading can run any code. Only the
-numbers in its `policy.pth` are read here, into a network of our own making.
+Neither file can run code, and neither needs torch.
 """
 
-import io
-import zipfile
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, ValidationError
 
+from ...arrays import Array
 from ...errors import InputError
+from ...files import content_of
+from ...json_files import read_json
+from ..plant import Plant
 
-# What `activesuit train` builds, said here because a checkpoint is not asked.
-ARCHITECTURES: dict[str, dict[str, Any]] = {
-    "ppo": {"net_arch": {"pi": [64, 64], "vf": [64, 64]}},
-    "sac": {"net_arch": {"pi": [256, 256], "qf": [256, 256]}},
-}
-_FIRST_LAYER = {"ppo": "mlp_extractor.policy_net.0.weight", "sac": "actor.latent_pi.0.weight"}
-WEIGHTS = "policy.pth"
+CARD, WEIGHTS = "policy.json", "policy.safetensors"
+FORMAT = 1
 LARGEST = 50_000_000  # bytes; our networks have less than 2 MB
+ACTIVATIONS: dict[str, Callable[[Array], Array]] = {
+    "tanh": np.tanh,
+    "relu": lambda values: np.maximum(values, 0.0),
+}
+LAYER, LSTM = "layer", "lstm"  # prefixes of the names of weights
 
 
-def algorithm_class(name: str) -> Any:
-    """Returns Stable-Baselines3's class for "ppo" or "sac".
+class Card(BaseModel):
+    """What belongs to the weights of a policy.
+
+    Attributes:
+        format: Version of the two files.
+        activation: Function between the layers.
+        squashed: Whether the last layer's values pass tanh; else they are clipped to -1 and 1.
+        weights: SHA-256 of the file of weights; None before the first checkpoint.
+        observation: What the network observes; see `observed`.
+        contract: Hash of `observation`.
+        environment: Id of the environment of the training, and its options.
+        training: Algorithm, seed, steps and what else describes the training.
+        versions: Versions of the packages that trained it.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    format: Literal[1] = FORMAT
+    activation: Literal["tanh", "relu"] = "tanh"
+    squashed: bool = False
+    weights: str | None = None
+    observation: dict[str, Any]
+    contract: str
+    environment: dict[str, Any]
+    training: dict[str, Any]
+    versions: dict[str, str] = {}
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """A network of fully connected layers, behind at most one layer of LSTM.
+
+    Attributes:
+        weights: Arrays by name: "layer.0.weight" of shape (out, in), "layer.0.bias", and so on; of
+            the LSTM "lstm.input" (4 hidden, in), "lstm.hidden" (4 hidden, hidden) and "lstm.bias"
+            with the gates input, forget, cell, output one below the other, as in torch.
+        activation: Name of the function between the layers.
+        squashed: Whether the last layer's values pass tanh; else they are clipped to -1 and 1.
+    """
+
+    weights: Mapping[str, NDArray[np.floating[Any]]]
+    activation: str
+    squashed: bool
+
+    def __post_init__(self) -> None:
+        size = self.inputs
+        if self.hidden:
+            _check(self.weights, f"{LSTM}.input", (4 * self.hidden, size))
+            _check(self.weights, f"{LSTM}.hidden", (4 * self.hidden, self.hidden))
+            _check(self.weights, f"{LSTM}.bias", (4 * self.hidden,))
+            size = self.hidden
+        for weight, bias in self._names:
+            shape = self.weights[weight].shape
+            _check(self.weights, weight, (shape[0], size))
+            _check(self.weights, bias, (shape[0],))
+            size = shape[0]
+
+    @property
+    def _names(self) -> list[tuple[str, str]]:
+        count = sum(
+            name.startswith(f"{LAYER}.") and name.endswith(".weight") for name in self.weights
+        )
+        return [(f"{LAYER}.{i}.weight", f"{LAYER}.{i}.bias") for i in range(count)]
+
+    @property
+    def hidden(self) -> int:
+        """Size of the LSTM's state; 0 without one."""
+        return self.weights[f"{LSTM}.hidden"].shape[1] if f"{LSTM}.hidden" in self.weights else 0
+
+    @property
+    def inputs(self) -> int:
+        """Number of observed numbers."""
+        first = f"{LSTM}.input" if f"{LSTM}.hidden" in self.weights else f"{LAYER}.0.weight"
+        return self.weights[first].shape[1]
+
+    @property
+    def outputs(self) -> int:
+        """Number of motors."""
+        return self.weights[self._names[-1][0]].shape[0]
+
+    def memory(self, rows: int) -> Array:
+        """Returns the memory at the begin of an episode, shape (2, rows, hidden)."""
+        return np.zeros((2, rows, self.hidden))
+
+    def act(self, observation: NDArray[np.floating[Any]], memory: Array) -> Array:
+        """Returns the mean action of rows, and moves their memory on, in place.
+
+        Args:
+            observation: Shape (rows, inputs).
+            memory: Output and state of the LSTM, shape (2, rows, hidden).
+
+        Returns:
+            Actions from -1 to 1, shape (rows, outputs).
+        """
+        values = np.asarray(observation, float)
+        if self.hidden:
+            values = self._remembered(values, memory)
+        *between, last = self._names
+        for weight, bias in between:
+            values = ACTIVATIONS[self.activation](
+                values @ self.weights[weight].T + self.weights[bias]
+            )
+        values = values @ self.weights[last[0]].T + self.weights[last[1]]
+        return np.tanh(values) if self.squashed else np.clip(values, -1.0, 1.0)
+
+    def _remembered(self, values: Array, memory: Array) -> Array:
+        """Returns the output of the LSTM (Hochreiter and Schmidhuber 1997; gates as in torch)."""
+        output, state = memory
+        gates = values @ self.weights[f"{LSTM}.input"].T + self.weights[f"{LSTM}.bias"]
+        gates += output @ self.weights[f"{LSTM}.hidden"].T
+        opened, kept, new, shown = np.split(gates, 4, axis=1)
+        state[:] = _sigmoid(kept) * state + _sigmoid(opened) * np.tanh(new)
+        output[:] = _sigmoid(shown) * np.tanh(state)
+        return output
+
+
+def _sigmoid(values: Array) -> Array:
+    return 0.5 * (1 + np.tanh(0.5 * values))
+
+
+def _check(weights: Mapping[str, NDArray[Any]], name: str, shape: tuple[int, ...]) -> None:
+    if name not in weights:
+        raise InputError(f"the network has no {name}: restore its file, or train again")
+    found = weights[name]
+    if found.shape != shape:
+        raise InputError(
+            f"the network's {name} has the shape {found.shape}, and the layers before it need "
+            f"{shape}: restore its file, or train again"
+        )
+    if not np.isfinite(found).all():
+        raise InputError(
+            f"the network's {name} has values that are not finite: restore its file, or train again"
+        )
+
+
+def observed(plant: Plant) -> dict[str, Any]:
+    """Returns what a policy observes and moves, as plain data: two arms with equal ones fit."""
+    return {
+        "sensors": list(plant.sensors),
+        "normalize": plant.normalized,
+        "layout": {name: [place.start, place.stop] for name, place in plant.layout.items()},
+        "size": int(np.prod(plant.observation_space.shape)),
+        "motors": plant.motors,
+        "dt": plant.dt,
+    }
+
+
+def contract_of(observation: Mapping[str, Any]) -> str:
+    """Returns the hash of what a policy observes and moves."""
+    text = json.dumps(observation, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+def read_card(folder: str | os.PathLike[str]) -> Card:
+    """Returns the card of a policy.
 
     Raises:
-        InputError: Stable-Baselines3 is not installed.
+        InputError: There is none, or it is not one.
     """
-    try:
-        import stable_baselines3
-    except ImportError as error:
+    path = Path(folder) / CARD
+    if not path.is_file():
         raise InputError(
-            "training and trained policies need Stable-Baselines3: use `make train` in a clone of "
-            "the repository, or pip install -e '.[train]' -c constraints.txt"
+            f"{str(folder)!r} is neither a policy name nor a trained policy: it has no readable "
+            f"{CARD}; train it, or save one with `save_policy`"
+        )
+    try:
+        return Card.model_validate(read_json(path, "policy"))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "content"
+        raise InputError(
+            f"{str(path)!r} is no card of a policy: its {place} is wrong ({first['msg']}); restore "
+            "it, or train again"
+        ) from None
+
+
+def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
+    """Returns the network of a folder; only numbers are read.
+
+    Raises:
+        InputError: There are no weights yet, or they are damaged or of another card.
+    """
+    from safetensors import SafetensorError
+    from safetensors.numpy import load
+
+    path = Path(folder) / WEIGHTS
+    if card.weights is None or not path.is_file():
+        raise InputError(
+            f"{str(folder)!r} has no finished {WEIGHTS}: train it first, or with --resume"
+        )
+    content = content_of(path, "network", LARGEST)
+    if hashlib.sha256(content).hexdigest() != card.weights:
+        raise InputError(
+            f"{str(path)!r} and {CARD} do not belong together: their hashes differ, so that one of "
+            "them is damaged or of another training; restore both"
+        )
+    try:
+        return Network(load(content), card.activation, card.squashed)
+    except (SafetensorError, KeyError, ValueError, IndexError) as error:
+        raise InputError(
+            f"{str(path)!r} is not a readable network ({error}): restore it, or train again"
         ) from error
-    return getattr(stable_baselines3, name.upper())
 
 
-def load_actor(
-    algorithm: str, path: Path, observations: gymnasium.Space, actions: gymnasium.Space
-) -> Any:
-    """Returns the network whose weights are in a checkpoint, as a policy of Stable-Baselines3.
+def files_of(card: Card, network: Network) -> dict[str, bytes]:
+    """Returns the two files of a policy by name, weights first.
 
     Args:
-        algorithm: Learning algorithm, "ppo" or "sac".
-        path: Path of the checkpoint.
-        observations: Observation space of the environment.
-        actions: Action space of the environment.
-
-    Raises:
-        InputError: The file is damaged, its network is not one of ours or does not fit the spaces,
-            a weight is not a finite number, or Stable-Baselines3 is not installed.
+        card: The card; what it says of the network is filled in.
+        network: The network.
     """
-    learner = algorithm_class(algorithm)
-    actor = learner.policy_aliases["MlpPolicy"](
-        observations, actions, lambda _: 0.0, **ARCHITECTURES[algorithm]
-    )
-    (size,) = observations.shape or (0,)
-    try:
-        weights = _weights(path)
-        observed = int(weights[_FIRST_LAYER[algorithm]].shape[1])
-        if observed == size:
-            actor.load_state_dict(weights)
-    except Exception as error:  # a damaged file fails wherever it is damaged
-        raise unreadable(path, error) from error
-    if observed != size:
-        raise InputError(
-            f"the policy in {str(path.parent)!r} observes {observed} numbers and the environment "
-            f"shows {size}: give it the sensors that it was trained with, or train again"
-        )
-    check_finite(actor, path)
-    return actor
+    from safetensors.numpy import save
+
+    content = save({name: np.ascontiguousarray(one) for name, one in network.weights.items()})
+    digest = hashlib.sha256(content).hexdigest()
+    changes = {"weights": digest, "activation": network.activation, "squashed": network.squashed}
+    return {WEIGHTS: content, CARD: card_file(card.model_copy(update=changes))}
 
 
-def check_finite(policy: Any, path: Path) -> None:
-    """Checks that all weights of a policy of Stable-Baselines3 are finite.
-
-    Raises:
-        InputError: One of them is not.
-    """
-    if not all(bool(values.isfinite().all()) for values in policy.state_dict().values()):
-        raise InputError(
-            f"the network in {str(path)!r} has weights that are not finite numbers: restore it, or "
-            "train again"
-        )
-
-
-def unreadable(path: Path, error: Exception) -> InputError:
-    """Returns the error for a checkpoint that cannot be read."""
-    reason = next(iter(str(error).splitlines()), type(error).__name__)
-    return InputError(
-        f"{str(path)!r} is not a readable policy of `activesuit train` ({reason}): restore it, or "
-        "train again"
-    )
-
-
-def _weights(path: Path) -> dict[str, Any]:
-    import torch
-
-    content = _part(path, WEIGHTS)
-    with zipfile.ZipFile(io.BytesIO(content)) as parts:
-        if sum(part.file_size for part in parts.infolist()) > LARGEST:
-            raise ValueError(f"{WEIGHTS} is longer than {LARGEST:,} bytes")
-    return torch.load(io.BytesIO(content), map_location="cpu", weights_only=True)
-
-
-def _part(path: Path, name: str) -> bytes:
-    with zipfile.ZipFile(path) as archive, archive.open(name) as part:
-        content = part.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise ValueError(f"{name} is longer than {LARGEST:,} bytes")
-    return content
+def card_file(card: Card) -> bytes:
+    """Returns the file of a card."""
+    return (card.model_dump_json(indent=1) + "\n").encode()

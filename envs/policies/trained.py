@@ -1,102 +1,120 @@
-"""A policy trained by `activesuit train` (needs the extra `train`)."""
+"""A trained policy: the folder of `activesuit train` or of `save_policy`."""
 
 import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from ...arrays import Array
 from ...errors import InputError, shown, unknown_name
-from ...json_files import read_json
 from ..model import ArmConfig
 from ..plant import Plant
-from .network import ARCHITECTURES, load_actor
+from .network import CARD, contract_of, observed, read_card, read_network
 
-CONFIG, CHECKPOINT = "config.json", "model.zip"
 OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
-_RUN = ("env", "algo", "seed", "steps")
-_ARM = (
+OBSERVATION = ("sensors", "normalize", "history")
+_TRAINING = ("algo", "seed", "steps")
+ARM = (
     *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
     *("preconditioned", "allow_uncertified"),
 )
+_ENVIRONMENT = ("env", "level", *OBSERVATION, *ARM)
 
 
-def training_config(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns the options that a policy was trained with: env, algo, suit, gravity, ...
+def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Returns the environment that a policy was trained in: env, suit, gravity, sensors, ...
 
     Raises:
-        InputError: The folder is not a training run, or an option is unknown or cannot be used.
+        InputError: The folder has no card, or an option is unknown or cannot be used.
     """
     folder = Path(folder)
-    path = folder / CONFIG
-    if not path.is_file():
+    path, found = folder / CARD, dict(read_card(folder).environment)
+    for name in found:
+        if name not in _ENVIRONMENT:
+            raise unknown_name(f"option in {str(path)!r}", name, _ENVIRONMENT)
+    if not isinstance(found.get("env"), str):
+        raise InputError(f"{str(path)!r} has the env {shown(found.get('env'))}: it must be an id")
+    if found.get("suit") == OWN_SUIT:
+        found["suit"] = str(folder / OWN_SUIT)
+    try:
+        ArmConfig.from_dict({name: found[name] for name in ARM if name in found})
+    except InputError as error:
+        raise InputError(f"{str(path)!r}: {error}") from error
+    return found
+
+
+def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """Returns how a policy was trained: algo, seed, steps, and what else its card says.
+
+    Raises:
+        InputError: The folder has no card, or a value cannot be used.
+    """
+    path, found = Path(folder) / CARD, dict(read_card(folder).training)
+    if not isinstance(found.get("algo"), str):
         raise InputError(
-            f"{str(folder)!r} is neither a policy name nor a run of `activesuit train`: it has no "
-            f"readable {CONFIG}"
+            f"{str(path)!r} has the algo {shown(found.get('algo'))}: it must be a name"
         )
-    config = read_json(path, "training run")
-    if not isinstance(config, dict):
-        raise InputError(f"{str(path)!r} is {shown(config)}: it must be an object of options")
-    for name in config:
-        if name not in (*_RUN, *_ARM):
-            raise unknown_name(f"option in {str(path)!r}", name, (*_RUN, *_ARM))
-    for name, kind, example in (("env", str, "an id"), ("algo", str, "'ppo' or 'sac'")):
-        if not isinstance(config.get(name), kind):
-            raise InputError(
-                f"{str(path)!r} has the {name} {shown(config.get(name))}: it must be {example}"
-            )
-    if config["algo"] not in ARCHITECTURES:
-        raise unknown_name(f"algo in {str(path)!r}", config["algo"], ARCHITECTURES)
-    for name, least in (("seed", 0), ("steps", 1)):
-        value = config.get(name, least)
+    if not isinstance(found.get("hyperparameters", {}), dict):
+        raise InputError(f"{str(path)!r} has hyperparameters that are no object: restore it")
+    for name, least in (("seed", 0), ("steps", 1), ("rows", 1)):
+        value = found.get(name, least)
         if type(value) is not int or value < least:
             raise InputError(
                 f"{str(path)!r} has {name} {shown(value)}: it must be a whole number of at least "
                 f"{least}"
             )
-    if config.get("suit") == OWN_SUIT:
-        config["suit"] = str(folder / OWN_SUIT)
-    _check_arm({name: config[name] for name in _ARM if name in config}, path)
-    return config
-
-
-def _check_arm(options: dict[str, Any], path: Path) -> None:
-    try:
-        ArmConfig.from_dict(options)
-    except InputError as error:
-        raise InputError(f"{str(path)!r}: {error}") from error
+    return found
 
 
 class TrainedPolicy:
-    """Takes the mean action of a trained network.
+    """Takes the mean action of a trained network, by NumPy alone.
 
-    Only the numbers of the network are read from the folder, never the Python objects in it, so
+    The folder has the network's numbers in `policy.safetensors` and all else in `policy.json`, so
     that a folder of someone else runs no code.
 
     Args:
-        folder: Folder of a run of `activesuit train`, with `config.json` and `model.zip`.
+        folder: Folder of a run of `activesuit train`, or of `save_policy`.
         plant: What the policy may know of the arms.
 
     Raises:
-        InputError: The folder holds no finished checkpoint, or the network does not fit.
+        InputError: The folder has no finished checkpoint, a file is damaged, or the network
+            observes something else than these arms show.
     """
 
     def __init__(self, folder: str | os.PathLike[str], plant: Plant) -> None:
-        folder, algorithm = Path(folder), training_config(folder)["algo"]
-        path = folder / CHECKPOINT
-        if not path.is_file():
+        card = read_card(folder)
+        self._network = read_network(folder, card)
+        _check_observed(Path(folder), card.observation, observed(plant))
+        size, motors = (card.observation.get(name) for name in ("size", "motors"))
+        if (self._network.inputs, self._network.outputs) != (size, motors):
             raise InputError(
-                f"{str(folder)!r} has no {CHECKPOINT}: train it first, or with --resume"
+                f"the network in {str(folder)!r} has {self._network.inputs} inputs and "
+                f"{self._network.outputs} outputs, and its card says {size} and {motors}: restore "
+                "both"
             )
-        actions = Box(-1.0, 1.0, (plant.motors,), np.float32)
-        self._actor = load_actor(algorithm, path, plant.observation_space, actions)
+        self._memory: Array | None = None
 
     def reset(self) -> None:
-        """Does nothing, because the network has no memory."""
+        """Forgets what a network with memory has seen."""
+        self._memory = None
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
         """Returns the network's mean action."""
-        action, _ = self._actor.predict(observation, deterministic=True)
-        return np.asarray(action, dtype=np.float64)
+        rows = observation.reshape(-1, observation.shape[-1])
+        if self._memory is None or self._memory.shape[1] != len(rows):
+            self._memory = self._network.memory(len(rows))
+        action = self._network.act(rows, self._memory)
+        return action.reshape(*observation.shape[:-1], -1)
+
+
+def _check_observed(folder: Path, trained: dict[str, Any], here: dict[str, Any]) -> None:
+    if contract_of(trained) == contract_of(here):
+        return
+    name = next((name for name in here if trained.get(name) != here[name]), "observation")
+    raise InputError(
+        f"the policy in {str(folder)!r} was trained with the {name} {shown(trained.get(name))}, "
+        f"and the environment has {shown(here[name])}: make it with the sensors that the policy "
+        "was trained with, or train again"
+    )

@@ -4,14 +4,19 @@ from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any
 
+import tyro
+
 from ...assets import load_suit, suit_names
 from ...checks import at_least, check_seed
 from ...envs.making import make_arms
-from ...envs.policies.network import ARCHITECTURES, algorithm_class
-from ...envs.policies.trained import CHECKPOINT, CONFIG, OWN_SUIT, training_config
-from ...errors import InputError, unknown_name
+from ...envs.plant import Plant
+from ...envs.policies.network import CARD, WEIGHTS, Card, card_file
+from ...envs.policies.trained import OBSERVATION, OWN_SUIT, environment_of, training_of
+from ...errors import InputError, shown
 from ..arm_options import USUAL, ArmOptions
+from ..hyperparameters import ALGORITHMS, algorithm_class, hyperparameters
 from ..learning import (
+    CHECKPOINT,
     REPLAY,
     Checkpoint,
     checkpoints,
@@ -20,20 +25,30 @@ from ..learning import (
     save,
     threads,
     training_environments,
+    write_own,
 )
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
-from ..output import RunFolder, messages, progress, say, telling, to_json
-from ..own_files import note, notes_folder
+from ..options import levels as level_names
+from ..options import tasks as task_names
+from ..output import RunFolder, messages, progress, say, telling
+from ..own_files import notes_folder
 from ..runs import Scene, scene
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
-STEPS, MOST_STEPS = 100_000, 10**11
+MOST_STEPS, MOST_ROWS = 10**11, 10**5
 
 
 def train(
     env: Annotated[str | None, env_option(TASK)] = None,
-    algo: Annotated[str | None, choice(lambda: ARCHITECTURES, usual="ppo")] = None,
-    steps: Annotated[int | None, optional_number(f"{STEPS}", int)] = None,
+    task: Annotated[str | None, choice(task_names, "Name of a task, in place of --env.")] = None,
+    level: Annotated[str | None, choice(level_names)] = None,
+    algo: Annotated[str | None, choice(lambda: ALGORITHMS, usual="ppo")] = None,
+    steps: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
+    rows: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
+    hyperparameters_file: Annotated[Path | None, tyro.conf.arg(name="hyperparameters")] = None,
+    sensors: tuple[str, ...] = (),
+    history: Annotated[int | None, optional_number("1", int)] = None,
+    normalize: bool = False,
     seed: RunSeed = None,
     suit: Suit = None,
     gravity: Gravity = None,
@@ -46,14 +61,23 @@ def train(
 ) -> None:
     """Train an assist policy with Stable-Baselines3.
 
-    The folder gets config.json, model.zip (written at every checkpoint) and TensorBoard logs.
+    The folder is a policy: policy.safetensors and policy.json, which run no code, are all that
+    others need of it. It gets TensorBoard logs, and model.zip for --resume, at every checkpoint.
     Ctrl-C keeps what was learned; --resume goes on from there, with the options of the run. The
     commands that take a policy take the folder, and simulate with these options too.
 
     Args:
-        algo: Learning algorithm, PPO or SAC of Stable-Baselines3.
+        level: Level of the task, which says what differs from episode to episode.
+        algo: Learning algorithm: PPO or SAC of Stable-Baselines3, TQC or RecurrentPPO (a network
+            with memory) of sb3-contrib.
         steps: Number of environment steps in total, including those before a resume; PPO rounds it
-            up to whole updates of 2048.
+            up to whole updates.
+        rows: Number of arms that are simulated together.
+        hyperparameters_file: YAML file in the syntax of rl-zoo3, with what differs from the usual
+            hyperparameters.
+        sensors: Names of the sensor suites that the policy observes.
+        history: Number of control periods whose observations it gets at once.
+        normalize: Whether observations are divided by constants, to the size of 1.
         torch_threads: Number of threads that torch computes with; with networks of this size more
             than one costs time.
         out: Folder of the run: a new or an empty one, or with --resume that of an earlier train.
@@ -64,30 +88,55 @@ def train(
     at_least("torch-threads", torch_threads, 1)
     if steps is not None:
         at_least("steps", steps, 1, MOST_STEPS)
+    if rows is not None:
+        at_least("rows", rows, 1, MOST_ROWS)
     if seed is not None:
         check_seed(seed)
     checkpoint = _check_folder(out, resume, trust, force)
-    config = _config(training_config(out) if resume else {}, out, algo, steps, seed)
+    before = {**environment_of(out), **training_of(out)} if resume else {}
+    given = {"algo": algo, "seed": seed, "rows": rows, "level": level, "history": history}
+    given |= {"sensors": list(sensors) or None, "normalize": normalize or None}
+    if resume and hyperparameters_file is not None:
+        raise InputError("--hyperparameters is given with --resume: a run keeps its own")
+    config = _config(before, {**given, "steps": steps}, out)
     chosen = scene(
         arm,
         env=env,
+        task=task,
+        level=config.get("level"),
         suit=suit,
         gravity=gravity,
         run=out if resume else None,
         trusted=trust,
         usual={"env": TASK},
     )
+    if "task" in chosen.options:
+        raise InputError("--task is the file of a motion: name a task to train for")
     if chosen.options["coupling"] == "none":
         raise InputError("coupling is 'none': there is no motor to train for; use rigid or cuffs")
     algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-    make_arms(chosen.env, 1, **chosen.options).close()
+    settings = hyperparameters(config["algo"], chosen.env, hyperparameters_file)
+    settings |= before.get("hyperparameters", {})
+    config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
+    observation = {name: config.pop(name) for name in OBSERVATION if name in config}
+    options = {**chosen.options, **observation}
+    arms = make_arms(chosen.env, 1, **options)
+    card = _card(chosen, Plant.of(arms.episodes), options, {**config, "hyperparameters": settings})
+    arms.close()
     folder = RunFolder(out, "train", force=force or resume)
     with telling(lambda: _kept(folder)):
-        learner = _train(folder, chosen, config, checkpoint, torch_threads)
+        learner = _train(folder, card, options, checkpoint, torch_threads)
     say(
         f"trained {learner.num_timesteps} steps; compare, in this task and with these options: "
         f"activesuit evaluate --policies none {folder.path}"
     )
+
+
+def _card(chosen: Scene, plant: Plant, options: dict[str, Any], training: dict[str, Any]) -> Card:
+    from ...envs.policies.saving import card_of
+
+    training = {name: value for name, value in training.items() if name != "level"}
+    return card_of(plant, {"env": chosen.env, **options}, training)
 
 
 def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoint | None:
@@ -106,41 +155,34 @@ def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoi
     return None
 
 
-def _config(
-    before: dict[str, Any], out: Path, algo: str | None, steps: int | None, seed: int | None
-) -> dict[str, Any]:
-    """Returns algo, seed and steps: those given, those of the run before, or the usual ones."""
-    if algo is not None and algo not in ARCHITECTURES:
-        raise unknown_name("algo", algo, ARCHITECTURES)
-    for name, given in (("algo", algo), ("seed", seed)):
-        if given is not None and before.get(name, given) != given:
+def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
+    """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
+    given = {name: value for name, value in given.items() if value is not None}
+    for name, value in given.items():
+        if before and name != "steps" and before.get(name) != value:
             raise InputError(
-                f"this command has --{name} {given!r}, and the run in {str(out)!r} was trained "
-                f"with {before[name]!r}: leave --{name} out, or train another run"
+                f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
+                f"trained with {shown(before.get(name))}: leave --{name} out, or train another run"
             )
-    given = {"algo": algo, "seed": seed, "steps": steps}
-    found = {name: before[name] for name in given if name in before}
-    return {
-        **{"algo": "ppo", "seed": 0, "steps": STEPS},
-        **found,
-        **{name: value for name, value in given.items() if value is not None},
-    }
+    names = ("algo", "seed", "rows", "steps", "level", *OBSERVATION)
+    found = {name: before[name] for name in names if name in before}
+    return {"algo": "ppo", "seed": 0, **found, **given}
 
 
-def _begin(folder: RunFolder, config: dict[str, Any], *, resume: bool) -> None:
-    """Writes config.json, and beside it a copy of the suit file if there is one."""
+def _begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
+    """Writes the card, and beside it a copy of the suit file if there is one; returns the card."""
     if not resume:
-        for name in (CHECKPOINT, REPLAY):
+        for name in (CHECKPOINT, REPLAY, WEIGHTS):
             folder.claim(name).unlink(missing_ok=True)
-    suit = config["suit"]
+    suit = card.environment["suit"]
     if suit != "none" and suit not in suit_names():
         if Path(suit) != folder / OWN_SUIT:
             with folder.replacing(OWN_SUIT) as scratch:
                 load_suit(suit).save(scratch)
-        config = {**config, "suit": OWN_SUIT}
-    with folder.replacing(CONFIG) as scratch:
-        scratch.write_text(to_json(config) + "\n", encoding="utf-8")
-        note(scratch, folder / CONFIG)
+        card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
+    if not resume:
+        write_own(folder, {CARD: card_file(card)})
+    return card
 
 
 def _kept(folder: RunFolder) -> str:
@@ -151,45 +193,44 @@ def _kept(folder: RunFolder) -> str:
 
 def _train(
     folder: RunFolder,
-    chosen: Scene,
-    config: dict[str, Any],
+    card: Card,
+    options: dict[str, Any],
     checkpoint: Checkpoint | None,
     torch_threads: int,
 ) -> Any:
-    algo, seed = config["algo"], config["seed"]
+    env, training = card.environment["env"], card.training
+    algo, seed = training["algo"], training["seed"]
     with (
         threads(torch_threads),
-        closing(training_environments(chosen.env, algo, seed, chosen.options)) as environments,
+        closing(training_environments(env, training["rows"], seed, options)) as environments,
     ):
         if checkpoint:
             learner = resumed_learner(algo, environments, checkpoint)
         else:
-            learner = new_learner(algo, environments, folder, seed)
-        done, steps = learner.num_timesteps, config["steps"]
+            learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
+        done, steps = learner.num_timesteps, training["steps"]
         if done >= steps:
             raise InputError(f"the run has {done} steps already: give --steps above that to go on")
-        _begin(folder, {"env": chosen.env, **config, **chosen.options}, resume=bool(checkpoint))
-        _learn(learner, folder, config, f"{algo} on {chosen.env}", new=not checkpoint)
+        card = _begin(folder, card, resume=bool(checkpoint))
+        _learn(learner, folder, card, f"{algo} on {env}", new=not checkpoint)
     return learner
 
 
-def _learn(
-    learner: Any, folder: RunFolder, config: dict[str, Any], title: str, *, new: bool
-) -> None:
+def _learn(learner: Any, folder: RunFolder, card: Card, title: str, *, new: bool) -> None:
     """Trains until all steps are done, and saves; Ctrl-C ends the training earlier."""
-    steps = config["steps"]
+    steps = card.training["steps"]
     interrupted = False
     with progress(title, steps) as bar:
         try:
             learner.learn(
                 steps - learner.num_timesteps,
-                callback=checkpoints(learner, folder, bar, steps),
+                callback=checkpoints(learner, folder, card, bar, steps),
                 reset_num_timesteps=new,
-                tb_log_name=config["algo"],
+                tb_log_name=card.training["algo"],
             )
         except KeyboardInterrupt:
             interrupted = True
-    if not save(learner, folder):
+    if not save(learner, folder, card):
         messages.print(
             f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
         )

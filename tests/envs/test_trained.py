@@ -1,33 +1,194 @@
-"""Trained policies act as the learner that was saved."""
+"""Trained policies act as the learner that was saved, by NumPy alone."""
 
+import json
+import subprocess
+import sys
+
+import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.plant import Plant
-from activesuit.envs.policies import TrainedPolicy
-from activesuit.envs.policies.network import algorithm_class
+from activesuit.envs.policies import TrainedPolicy, make_policy, needed_options, save_policy
+from activesuit.envs.policies.network import Network
+from activesuit.envs.sb3 import ArmVecEnv
+from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
-from trained_runs import make_run
+from activesuit.scripts.hyperparameters import ALGORITHMS, algorithm_class
+from trained_runs import make_run, write_network
 
 pytest.importorskip("stable_baselines3")
 
 
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
-def test_acts_as_the_learner(tmp_path, algo):
-    run = make_run(tmp_path / "run", algo)
-    env = ArmEnv("ElbowFlexion", gravity="moon")
-    policy = TrainedPolicy(run, Plant.of(env.episodes))
-    whole = algorithm_class(algo).load(run / "model.zip", device="cpu")
-    observation, _ = env.reset(seed=3)
-    for _ in range(20):
-        action = policy.act(observation)
-        expected, _ = whole.predict(observation, deterministic=True)
-        np.testing.assert_array_equal(action, expected)
+def one_sentence(refusal):
+    text = str(refusal.value)
+    return "\n" not in text and len(text) < 400
+
+
+OPTIONS = {"gravity": "moon", "sensors": ("encoders", "preview"), "history": 2, "normalize": True}
+SMALL = {
+    "ppo": {"n_steps": 16, "batch_size": 16},
+    "recurrent-ppo": {"n_steps": 16, "batch_size": 16},
+    "sac": {"buffer_size": 100, "learning_starts": 8},
+    "tqc": {"buffer_size": 100, "learning_starts": 8},
+}
+
+
+@pytest.fixture(scope="module", params=ALGORITHMS)
+def saved(request, tmp_path_factory):
+    """A learner of each kind that has learned a little, its folder, and rows of arms."""
+    algo = request.param
+    arms = ArmVectorEnv(3, "ArmTracking", autoreset_mode="SameStep", **OPTIONS)
+    policy = "MlpLstmPolicy" if algo == "recurrent-ppo" else "MlpPolicy"
+    env = ArmVecEnv(arms)
+    model = algorithm_class(algo)(policy, env, seed=3, device="cpu", **SMALL[algo])
+    model.learn(60)
+    folder = tmp_path_factory.mktemp("saved") / algo
+    save_policy(model, folder, env)
+    yield model, folder, arms
+    arms.close()
+
+
+def test_acts_as_the_learner(saved):
+    """Rows of two episodes, with the memory of a recurrent network."""
+    model, folder, arms = saved
+    policy = make_policy(str(folder), arms)
+    for seed in (5, 6):
+        observation, _ = arms.reset(seed=seed)
+        policy.reset()
+        state, begin = None, np.ones(3, bool)
+        for _ in range(10):
+            expected, state = model.predict(
+                observation, state=state, episode_start=begin, deterministic=True
+            )
+            action = policy.act(observation)
+            np.testing.assert_allclose(action, expected, rtol=0, atol=1e-6)
+            observation, *_ = arms.step(action)
+            begin = np.zeros(3, bool)
+
+
+def test_a_single_arm_is_a_row(saved):
+    _, folder, arms = saved
+    env = ArmEnv("ArmTracking", **OPTIONS)
+    one, rows = make_policy(str(folder), env), make_policy(str(folder), arms)
+    observation, _ = env.reset(seed=1)
+    for _ in range(4):
+        action = one.act(observation)
+        np.testing.assert_allclose(action, rows.act(np.tile(observation, (3, 1)))[1], atol=1e-12)
         observation, *_ = env.step(action)
+
+
+def test_what_it_needs_is_what_it_was_trained_with(saved):
+    _, folder, _ = saved
+    needed = needed_options(str(folder))
+    assert needed == {"sensors": ["encoders", "preview"], "history": 2, "normalize": True}
+
+
+def test_no_torch_is_imported(tmp_path):
+    run = make_run(tmp_path / "run")
+    program = f"""
+import sys
+sys.modules["torch"] = sys.modules["stable_baselines3"] = None
+from activesuit.envs import ArmEnv
+from activesuit.envs.policies import make_policy
+env = ArmEnv("ElbowFlexion", gravity="moon")
+policy = make_policy({str(run)!r}, env)
+print(policy.act(env.reset(seed=3)[0]).shape)
+"""
+    found = subprocess.run(
+        [sys.executable, "-c", program], check=False, capture_output=True, text=True
+    )
+    assert found.stdout.strip() == "(2,)", found.stderr
 
 
 def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
     arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
-    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: give it the sensors"):
+    with pytest.raises(InputError, match=r"trained with the sensors \['encoders'\]") as refusal:
         TrainedPolicy(run, Plant.of(arm.episodes))
+    assert one_sentence(refusal)
+
+
+def layers(*sizes):
+    rng, found = np.random.default_rng(0), {}
+    for i, (size, before) in enumerate(zip(sizes[1:], sizes, strict=False)):
+        found[f"layer.{i}.weight"] = rng.normal(size=(size, before)).astype(np.float32)
+        found[f"layer.{i}.bias"] = np.zeros(size, np.float32)
+    return found
+
+
+def changed(**more):
+    return {**layers(12, 8, 2), **{name.replace("_", "."): one for name, one in more.items()}}
+
+
+@pytest.mark.parametrize(
+    ("weights", "message"),
+    [
+        (changed(layer_1_bias=np.zeros(3)), r"layer.1.bias has the shape \(3,\)"),
+        (changed(layer_0_weight=np.full((8, 12), np.nan)), "values that are not finite"),
+        (changed(lstm_hidden=np.zeros((16, 4))), "KeyError|no lstm.input|lstm.input"),
+        ({"layer.0.weight": np.zeros((2, 12))}, "no layer.0.bias"),
+    ],
+)
+def test_networks_that_do_not_fit_together(weights, message):
+    with pytest.raises((InputError, KeyError), match=message):
+        Network(weights, "tanh", squashed=False)
+
+
+def damaged_card(run, **changes):
+    path = run / "policy.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **changes}))
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda run: (run / "policy.safetensors").unlink(), "no finished policy.safetensors"),
+        (lambda run: damaged_card(run, weights=None), "no finished policy.safetensors"),
+        (lambda run: damaged_card(run, weights="0" * 64), "do not belong together"),
+        (
+            lambda run: (run / "policy.safetensors").write_bytes(
+                (run / "policy.safetensors").read_bytes()[:-9]
+            ),
+            "do not belong together",
+        ),
+        (lambda run: damaged_card(run, format=2), "its format is wrong"),
+        (lambda run: damaged_card(run, more=2), "its more is wrong"),
+        (
+            lambda run: write_network(run, Network(layers(5, 2), "tanh", squashed=False)),
+            "has 5 inputs and 2 outputs, and its card says 12 and 2",
+        ),
+        (lambda run: (run / "policy.json").write_text("{"), "not complete JSON"),
+    ],
+)
+def test_damaged_policies(tmp_path, damage, message):
+    run = make_run(tmp_path / "run")
+    damage(run)
+    env = ArmEnv("ElbowFlexion", gravity="moon")
+    with pytest.raises(InputError, match=message) as refusal:
+        TrainedPolicy(run, Plant.of(env.episodes))
+    assert one_sentence(refusal)
+
+
+def test_models_that_make_no_policy(tmp_path):
+    import torch
+    from stable_baselines3 import PPO, TD3
+    from stable_baselines3.common.vec_env import VecNormalize
+
+    arms = ArmVectorEnv(2, "ArmTracking", autoreset_mode="SameStep")
+    env, small = ArmVecEnv(arms), {"n_steps": 8, "batch_size": 8, "device": "cpu"}
+    for model, message in (
+        (TD3("MlpPolicy", env, buffer_size=10), "neither PPO's nor SAC's"),
+        (PPO("MlpPolicy", env, use_sde=True, **small), "train without use_sde"),
+        (PPO("MlpPolicy", VecNormalize(env), **small), "use normalize=True instead"),
+        (
+            PPO("MlpPolicy", env, policy_kwargs={"activation_fn": torch.nn.ELU}, **small),
+            "between its layers are ELU: use Tanh or ReLU",
+        ),
+    ):
+        with pytest.raises(InputError, match=message) as refusal:
+            save_policy(model, tmp_path / "policy", env)
+        assert one_sentence(refusal)
+    with pytest.raises(InputError, match="give the ActiveSuit environment"):
+        save_policy(PPO("MlpPolicy", env, **small), tmp_path, gymnasium.make("CartPole-v1"))
+    assert not (tmp_path / "policy").exists()

@@ -1,6 +1,5 @@
 """Run folders of somebody else: they run no code and end in one sentence."""
 
-import io
 import json
 import sys
 
@@ -13,8 +12,8 @@ from trained_runs import (
     poison_data,
     poison_replay,
     poison_weights,
-    replace_part,
-    write_config,
+    write_card,
+    write_network,
 )
 
 pytest.importorskip("stable_baselines3")
@@ -66,7 +65,7 @@ def test_no_code_of_a_run_is_run(capsys, tmp_path, monkeypatch, foreign, command
         assert "add --trust if you trust whoever made it" in said
         assert sorted(path.name for path in foreign.iterdir()) == before
     elif poison is poison_weights:
-        assert "is not a readable policy" in said
+        assert "is not a readable network" in said
     elif command != "view":
         assert said == ""
 
@@ -95,84 +94,77 @@ def test_trust_without_resume(capsys, tmp_path):
     assert "--trust is given without --resume" in said
 
 
-CONFIGS = {
-    "[1, 2]": "it must be an object of options",
-    "7": "it must be an object of options",
+CARDS = {
+    "[1, 2]": "its content is wrong",
+    "7": "its content is wrong",
     "[" * 10_000: "inside each other",
-    '{"env": 1, "algo": "ppo"}': "has the env 1",
-    '{"algo": "ppo"}': "has the env None",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "dqn"}': "unknown algo",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": ["ppo"]}': "has the algo",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "ppo", "exo": 1}': "unknown option",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "ppo", "wearer": 5}': "wearer is 5",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "ppo", "payload": {"mass": NaN}}': "payload",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "ppo", "steps": true}': "has steps True",
-    '{"env": "ActiveSuit/ElbowFlexion-v0", "algo": "ppo", "gravity": "venus"}': "unknown gravity",
-    '{"env": "ActiveSuit/Knee-v0", "algo": "ppo"}': "unknown environment",
-    '{"env": "CartPole-v1", "algo": "ppo"}': "is no arm of ActiveSuit",
+    "{}": "its observation is wrong",
     "": "is not complete JSON",
 }
+OPTIONS = {
+    '{"env": 1}': "has the env 1",
+    '{"env": null}': "has the env None",
+    '{"algo": "dqn"}': "unknown algo",
+    '{"algo": ["ppo"]}': "has the algo",
+    '{"exo": 1}': "unknown option",
+    '{"wearer": 5}': "wearer is 5",
+    '{"payload": {"mass": NaN}}': "payload",
+    '{"steps": true}': "has steps True",
+    '{"gravity": "venus"}': "unknown gravity",
+    '{"env": "ActiveSuit/Knee-v0"}': "unknown environment",
+    '{"env": "CartPole-v1"}': "is no arm of ActiveSuit",
+}
+OF_TRAINING = ("algo", "steps")
 
 
-@pytest.mark.parametrize("config", CONFIGS, ids=lambda text: text[:60])
 @pytest.mark.parametrize("command", ["evaluate", "simulate", "resume"])
-def test_damaged_config(capsys, tmp_path, foreign, command, config):
-    (foreign / "config.json").write_text(config)
+@pytest.mark.parametrize("given", [*CARDS, *OPTIONS], ids=lambda text: text[:60])
+def test_damaged_card(capsys, tmp_path, foreign, command, given):
+    path = foreign / "policy.json"
+    if given in CARDS:
+        path.write_text(given)
+    else:
+        card, changes = json.loads(path.read_text()), json.loads(given)
+        for name, value in changes.items():
+            card["training" if name in OF_TRAINING else "environment"][name] = value
+        path.write_text(json.dumps(card))
     arguments = [one.format(run=foreign, tmp=tmp_path) for one in COMMANDS[command]]
     trusted = ["--trust"] if command == "resume" else []
-    assert CONFIGS[config] in answer(capsys, *arguments, *trusted)
-    assert not (tmp_path / "out").exists()
+    said = answer(capsys, *arguments, *trusted)
+    if command == "resume" or not any(name in given for name in OF_TRAINING):
+        assert {**CARDS, **OPTIONS}[given] in said  # to act, a policy need not know its training
+        assert not (tmp_path / "out").exists()
 
 
 def test_a_module_named_by_somebody_else_is_not_imported(capsys, tmp_path, monkeypatch, foreign):
     trap = tmp_path / "trap"
     (tmp_path / "enemy.py").write_text(f"open({str(trap)!r}, 'w').close()")
     monkeypatch.syspath_prepend(tmp_path)
-    write_config(foreign, env="enemy:ActiveSuit/ElbowFlexion-v0")
+    write_card(foreign, env="enemy:ActiveSuit/ElbowFlexion-v0")
     said = answer(capsys, "evaluate", "--policies", foreign)
     assert "add --env enemy:ActiveSuit/ElbowFlexion-v0 if that module may be imported" in said
     assert not trap.exists()
 
 
-@pytest.mark.parametrize("algo", ["ppo", "sac"])
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_weights_that_are_no_numbers(capsys, tmp_path, algo, value):
-    import torch
+def test_weights_that_are_no_numbers(capsys, tmp_path, foreign, value):
+    from activesuit.envs.policies.network import read_card, read_network
 
-    run = make_run(tmp_path / "run", algo)
-    network = learner(algo, **({"buffer_size": 100} if algo == "sac" else {}))
-    with torch.no_grad():
-        next(network.policy.parameters()).fill_(value)
-    network.save(run / "model.zip")
-    for command in ("evaluate", "resume"):
-        arguments = [one.format(run=run, tmp=tmp_path) for one in COMMANDS[command]]
-        trusted = ["--trust"] if command == "resume" else []
-        assert "not finite numbers" in answer(capsys, *arguments, *trusted)
-
-
-def test_networks_that_are_not_ours(capsys, tmp_path, foreign):
-    import torch
-
-    for weights, message in (
-        ({"mlp_extractor.policy_net.0.weight": torch.zeros(64, 3)}, "observes 3 numbers"),
-        ({"other": torch.zeros(3)}, "is not a readable policy"),
-        ([1, 2], "is not a readable policy"),
-        (torch.zeros(1).expand(10**9, 10**6), "is not a readable policy"),
-    ):
-        file = io.BytesIO()
-        torch.save(weights, file)
-        replace_part(foreign / "model.zip", "policy.pth", file.getvalue())
-        assert message in answer(capsys, "evaluate", "--policies", foreign)
+    network = read_network(foreign, read_card(foreign))
+    next(iter(network.weights.values()))[0] = value
+    write_network(foreign, network)
+    arguments = [one.format(run=foreign, tmp=tmp_path) for one in COMMANDS["evaluate"]]
+    assert "values that are not finite" in answer(capsys, *arguments)
 
 
 def test_a_bomb_in_the_weights(capsys, foreign):
-    replace_part(foreign / "model.zip", "policy.pth", bytes(60_000_000))
-    assert "is longer than 50,000,000 bytes" in answer(capsys, "evaluate", "--policies", foreign)
+    (foreign / "policy.safetensors").write_bytes(bytes(60_000_000))
+    assert "is longer than" in answer(capsys, "evaluate", "--policies", foreign)
 
 
 def test_foreign_experience(capsys, tmp_path):
     run = make_run(tmp_path / "sac", "sac")
-    before = json.loads((run / "config.json").read_text())
+    before = json.loads((run / "policy.json").read_text())
     other = learner("sac", "ActiveSuit/ElbowFlexion-v0", buffer_size=10)
     other.replay_buffer.obs_shape = (3,)
     other.save_replay_buffer(run / "replay.pkl")
@@ -180,4 +172,4 @@ def test_foreign_experience(capsys, tmp_path):
     assert "holds the experience of another run" in answer(capsys, *arguments)
     (run / "replay.pkl").write_bytes(b"nothing")
     assert "is not a readable experience" in answer(capsys, *arguments)
-    assert json.loads((run / "config.json").read_text()) == before
+    assert json.loads((run / "policy.json").read_text()) == before

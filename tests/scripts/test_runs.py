@@ -12,7 +12,7 @@ from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
 from helpers import shorten_tasks, without_volume_shares
-from trained_runs import CONFIG, write_config
+from trained_runs import ENVIRONMENT, write_card
 
 OWN = '''
 from dataclasses import replace
@@ -79,7 +79,7 @@ def own(tmp_path, monkeypatch):
 
 def run_folder(path, **config):
     path.mkdir()
-    write_config(path, **config)
+    write_card(path, **config)
     return str(path)
 
 
@@ -104,10 +104,8 @@ def test_without_a_run_the_usual_holds():
 def test_the_options_of_a_run_hold(tmp_path):
     run = run_folder(tmp_path / "run", side="left", tilt=[0.1, 0.0], allow_uncertified=True)
     chosen = scene(ArmOptions(), policies=("none", run), usual={"gravity": "mars"})
-    assert chosen.env == CONFIG["env"]
-    expected = {
-        name: value for name, value in CONFIG.items() if name not in ("env", "algo", "seed")
-    }
+    assert chosen.env == ENVIRONMENT["env"]
+    expected = {name: value for name, value in ENVIRONMENT.items() if name != "env"}
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
     expected |= {"preconditioned": False}  # which runs of before do not tell
     assert chosen.options == expected
@@ -119,7 +117,7 @@ def test_the_options_of_a_run_hold(tmp_path):
 def test_the_same_option_may_be_given_again(tmp_path):
     run = run_folder(tmp_path / "run")
     arm = ArmOptions(payload=2, tilt=(0.0, 0.0), stature=1.78)
-    chosen = scene(arm, gravity="moon", env=f"activesuit:{CONFIG['env']}", policies=(run,))
+    chosen = scene(arm, gravity="moon", env=f"activesuit:{ENVIRONMENT['env']}", policies=(run,))
     assert chosen == scene(ArmOptions(), policies=(run,))
 
 
@@ -232,12 +230,11 @@ def test_environments_that_cannot_be(own, capsys, command, env, message):
 
 
 @pytest.mark.slow
-def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
+def test_a_run_in_your_own_environment(own, capsys):
     pytest.importorskip("stable_baselines3")
-    from activesuit.scripts import learning
-
-    monkeypatch.setitem(learning.SETTINGS["ppo"], "n_steps", 32)
-    main(["train", "--env", own, "--steps", "256", "--out", "run"])
+    quick = ["--rows", "8", "--hyperparameters", "quick.yml"]
+    Path("quick.yml").write_text("default: {n_steps: 32}")
+    main(["train", "--env", own, "--steps", "256", "--out", "run", *quick])
     main(["train", "--resume", "--steps", "512", "--out", "run"])
     capsys.readouterr()
     main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"])

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -13,15 +14,30 @@ from activesuit.scripts.output import Bar
 from helpers import shorten_tasks
 
 pytest.importorskip("stable_baselines3")
+from activesuit.scripts.hyperparameters import algorithm_class
+
 pytestmark = pytest.mark.slow
 
 
 ROLLOUT = 256  # steps of all environments together, after which PPO learns
 
 
+QUICK = {
+    "ppo": f"default: {{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64}}",
+    "sac": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
+    "tqc": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
+    "recurrent-ppo": f"default: {{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64}}",
+}
+
+
 def train(out, *more, algo="ppo", steps=ROLLOUT):
-    arguments = ["train", "--algo", algo, "--steps", str(steps), "--out", str(out), *more]
-    main(arguments)
+    """Trains with few steps between updates."""
+    given = ["train", "--algo", algo, "--steps", str(steps), "--out", str(out), *more]
+    if "--resume" not in more:
+        file = Path(tempfile.mkdtemp()) / "quick.yml"
+        file.write_text(QUICK[algo])
+        given += ["--hyperparameters", str(file)]
+    main(given)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -34,10 +50,9 @@ def this_machine(tmp_path_factory):
 
 @pytest.fixture(scope="module", autouse=True)
 def soon():
-    """PPO learns after an eighth of its usual steps, in motions of 2 s."""
+    """Motions last 2 s."""
     with pytest.MonkeyPatch.context() as patch:
         shorten_tasks(patch, 2.0)
-        patch.setitem(learning.SETTINGS["ppo"], "n_steps", ROLLOUT // learning.PARALLEL["ppo"])
         yield
 
 
@@ -49,7 +64,7 @@ def run(tmp_path_factory):
 
 
 def steps_done(out, algo="ppo"):
-    from activesuit.envs.policies.network import algorithm_class
+    from activesuit.scripts.hyperparameters import algorithm_class
 
     return algorithm_class(algo).load(out / "model.zip", device="cpu").num_timesteps
 
@@ -63,8 +78,9 @@ def fails(capsys, *arguments) -> str:
 
 
 def test_writes_config_checkpoint_and_logs(run):
-    config = json.loads((run / "config.json").read_text())
-    assert (config["algo"], config["seed"], config["steps"]) == ("ppo", 0, ROLLOUT)
+    found = json.loads((run / "policy.json").read_text())["training"]
+    assert (found["algo"], found["seed"], found["steps"]) == ("ppo", 0, ROLLOUT)
+    assert found["done"] == ROLLOUT
     assert steps_done(run) == ROLLOUT
     assert list((run / "tensorboard").rglob("events*"))
 
@@ -105,15 +121,15 @@ def test_a_policy_of_other_sensors(run):
     from activesuit.errors import InputError
 
     arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, sensors=("encoders", "preview"))
-    with pytest.raises(InputError, match=r"observes 12 numbers .* shows 18: give it the sensors"):
+    with pytest.raises(InputError, match=r"trained with the sensors \['encoders'\], and the"):
         make_policy(str(run), arms)
 
 
 def test_resume_needs_the_folder_only(run):
     train(run, "--resume", steps=2 * ROLLOUT)
     assert steps_done(run) == 2 * ROLLOUT
-    config = json.loads((run / "config.json").read_text())
-    assert (config["gravity"], config["steps"]) == ("moon", 2 * ROLLOUT)
+    card = json.loads((run / "policy.json").read_text())
+    assert (card["environment"]["gravity"], card["training"]["steps"]) == ("moon", 2 * ROLLOUT)
 
 
 def test_a_run_that_another_machine_trained(run, tmp_path, monkeypatch, capsys):
@@ -242,8 +258,7 @@ def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsy
     assert steps_done(run) == before
 
 
-def test_sac_trains_and_resumes_with_its_experience(tmp_path, monkeypatch):
-    monkeypatch.setitem(learning.SETTINGS["sac"], "learning_starts", 20)
+def test_sac_trains_and_resumes_with_its_experience(tmp_path):
     train(tmp_path, algo="sac", steps=30)
     assert (tmp_path / "replay.pkl").exists()
     main(["train", "--resume", "--steps", "40", "--out", str(tmp_path)])
@@ -261,6 +276,14 @@ def test_sac_trains_and_resumes_with_its_experience(tmp_path, monkeypatch):
         (["--resume", "--steps", "10"], "give --steps above that"),
         (["--steps", "0"], "steps is 0"),
         (["--seed", "-1"], "seed is -1"),
+        (["--rows", "0"], "rows is 0"),
+        (["--resume", "--rows", "9"], "has --rows 9, and the run"),
+        (["--resume", "--level", "shift"], "has --level 'shift', and the run"),
+        (["--resume", "--sensors", "emg"], "has --sensors ['emg'], and the run"),
+        (["--resume", "--hyperparameters", "x.yml"], "a run keeps its own"),
+        (["--force", "--hyperparameters", "x.yml"], "cannot read the hyperparameters 'x.yml'"),
+        (["--force", "--task", "Knitting"], "unknown task 'Knitting'"),
+        (["--force", "--sensors", "eyes"], "unknown"),
         (["--force", "--env", "ActiveSuit/Knee-v0"], "unknown environment"),
     ],
 )
@@ -272,16 +295,10 @@ def test_mistakes(run, capsys, more, message):
 
 
 def test_damaged_checkpoint(run, tmp_path, capsys):
-    (tmp_path / "config.json").write_text((run / "config.json").read_text())
+    (tmp_path / "policy.json").write_text((run / "policy.json").read_text())
     (tmp_path / "model.zip").write_bytes(b"not a zip file")
-    for command in (
-        ["evaluate", "--policies", str(tmp_path)],
-        ["train", "--resume", "--trust", "--steps", "9999", "--out", str(tmp_path)],
-    ):
-        with pytest.raises(SystemExit) as stop:
-            main(command)
-        assert stop.value.code == 2
-        assert "is not a readable policy" in capsys.readouterr().err
+    resume = ["train", "--resume", "--trust", "--steps", "9999", "--out", tmp_path]
+    assert "is not a readable checkpoint" in fails(capsys, *resume)
 
 
 def test_nothing_to_resume(tmp_path, capsys):
@@ -289,3 +306,91 @@ def test_nothing_to_resume(tmp_path, capsys):
         main(["train", "--out", str(tmp_path / "new"), "--resume"])
     assert "no model.zip to resume" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("algo", ["tqc", "recurrent-ppo"])
+def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
+    scene = ["--task", "ArmTracking", "--level", "shift", "--sensors", "encoders", "--history", "2"]
+    train(tmp_path / "run", *scene, algo=algo, steps=60)
+    capsys.readouterr()
+    score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
+    main([*score, "none", str(tmp_path / "run"), "compensation"])
+    result = json.loads(capsys.readouterr().out)
+    assert result["env"] == "ActiveSuit/ArmTracking-v0"
+    assert len(result["scores"]) == 5
+
+
+HYPERPARAMETERS = [
+    (
+        "default: {learning_rat: 1}",
+        "unknown hyperparameter of ppo .* 'learning_rat'.*learning_rate",
+    ),
+    ("default: {env_wrapper: x}", "unknown hyperparameter"),
+    ("default: {n_envs: 0.5}", "n_envs in .* is 0.5: use a whole number of at least 1"),
+    ("default: {learning_rate: lin_x}", "the schedule is 'lin_x': write it as lin_3e-4"),
+    ("default: {gamma: many}", "gamma in .* is 'many': use a number, or lin_3e-4"),
+    ("default: {policy_kwargs: 5}", "ppo refuses its hyperparameters"),
+    ("CartPole-v1: {gamma: 0.9}", "has neither 'ActiveSuit/ElbowFlexion-v0' nor 'default'"),
+    ("[1, 2]", r"is \[1, 2\]: give hyperparameters below 'default'"),
+    ("default: [", "is no YAML file of hyperparameters"),
+    ("default: !!python/object/apply:os.system [exit]", "is no YAML file of hyperparameters"),
+]
+
+
+@pytest.mark.parametrize(("content", "message"), HYPERPARAMETERS)
+def test_mistakes_in_hyperparameters(tmp_path, capsys, content, message):
+    import re
+
+    (tmp_path / "mine.yml").write_text(content)
+    given = ["--hyperparameters", tmp_path / "mine.yml", "--out", tmp_path / "run"]
+    assert re.search(message, fails(capsys, "train", *given))
+
+
+def test_schedules_and_own_hyperparameters(tmp_path):
+    from activesuit.scripts.hyperparameters import ALGORITHMS, arguments, hyperparameters
+
+    file = tmp_path / "mine.yml"
+    file.write_text("default: {gamma: 0.5}\nMine-v0: {learning_rate: lin_3e-4, n_envs: 2}")
+    assert hyperparameters("ppo", "Other-v0", file)["gamma"] == 0.5
+    found = hyperparameters("ppo", "Mine-v0", file)
+    assert (found["n_envs"], found["gamma"]) == (2, 0.9)
+    made = arguments(found)
+    assert made["learning_rate"](0.5) == pytest.approx(1.5e-4)
+    assert "n_envs" not in made
+    assert {hyperparameters(algo, "x")["policy"] for algo in ALGORITHMS} == {
+        "MlpPolicy",
+        "MlpLstmPolicy",
+    }
+
+
+def test_tensorboard_has_the_costs_of_episodes(run):
+    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+    (folder,) = {path.parent for path in (run / "tensorboard").rglob("events*")}
+    names = EventAccumulator(str(folder)).Reload().Tags()["scalars"]
+    assert {"arm/effort", "arm/tracking", "rollout/ep_rew_mean", "rollout/success_rate"} <= {*names}
+
+
+@pytest.mark.parametrize("algo", QUICK)
+def test_two_halves_are_the_whole_to_the_last_bit(tmp_path, algo):
+    steps = 2 * ROLLOUT if "ppo" in algo else 40
+    scene = ["--task", "ArmTracking", "--level", "randomized", "--history", "2"]
+    train(tmp_path / "whole", *scene, algo=algo, steps=2 * steps)
+    train(tmp_path / "halves", *scene, algo=algo, steps=steps)
+    train(tmp_path / "halves", "--resume", algo=algo, steps=2 * steps)
+    one, other = (tmp_path / name / "policy.safetensors" for name in ("whole", "halves"))
+    assert one.read_bytes() == other.read_bytes()
+    weights = [
+        algorithm_class(algo).load(tmp_path / name / "model.zip", device="cpu").get_parameters()
+        for name in ("whole", "halves")
+    ]
+    assert _equal(*weights)
+
+
+def _equal(one, other):
+    """Whether nested parameters, of networks and of the optimizer, are equal bit for bit."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_equal(one[k], other[k]) for k in one)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    return bool((one == other).all()) if hasattr(one, "all") else one == other

@@ -1,0 +1,120 @@
+"""Learning algorithms by name, and their hyperparameters, from files in the syntax of rl-zoo3."""
+
+import inspect
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, shown, unknown_name
+from ..files import content_of
+
+ALGORITHMS = {
+    "ppo": ("stable_baselines3", "PPO"),
+    "sac": ("stable_baselines3", "SAC"),
+    "tqc": ("sb3_contrib", "TQC"),
+    "recurrent-ppo": ("sb3_contrib", "RecurrentPPO"),
+}
+DEFAULT = "default"  # what applies to environments that a file does not name
+LARGEST = 1_000_000  # bytes
+_COUNTS = ("n_envs", "n_timesteps")
+_OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
+_LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the training
+
+
+def algorithm_class(name: str) -> Any:
+    """Returns the class of an algorithm, of Stable-Baselines3 or sb3-contrib.
+
+    Raises:
+        InputError: There is no such algorithm, or its package is not installed.
+    """
+    if name not in ALGORITHMS:
+        raise unknown_name("algo", name, ALGORITHMS)
+    module, kind = ALGORITHMS[name]
+    try:
+        return getattr(import_module(module), kind)
+    except ImportError as error:
+        raise InputError(
+            f"training by {name} needs {module.replace('_', '-')}: use `make train` in a clone of "
+            "the repository, or pip install -e '.[train]' -c constraints.txt"
+        ) from error
+
+
+def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, Any]:
+    """Returns the hyperparameters of an algorithm: the shipped ones, and above them a file's.
+
+    Args:
+        algo: Name of the algorithm.
+        env: Id of the environment, which a file may name.
+        path: YAML file in the syntax of rl-zoo3: hyperparameters by the id of an environment, or
+            below "default".
+
+    Returns:
+        Arguments of the algorithm as plain data, with `policy`, `n_envs` and `n_timesteps`.
+
+    Raises:
+        InputError: The file cannot be read, has no part for the environment, or a hyperparameter is
+            unknown or of the wrong type.
+    """
+    name = f"assets/hyperparameters/{algo}.yml"
+    usual = _read(files("activesuit").joinpath(name).read_bytes(), name)[DEFAULT]
+    if path is None:
+        return usual
+    parts = _read(content_of(path, "hyperparameters", LARGEST), str(path))
+    given = parts.get(env, parts.get(DEFAULT))
+    if not isinstance(given, dict):
+        raise InputError(f"{str(path)!r} has neither {env!r} nor 'default': name one of them")
+    _check(algo, given, path)
+    return {**usual, **given}
+
+
+def _read(content: bytes, name: str) -> dict[str, Any]:
+    import yaml
+
+    try:
+        found = yaml.safe_load(content)
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{name!r} is no YAML file of hyperparameters: {reason}") from error
+    if not isinstance(found, dict):
+        raise InputError(f"{name!r} is {shown(found)}: give hyperparameters below 'default'")
+    return found
+
+
+def _check(algo: str, given: Mapping[str, Any], path: Path) -> None:
+    taken = inspect.signature(algorithm_class(algo)).parameters
+    known = sorted({"policy", *_COUNTS, *taken} - {*_OURS})
+    for name, value in given.items():
+        if name not in known:
+            raise unknown_name(f"hyperparameter of {algo} in {str(path)!r}", name, known)
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        usual = taken[name].default if name in taken else None
+        if isinstance(usual, float) and not number and not str(value).startswith(_LINEAR):
+            raise InputError(
+                f"{name} in {str(path)!r} is {shown(value)}: use a number, or lin_3e-4"
+            )
+        if name in _COUNTS and not (number and value >= 1 and value == int(value)):
+            raise InputError(
+                f"{name} in {str(path)!r} is {shown(value)}: use a whole number of at least 1"
+            )
+
+
+def arguments(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the arguments of an algorithm, with schedules as functions of what is left."""
+    mine = {name: value for name, value in settings.items() if name not in ("policy", *_COUNTS)}
+    return {name: _schedule(value) for name, value in mine.items()}
+
+
+def _schedule(value: Any) -> Any:
+    if not isinstance(value, str) or not value.startswith(_LINEAR):
+        return value
+    try:
+        begin = float(value.removeprefix(_LINEAR))
+    except ValueError:
+        raise InputError(f"the schedule is {value!r}: write it as lin_3e-4") from None
+    return _falling(begin)
+
+
+def _falling(begin: float) -> Callable[[float], float]:
+    return lambda left: left * begin
