@@ -21,7 +21,7 @@ def needed_coverage(curves: Curves, use: str | None, motions: Sequence[Motion]) 
 
     Args:
         curves: Measured curves.
-        use: As in `intended_motions`.
+        use: Use of the curves, as in `intended_motions`.
         motions: Its motions.
     """
     if use == ANY:

@@ -26,7 +26,7 @@ GRID = np.array([(0.0, 0.0), *((memory, white) for memory in MEMORIES for white 
 """Correlation of slow noise from sample to sample, and share of white noise in the variance."""
 SIMPLER = 10.0  # prior odds of white noise alone
 AT_PEAK = np.geomspace(0.5, 50, 15)  # ratios to try of the proportional part to the constant one
-OVERLAP = 1.45  # of samples that share neighbors as many are one: the sum of their correlations
+OVERLAP = 1.45  # samples that share neighbors, and so tell as much as one: sum of correlations
 TINY = 1e-3  # least distance from the neighbors over the median one; torques may have few digits
 FEWEST = 30  # samples, below which noise counts as even
 
