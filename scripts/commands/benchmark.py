@@ -123,6 +123,12 @@ def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
         rows = task_rows(standings, level)
         if len(rows[0]) <= WIDEST:
             table(f"{level}: success and relief by task", *rows, left=1)
+    contract = str(standings.protocol.get("contract"))
+    if contract not in {known.contract for known in SUITES.values()}:
+        say(
+            f"note: no suite of this version has the contract {shown(contract)} of these results, "
+            "so that they are not comparable with its leaderboard"
+        )
     for one in found:
         if one.failed:
             say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")

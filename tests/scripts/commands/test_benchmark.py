@@ -168,3 +168,12 @@ def test_compare_needs_two(capsys, whole):
     assert "compare needs two policies" in fails(capsys, "benchmark", "compare", whole)
     message = fails(capsys, "benchmark", "compare", whole, "--policies", "none", "mine")
     assert "unknown policy in these results 'mine'" in message
+
+
+def test_results_of_a_contract_that_no_suite_has(capsys, tmp_path, whole):
+    text = (whole / "results.jsonl").read_text()
+    forged = tmp_path / "forged.jsonl"
+    contract = json.loads(text.splitlines()[0])["protocol"]["contract"]
+    forged.write_text(text.replace(contract, "0" * 12))
+    said = " ".join(run(capsys, "benchmark", "table", forged).split())
+    assert "note: no suite of this version has the contract '000000000000'" in said
