@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ...arrays import Array
-from ...errors import InputError
+from ...errors import InputError, shown
 from ...files import content_of
 from ...json_files import read_json
 from ..plant import Plant
@@ -197,7 +197,7 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
             f"{CARD}; train it, or save one with `save_policy`"
         )
     try:
-        return Card.model_validate(read_json(path, "policy"))
+        card = Card.model_validate(read_json(path, "policy"))
     except ValidationError as error:
         first = error.errors()[0]
         place = ".".join(map(str, first["loc"])) or "content"
@@ -205,6 +205,12 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
             f"{str(path)!r} is no card of a policy: its {place} is wrong ({first['msg']}); restore "
             "it, or train again"
         ) from None
+    if contract_of(card.observation) != card.contract:
+        raise InputError(
+            f"{str(path)!r} has the contract {shown(card.contract)}, which is not that of its "
+            "observation: restore it, or train again"
+        )
+    return card
 
 
 def read_network(folder: str | os.PathLike[str], card: Card) -> Network:

@@ -59,7 +59,12 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
         environment={"env": name, **{field: config[field] for field in ARM}, **seen},
         training={"algo": type(model).__name__, "done": int(model.num_timesteps)},
     )
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"cannot make the folder {str(folder)!r} ({error.strerror}): choose another one"
+        ) from error
     for file, content in files_of(card, network).items():
         with replacing(folder / file) as scratch:
             scratch.write_bytes(content)

@@ -15,7 +15,6 @@ from .network import CARD, contract_of, observed, read_card, read_network
 
 OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
 OBSERVATION = ("sensors", "normalize", "history")
-_TRAINING = ("algo", "seed", "steps")
 ARM = (
     *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
     *("preconditioned", "allow_uncertified"),

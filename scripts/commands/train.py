@@ -118,6 +118,7 @@ def train(
     settings = hyperparameters(config["algo"], chosen.env, hyperparameters_file)
     settings |= before.get("hyperparameters", {})
     config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
+    at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
     observation = {name: config.pop(name) for name in OBSERVATION if name in config}
     options = {**chosen.options, **observation}
     arms = make_arms(chosen.env, 1, **options)

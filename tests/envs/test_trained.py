@@ -153,6 +153,7 @@ def damaged_card(run, **changes):
             "do not belong together",
         ),
         (lambda run: damaged_card(run, format=2), "its format is wrong"),
+        (lambda run: damaged_card(run, contract="0" * 12), "is not that of its observation"),
         (lambda run: damaged_card(run, more=2), "its more is wrong"),
         (
             lambda run: write_network(run, Network(layers(5, 2), "tanh", squashed=False)),
@@ -192,3 +193,6 @@ def test_models_that_make_no_policy(tmp_path):
     with pytest.raises(InputError, match="give the ActiveSuit environment"):
         save_policy(PPO("MlpPolicy", env, **small), tmp_path, gymnasium.make("CartPole-v1"))
     assert not (tmp_path / "policy").exists()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot make the folder"):
+        save_policy(PPO("MlpPolicy", env, **small), tmp_path / "file" / "policy", env)

@@ -326,6 +326,7 @@ HYPERPARAMETERS = [
         "unknown hyperparameter of ppo .* 'learning_rat'.*learning_rate",
     ),
     ("default: {env_wrapper: x}", "unknown hyperparameter"),
+    ("default: {n_envs: 1000000}", "rows is 1000000"),
     ("default: {n_envs: 0.5}", "n_envs in .* is 0.5: use a whole number of at least 1"),
     ("default: {learning_rate: lin_x}", "the schedule is 'lin_x': write it as lin_3e-4"),
     ("default: {gamma: many}", "gamma in .* is 'many': use a number, or lin_3e-4"),
