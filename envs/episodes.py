@@ -40,7 +40,7 @@ from .simulation import Simulation
 from .simulation.bound import bound
 from .simulation.differing import Variety
 from .simulation.inverse_dynamics import Chain
-from .simulation.measurements import ENCODER, ENCODER_RATE, TIME, snapshot
+from .simulation.measurements import ENCODER, ENCODER_RATE, SENSED, TIME, snapshot
 from .simulation.plan import Plan
 from .simulation.saving import check_state
 from .simulation.simulation import Start
@@ -307,6 +307,16 @@ class Episodes:
         self._judge(moving, True)
         if self._judge_hand:
             self._judge_hand(moving)
+        if self.setup.reward is not None:
+            self.reward[moving] = self.setup.reward(*self._rewarded(moving))
+
+    def _rewarded(self, rows: Rows) -> tuple[dict[str, Array], dict[str, NDArray]]:
+        """Returns what a reward of a user's own is given; see `OwnReward`."""
+        terms = {name: self.terms[rows, i] for i, name in enumerate(TERMS)}
+        columns = self.simulation.columns.items()
+        measured = {name: self._measured[rows, part] for name, part in columns}
+        shown = {name: values for name, values in measured.items() if name not in SENSED}
+        return terms, {**shown, "lost": self.terminated[rows]}
 
     def tolerated(self) -> Array:
         """Returns the errors of joints that the task tolerates [rad], shape (n, samples, 4).

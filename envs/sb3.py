@@ -1,15 +1,20 @@
 """Rows of arms as a vector environment of Stable-Baselines3 (needs the extra `train`)."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env import VecEnv
+from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper
 
 from ..errors import InputError, shown
+from .plant import Plant
+from .policies import AnyPolicy, make_policy
+from .policies.build import base_of, residual_of
+from .policies.residual import SCALE, Cohorts, corrected
 from .reward import COSTS
 from .vector_env import ArmVectorEnv
 
@@ -123,3 +128,72 @@ class ArmVecEnv(VecEnv):
             raise InputError(
                 f"{what} got the indices {indices}: all rows are one environment, so leave them out"
             )
+
+
+class ResidualVecEnv(VecEnvWrapper):
+    """Lets a learner correct a policy: the motors get policy + scale x action.
+
+    The actions of the policy follow the other parts of the observation. A learner begins as the
+    policy if its last layer begins at zero.
+
+    Args:
+        venv: Rows of arms with the sensors that the policy needs.
+        policy: Policy of this package, as `make_policy` takes it.
+        scale: Scale of the learner's action, 0.01 to 2.
+
+    Attributes:
+        residual: Policy and scale as plain data, for the card of what is trained.
+
+    Raises:
+        InputError: The policy cannot act on these arms.
+    """
+
+    def __init__(self, venv: ArmVecEnv, policy: AnyPolicy, scale: float = SCALE) -> None:
+        self.residual = residual_of(policy, scale)
+        plant = Plant.of(venv.arms.episodes)
+        seen = plant.observation_space
+        spec, ones = base_of(self.residual), np.ones(plant.motors, np.float32)
+        low, high = np.concatenate([seen.low, -ones]), np.concatenate([seen.high, ones])
+        space = gymnasium.spaces.Box(low, high, dtype=np.float32)
+        super().__init__(venv, observation_space=space)
+        self._rows = venv
+        self._policy = Cohorts(partial(make_policy, spec, plant), venv.num_envs, plant.motors)
+        self._given = np.zeros((venv.num_envs, plant.motors))
+
+    def reset(self) -> NDArray[np.float32]:
+        """Begins a new episode in every row."""
+        observation = self._rows.reset()
+        self._given = self._policy.begin(np.arange(self.num_envs), observation)
+        return self.seen(observation)
+
+    def step_async(self, actions: NDArray[np.floating[Any]]) -> None:
+        """Takes the corrections of the next control period, shape (num_envs, motors)."""
+        self.venv.step_async(corrected(self._given, actions, self.residual.scale))
+
+    def step_wait(
+        self,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]:
+        """Moves all rows; returns observations, rewards, ends of episodes and infos."""
+        observation, reward, ended, infos = self._rows.step_wait()
+        rows, last = np.flatnonzero(ended), observation.copy()
+        for row in rows.tolist():
+            last[row] = infos[row]["terminal_observation"]
+        self._given = self._policy.act(last)
+        for row, seen in zip(rows.tolist(), self.seen(last)[rows], strict=True):
+            infos[row]["terminal_observation"] = seen
+        if rows.size:
+            self._given[rows] = self._policy.begin(rows, observation)
+        return self.seen(observation), reward, ended, infos
+
+    def get_memory(self) -> dict[str, Any]:
+        """Returns the memory of the policy in all rows, which can be pickled."""
+        return {"policy": self._policy, "given": self._given}
+
+    def set_memory(self, memory: dict[str, Any]) -> None:
+        """Restores what `get_memory` returned."""
+        self._policy.restore(memory["policy"])
+        self._given = memory["given"]
+
+    def seen(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Returns what the learner observes: the arms, and the actions of the policy for them."""
+        return np.concatenate([observation, self._given], axis=1, dtype=np.float32)

@@ -10,6 +10,7 @@ from .levels import with_level
 from .model import ArmConfig
 from .model.config import nested
 from .observation import checked_sensors
+from .own_reward import OwnReward
 from .person import VoluntaryControl
 from .randomization import Randomization
 from .simulation.faults import Faults
@@ -46,6 +47,8 @@ class Setup:
         belief: Arm that the suite "belief" believes in, given by the fields of `arm` in which it
             differs from the simulated one, such as {"suit": "elbow.json"}; it never follows what
             `randomize` draws. None without that suite.
+        reward: Function that rewards in place of the shipped reward, or its place as
+            "package.module:function"; see `OwnReward`. Scores of evaluations do not change.
     """
 
     arm: ArmConfig
@@ -59,6 +62,7 @@ class Setup:
     sensing: Sensing
     faults: Faults
     belief: ArmConfig | None
+    reward: OwnReward | None
 
     @classmethod
     def of(cls, task: Task, options: Mapping[str, Any]) -> "Setup":
@@ -94,6 +98,7 @@ class Setup:
             sensing=nested("sensing", own["sensing"], Sensing()),
             faults=nested("faults", own["faults"], Faults()),
             belief=_believed(own["belief"], arm, own["sensors"]),
+            reward=None if own["reward"] is None else OwnReward(own["reward"]),
         )
         if setup.faults.stopped and arm.coupling == "none":
             raise InputError(
@@ -116,6 +121,7 @@ USUAL: dict[str, Any] = {
     "sensing": {},
     "faults": {},
     "belief": None,
+    "reward": None,
 }
 
 

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any, NamedTuple
 
-from ...errors import unknown_name
+from ...errors import InputError, unknown_name
 from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..policies import Policy, PolicySpec, make_policy, needed_options
@@ -71,6 +71,8 @@ def run(
         InputError: The policy or the environment cannot be made, or the policy ends episodes, so
             that no wearer can adapt.
     """
+    if options.get("reward") is not None:
+        raise InputError("scores are those of the shipped reward: leave the option reward out")
     wearers = Wearers(env_id, len(seeds), **options_of(given, options))
     try:
         make = maker(name, given, wearers, seeds)

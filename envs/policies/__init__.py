@@ -9,7 +9,6 @@ from .gravity import GravityCompensation
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .saving import save_policy
-from .trained import TrainedPolicy
 
 __all__ = [
     "POLICIES",
@@ -24,7 +23,6 @@ __all__ = [
     "Policy",
     "PolicySpec",
     "TorquePolicy",
-    "TrainedPolicy",
     "make_policy",
     "needed_options",
     "policy_spec",

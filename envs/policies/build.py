@@ -10,6 +10,7 @@ from typing import Any, cast, get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from ...checks import within
 from ...errors import InputError, shown, unknown_name
 from ...json_files import read_json
 from ..arm_env import ArmEnv
@@ -30,6 +31,7 @@ from .guard import Guard
 from .impedance import Impedance
 from .iterative import IterativeLearning
 from .momentum_observer import ObserverAssist
+from .network import Card, Network, Residual, read_card, read_network
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .oscillators import AdaptiveOscillators
@@ -37,7 +39,8 @@ from .outside import own_policy
 from .predictive import PredictiveSampling
 from .proportional import ProportionalAssist
 from .radial_basis import RadialBasisTracker
-from .trained import OBSERVATION, TrainedPolicy, environment_of
+from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
+from .trained import OBSERVATION, TrainedPolicy, environment_of, portable
 from .transparent import Transparent
 
 POLICIES: dict[str, Callable[..., Policy]] = {
@@ -240,7 +243,8 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
         )
     maker = maker_of(name)
     if maker is None:
-        return TrainedPolicy(name, plant)
+        card = read_card(name)
+        return network_policy(card, read_network(name, card), plant, name)
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
@@ -261,6 +265,53 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
     made = maker if name in POLICIES else partial(own_policy, name, maker, plant.motors)
     policy = made(plant, **options)
     return Guard(plant, policy, belief) if guarded else policy
+
+
+def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Policy:
+    """Returns the policy of a trained network, by NumPy alone.
+
+    Args:
+        card: Card of the policy.
+        network: Its network.
+        plant: What the policy may know of the arms.
+        name: Name or folder of the policy, for messages.
+
+    Raises:
+        InputError: The network observes something else than these arms show, or it corrects a
+            policy that is none of this package.
+    """
+    trained = TrainedPolicy(card, network, plant, name)
+    if card.residual is None:
+        return trained
+    return ResidualPolicy(make_policy(base_of(card.residual), plant), trained, card.residual.scale)
+
+
+def residual_of(given: AnyPolicy, scale: float) -> Residual:
+    """Returns a policy that a network shall correct as plain data, a suit file as its content.
+
+    Raises:
+        InputError: The policy is none of this package, or the scale is out of its range.
+    """
+    spec = policy_spec(given)
+    if spec.name not in POLICIES:
+        raise unknown_name("policy that a network corrects", spec.name, POLICIES)
+    within("residual scale", scale, LEAST_SCALE, MOST_SCALE)
+    options = dict(spec.options)
+    if isinstance(options.get("suit"), str):
+        options["suit"] = portable(options["suit"])
+    return Residual(policy={"name": spec.name, **options}, scale=scale)
+
+
+def base_of(residual: Residual) -> PolicySpec:
+    """Returns the policy that a network corrects, which runs no code of others.
+
+    Raises:
+        InputError: It is no policy of this package.
+    """
+    name = residual.policy.get("name")
+    if name not in POLICIES:
+        raise unknown_name("policy that a network corrects", str(name), POLICIES)
+    return policy_spec(residual.policy)
 
 
 def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:

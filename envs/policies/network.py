@@ -13,13 +13,14 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...arrays import Array
 from ...errors import InputError, shown
 from ...files import content_of
 from ...json_files import read_json
 from ..plant import Plant
+from .residual import LEAST_SCALE, MOST_SCALE
 
 CARD, WEIGHTS = "policy.json", "policy.safetensors"
 FORMAT = 1
@@ -29,6 +30,20 @@ ACTIVATIONS: dict[str, Callable[[Array], Array]] = {
     "relu": lambda values: np.maximum(values, 0.0),
 }
 LAYER, LSTM = "layer", "lstm"  # prefixes of the names of weights
+
+
+class Residual(BaseModel):
+    """A policy that a network corrects: action = policy + scale x network.
+
+    Attributes:
+        policy: The policy, as a name of this package and options beside it.
+        scale: Scale of the correction, 0.01 to 2.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    policy: dict[str, Any]
+    scale: float = Field(ge=LEAST_SCALE, le=MOST_SCALE)
 
 
 class Card(BaseModel):
@@ -42,8 +57,11 @@ class Card(BaseModel):
         observation: What the network observes; see `observed`.
         contract: Hash of `observation`.
         environment: Id of the environment of the training, and its options.
+        residual: Policy that the network corrects, whose action it observes; None if it acts alone.
         training: Algorithm, seed, steps and what else describes the training.
+        scores: Scores of the evaluation during the training at which these weights were the best.
         versions: Versions of the packages that trained it.
+        license: License of the weights, by its SPDX name; None if none is granted.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -55,8 +73,11 @@ class Card(BaseModel):
     observation: dict[str, Any]
     contract: str
     environment: dict[str, Any]
+    residual: Residual | None = None
     training: dict[str, Any]
+    scores: dict[str, Any] | None = None
     versions: dict[str, str] = {}
+    license: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """Makes policies of what Stable-Baselines3 trained (needs the extra `train`)."""
 
 import os
+from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,17 @@ from ..making import OURS
 from ..plant import Plant
 from ..tasks import TASKS
 from ..vector_env import ArmVectorEnv
-from .network import LAYER, LSTM, Card, Network, contract_of, files_of, observed
-from .trained import ARM, OBSERVATION
+from .network import (
+    LAYER,
+    LSTM,
+    Card,
+    Network,
+    Residual,
+    contract_of,
+    files_of,
+    observed,
+)
+from .trained import ARM
 
 PACKAGES = ("activesuit", "gymnasium", "mujoco", "numpy", "stable-baselines3", "torch")
 _ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu"}
@@ -46,18 +56,14 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
             f"the environment's task {task.name!r} is not a shipped one: train it by `activesuit "
             "train --env MODULE:ID`, whose folder is a policy"
         )
-    observer = arms.episodes.observer
-    seen = dict(
-        zip(
-            OBSERVATION,
-            (list(observer.sensors), observer.normalized, observer.history),
-            strict=True,
-        )
-    )
+    observer, belief = arms.episodes.observer, arms.episodes.setup.belief
+    seen = {"sensors": list(observer.sensors), "normalize": observer.normalized}
+    seen |= {"history": observer.history} | ({"belief": belief.to_dict()} if belief else {})
     card = card_of(
         plant,
         environment={"env": name, **{field: config[field] for field in ARM}, **seen},
         training={"algo": type(model).__name__, "done": int(model.num_timesteps)},
+        residual=_residual_of(env),
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -70,13 +76,19 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
             scratch.write_bytes(content)
 
 
-def card_of(plant: Plant, environment: dict[str, Any], training: dict[str, Any]) -> Card:
+def card_of(
+    plant: Plant,
+    environment: dict[str, Any],
+    training: dict[str, Any],
+    residual: Residual | None = None,
+) -> Card:
     """Returns the card of a policy of some arms."""
     observation = observed(plant)
     return Card(
         observation=observation,
         contract=contract_of(observation),
         environment=environment,
+        residual=residual,
         training=training,
         versions={name: version(name) for name in PACKAGES},
     )
@@ -115,18 +127,24 @@ def network_of(model: Any) -> Network:
             part["weight_hh_l0"],
         )
         weights[f"{LSTM}.bias"] = part["bias_ih_l0"] + part["bias_hh_l0"]
-    layers = [one for one in (*between, last) if isinstance(one, nn.Linear)]
     kinds = {type(one).__name__ for one in between if not isinstance(one, nn.Linear)}
     if not isinstance(last, nn.Linear) or len(kinds) > 1 or not kinds <= _ACTIVATIONS.keys():
         raise _foreign(
             model, f"between its layers are {', '.join(sorted(kinds))}: use Tanh or ReLU"
         )
-    for i, layer in enumerate(layers):
-        weights[f"{LAYER}.{i}.weight"], weights[f"{LAYER}.{i}.bias"] = (
-            _numbers(layer.weight),
-            _numbers(layer.bias),
-        )
+    weights |= layers_of((*between, last))
     return Network(weights, _ACTIVATIONS[kinds.pop()] if kinds else "tanh", squashed)
+
+
+def layers_of(layers: Iterable[Any]) -> dict[str, NDArray[np.float32]]:
+    """Returns the weights of the linear layers of torch among some, by their names in a network."""
+    from torch import nn
+
+    linear, found = [one for one in layers if isinstance(one, nn.Linear)], {}
+    for i, layer in enumerate(linear):
+        found[f"{LAYER}.{i}.weight"] = _numbers(layer.weight)
+        found[f"{LAYER}.{i}.bias"] = _numbers(layer.bias)
+    return found
 
 
 def _numbers(values: Any) -> NDArray[np.float32]:
@@ -150,3 +168,13 @@ def _arms_of(env: Any) -> ArmEnv | ArmVectorEnv:
     if not isinstance(found, ArmEnv | ArmVectorEnv):
         raise InputError(f"env is {shown(env)}: give the ActiveSuit environment of the training")
     return found
+
+
+def _residual_of(env: Any) -> Residual | None:
+    """Returns the policy that is corrected in an environment of Stable-Baselines3."""
+    while env is not None:
+        found = vars(env).get("residual")
+        if isinstance(found, Residual):
+            return found
+        env = vars(env).get("venv")
+    return None

@@ -1,5 +1,6 @@
 """A trained policy: the folder of `activesuit train` or of `save_policy`."""
 
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -8,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array
+from ...assets import load_suit, suit_names
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig
 from ..plant import Plant
-from .network import CARD, contract_of, observed, read_card, read_network
+from .network import CARD, Card, Network, contract_of, observed, read_card
 
 OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
-OBSERVATION = ("sensors", "normalize", "history")
+OBSERVATION = ("sensors", "normalize", "history", "belief")
 ARM = (
     *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
     *("preconditioned", "allow_uncertified"),
@@ -67,32 +69,40 @@ def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     return found
 
 
+def portable(suit: str) -> str | dict[str, Any]:
+    """Returns a suit for a card: the name of a shipped one, or the content of a file.
+
+    Raises:
+        InputError: There is no such suit.
+    """
+    if suit in suit_names():
+        return suit
+    return json.loads(load_suit(suit).model_dump_json(exclude_none=True))
+
+
 class TrainedPolicy:
     """Takes the mean action of a trained network, by NumPy alone.
 
-    The folder has the network's numbers in `policy.safetensors` and all else in `policy.json`, so
-    that a folder of someone else runs no code.
-
     Args:
-        folder: Folder of a run of `activesuit train`, or of `save_policy`.
+        card: Card of the policy.
+        network: Its network.
         plant: What the policy may know of the arms.
+        name: Name or folder of the policy, for messages.
 
     Raises:
-        InputError: The folder has no finished checkpoint, a file is damaged, or the network
-            observes something else than these arms show.
+        InputError: The network observes something else than these arms show.
     """
 
-    def __init__(self, folder: str | os.PathLike[str], plant: Plant) -> None:
-        card = read_card(folder)
-        self._network = read_network(folder, card)
-        _check_observed(Path(folder), card.observation, observed(plant))
-        size, motors = (card.observation.get(name) for name in ("size", "motors"))
-        if (self._network.inputs, self._network.outputs) != (size, motors):
+    def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
+        _check_observed(name, card.observation, observed(plant))
+        size, motors = (card.observation.get(part) for part in ("size", "motors"))
+        size = size + motors if card.residual and size and motors else size
+        if (network.inputs, network.outputs) != (size, motors):
             raise InputError(
-                f"the network in {str(folder)!r} has {self._network.inputs} inputs and "
-                f"{self._network.outputs} outputs, and its card says {size} and {motors}: restore "
-                "both"
+                f"the network in {name!r} has {network.inputs} inputs and {network.outputs} "
+                f"outputs, and its card says {size} and {motors}: restore both"
             )
+        self._network = network
         self._memory: Array | None = None
 
     def reset(self) -> None:
@@ -108,12 +118,12 @@ class TrainedPolicy:
         return action.reshape(*observation.shape[:-1], -1)
 
 
-def _check_observed(folder: Path, trained: dict[str, Any], here: dict[str, Any]) -> None:
+def _check_observed(folder: str, trained: dict[str, Any], here: dict[str, Any]) -> None:
     if contract_of(trained) == contract_of(here):
         return
     name = next((name for name in here if trained.get(name) != here[name]), "observation")
     raise InputError(
-        f"the policy in {str(folder)!r} was trained with the {name} {shown(trained.get(name))}, "
+        f"the policy in {folder!r} was trained with the {name} {shown(trained.get(name))}, "
         f"and the environment has {shown(here[name])}: make it with the sensors that the policy "
         "was trained with, or train again"
     )

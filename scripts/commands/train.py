@@ -1,41 +1,40 @@
 """`activesuit train`: trains a policy by reinforcement learning (needs the extra `train`)."""
 
-from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
-from ...assets import load_suit, suit_names
 from ...checks import at_least, check_seed
 from ...envs.making import make_arms
 from ...envs.plant import Plant
-from ...envs.policies.network import CARD, WEIGHTS, Card, card_file
-from ...envs.policies.trained import OBSERVATION, OWN_SUIT, environment_of, training_of
+from ...envs.policies import needed_options
+from ...envs.policies.build import base_of, residual_of
+from ...envs.policies.network import CARD, Card, Residual, read_card
+from ...envs.policies.residual import SCALE
+from ...envs.policies.trained import OBSERVATION, environment_of, portable, training_of
 from ...errors import InputError, shown
 from ..arm_options import USUAL, ArmOptions
-from ..hyperparameters import ALGORITHMS, algorithm_class, hyperparameters
-from ..learning import (
-    CHECKPOINT,
-    REPLAY,
-    Checkpoint,
-    checkpoints,
-    new_learner,
-    resumed_learner,
-    save,
-    threads,
-    training_environments,
-    write_own,
-)
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
 from ..options import levels as level_names
+from ..options import policies as policy_names
+from ..options import suits as suit_names
 from ..options import tasks as task_names
-from ..output import RunFolder, messages, progress, say, telling
-from ..own_files import notes_folder
+from ..output import RunFolder, say, telling
+from ..own_files import is_own
 from ..runs import Scene, scene
+from ..training.checkpoints import CHECKPOINT, Checkpoint
+from ..training.distillation import DAGGER, distill
+from ..training.evaluations import MOTIONS
+from ..training.hyperparameters import ALGORITHMS, algorithm_class, hyperparameters
+from ..training.run import TRAINING_ONLY, learn
+from ..training.seeds import seeds_of, train_all
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_STEPS, MOST_ROWS = 10**11, 10**5
+KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", *TRAINING_ONLY)
 
 
 def train(
@@ -49,7 +48,17 @@ def train(
     sensors: tuple[str, ...] = (),
     history: Annotated[int | None, optional_number("1", int)] = None,
     normalize: bool = False,
+    belief: Annotated[str | None, choice(suit_names, usual="none")] = None,
+    residual: Annotated[str | None, choice(policy_names, usual="none")] = None,
+    residual_scale: Annotated[float | None, optional_number(f"{SCALE}")] = None,
+    teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
+    reward: str | None = None,
+    samples: bool = False,
+    motions: Annotated[int | None, optional_number(f"{MOTIONS}", int)] = None,
+    patience: Annotated[int | None, optional_number("never", int)] = None,
     seed: RunSeed = None,
+    seeds: str | None = None,
+    workers: int = 1,
     suit: Suit = None,
     gravity: Gravity = None,
     arm: ArmOptions = USUAL,
@@ -62,9 +71,10 @@ def train(
     """Train an assist policy with Stable-Baselines3.
 
     The folder is a policy: policy.safetensors and policy.json, which run no code, are all that
-    others need of it. It gets TensorBoard logs, and model.zip for --resume, at every checkpoint.
-    Ctrl-C keeps what was learned; --resume goes on from there, with the options of the run. The
-    commands that take a policy take the folder, and simulate with these options too.
+    others need of it. Ten times a run the policy is evaluated, and the best one is kept; the
+    learner itself is in model.zip for --resume. Ctrl-C keeps what was learned; --resume goes on
+    from there, with the options of the run. The commands that take a policy take the folder, and
+    simulate with these options too.
 
     Args:
         level: Level of the task, which says what differs from episode to episode.
@@ -78,6 +88,19 @@ def train(
         sensors: Names of the sensor suites that the policy observes.
         history: Number of control periods whose observations it gets at once.
         normalize: Whether observations are divided by constants, to the size of 1.
+        belief: Suit of a believed arm whose torques the policy observes.
+        residual: Policy that the network corrects: action = policy + scale x network. The network
+            begins at zero, and observes the action of the policy.
+        residual_scale: Scale of the correction.
+        teacher: Policy whose actions the network learns to repeat from its own sensors, in place of
+            reinforcement learning; it may need other sensors.
+        reward: Reward of your own in place of the shipped one, as MODULE:FUNCTION; scores stay.
+        samples: Whether each episode draws the suit among the samples of its file, which the
+            identification found plausible; evaluations are without.
+        motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
+        patience: Number of evaluations without a better one after which the training ends.
+        seeds: Seeds of several trainings, as 0-9 or 0,3,5, each in a folder of its own.
+        workers: Number of trainings at once, with --seeds.
         torch_threads: Number of threads that torch computes with; with networks of this size more
             than one costs time.
         out: Folder of the run: a new or an empty one, or with --resume that of an earlier train.
@@ -86,58 +109,163 @@ def train(
             its files hold; no other command runs any.
     """
     at_least("torch-threads", torch_threads, 1)
+    at_least("workers", workers, 1)
     if steps is not None:
         at_least("steps", steps, 1, MOST_STEPS)
     if rows is not None:
         at_least("rows", rows, 1, MOST_ROWS)
     if seed is not None:
         check_seed(seed)
-    checkpoint = _check_folder(out, resume, trust, force)
-    before = {**environment_of(out), **training_of(out)} if resume else {}
-    given = {"algo": algo, "seed": seed, "rows": rows, "level": level, "history": history}
-    given |= {"sensors": list(sensors) or None, "normalize": normalize or None}
-    if resume and hyperparameters_file is not None:
-        raise InputError("--hyperparameters is given with --resume: a run keeps its own")
-    config = _config(before, {**given, "steps": steps}, out)
-    chosen = scene(
-        arm,
-        env=env,
-        task=task,
-        level=config.get("level"),
-        suit=suit,
-        gravity=gravity,
-        run=out if resume else None,
-        trusted=trust,
-        usual={"env": TASK},
+    if motions is not None and motions != 0:
+        at_least("motions", motions, MOTIONS)
+    if patience is not None:
+        at_least("patience", patience, 1)
+    if seeds is not None and seed is not None:
+        raise InputError("--seed and --seeds are given: give one of them")
+    given: dict[str, Any] = {"algo": algo, "seed": seed, "rows": rows, "steps": steps}
+    given |= {"level": level, "history": history, "sensors": list(sensors) or None}
+    given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
+    given |= {"reward": reward, "motions": motions, "patience": patience}
+    given |= {"randomize": {"suit": "samples"} if samples else None}
+    given |= {"residual": _residual(residual, residual_scale)}
+    request = _Request(
+        given={name: value for name, value in given.items() if value is not None},
+        file=hyperparameters_file,
+        scene=partial(scene, arm, env=env, task=task, suit=suit, gravity=gravity, trusted=trust),
+        resume=resume,
+        trust=trust,
+        force=force,
+        torch_threads=torch_threads,
     )
-    if "task" in chosen.options:
-        raise InputError("--task is the file of a motion: name a task to train for")
-    if chosen.options["coupling"] == "none":
-        raise InputError("coupling is 'none': there is no motor to train for; use rigid or cuffs")
-    algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-    settings = hyperparameters(config["algo"], chosen.env, hyperparameters_file)
-    settings |= before.get("hyperparameters", {})
-    config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
-    at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
-    observation = {name: config.pop(name) for name in OBSERVATION if name in config}
-    options = {**chosen.options, **observation}
-    arms = make_arms(chosen.env, 1, **options)
-    card = _card(chosen, Plant.of(arms.episodes), options, {**config, "hyperparameters": settings})
-    arms.close()
-    folder = RunFolder(out, "train", force=force or resume)
-    with telling(lambda: _kept(folder)):
-        learner = _train(folder, card, options, checkpoint, torch_threads)
-    say(
-        f"trained {learner.num_timesteps} steps; compare, in this task and with these options: "
-        f"activesuit evaluate --policies none {folder.path}"
-    )
+    if teacher is not None:
+        _distill(request, teacher, out, seeds)
+    elif seeds is not None:
+        if motions == 0:
+            raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
+        train_all(request.seed, seeds_of(seeds), out, workers, resume=resume, force=force)
+    else:
+        done = request.one(out)
+        say(
+            f"trained {done} steps; compare, in this task and with these options: "
+            f"activesuit evaluate --policies none {out}"
+        )
 
 
-def _card(chosen: Scene, plant: Plant, options: dict[str, Any], training: dict[str, Any]) -> Card:
+@dataclass(frozen=True, kw_only=True)
+class _Request:
+    """What the command was asked for.
+
+    Attributes:
+        given: Options that are given, by their names in a card.
+        file: File of hyperparameters; None if none is given.
+        scene: Function that returns the scene, of the level and of the run that goes on.
+        resume: Whether to go on with what is there.
+        trust: Whether to resume files of others.
+        force: Whether to replace what is there.
+        torch_threads: Number of threads of torch.
+    """
+
+    given: dict[str, Any]
+    file: Path | None
+    scene: partial[Scene]
+    resume: bool
+    trust: bool
+    force: bool
+    torch_threads: int
+
+    def seed(self, out: Path, seed: int) -> None:
+        """Trains with a seed in a folder, or continues what is there."""
+        resume = self.resume and (out / CHECKPOINT).exists()
+        file = None if resume else self.file
+        replace(self, resume=resume, file=file, given={**self.given, "seed": seed}).one(out)
+
+    def one(self, out: Path) -> int:
+        """Trains, or goes on, in a folder; returns the number of steps."""
+        checkpoint = _check_folder(out, self.resume, self.trust, self.force)
+        before = _before(out, self.trust) if self.resume else {}
+        if self.resume and self.file is not None:
+            raise InputError("--hyperparameters is given with --resume: a run keeps its own")
+        config = _config(before, self.given, out)
+        chosen = self.chosen(config, out if self.resume else None)
+        algorithm_class(config["algo"])  # reports a missing extra before the folder is made
+        settings = hyperparameters(config["algo"], chosen.env, self.file)
+        settings |= before.get("hyperparameters", {})
+        config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
+        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
+        card, options = card_and_options(chosen, {**config, "hyperparameters": settings})
+        folder = RunFolder(out, "train", force=self.force or self.resume)
+        with telling(lambda: _kept(folder)):
+            done = learn(folder, card, options, checkpoint, self.torch_threads)
+        return done
+
+    def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
+        """Returns the task and the options of the arms."""
+        chosen = self.scene(level=config.get("level"), run=run, usual={"env": TASK})
+        if "task" in chosen.options:
+            raise InputError("--task is the file of a motion: name a task to train for")
+        if chosen.options["coupling"] == "none":
+            raise InputError(
+                "coupling is 'none': there is no motor to train for; use rigid or cuffs"
+            )
+        return chosen
+
+
+def card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[str, Any]]:
+    """Returns the card of a policy, and the options of its environment.
+
+    Args:
+        chosen: Task and arms.
+        config: All that describes the training, with what the policy observes.
+    """
     from ...envs.policies.saving import card_of
 
-    training = {name: value for name, value in training.items() if name != "level"}
-    return card_of(plant, {"env": chosen.env, **options}, training)
+    config = dict(config)
+    observation = {name: config.pop(name) for name in OBSERVATION if name in config}
+    residual: Residual | None = config.pop("residual", None)
+    if residual is not None and "sensors" not in observation:
+        observation["sensors"] = list(needed_options(base_of(residual))["sensors"])
+    if "belief" in observation:
+        sensors = observation.get("sensors", ["encoders"])
+        observation["sensors"] = [*sensors, *({"belief"} - {*sensors})]
+    config.pop("level", None)
+    options = {**chosen.options, **observation}
+    arms = make_arms(chosen.env, 1, **options)
+    plant = Plant.of(arms.episodes)
+    arms.close()
+    return card_of(plant, {"env": chosen.env, **options}, config, residual), options
+
+
+def _residual(given: str | None, scale: float | None) -> Residual | None:
+    if given is None:
+        if scale is not None:
+            raise InputError("--residual-scale is given without --residual: name a policy, too")
+        return None
+    return residual_of(given, SCALE if scale is None else scale)
+
+
+def _distill(request: _Request, teacher: str, out: Path, seeds: str | None) -> None:
+    """Trains a student of another policy."""
+    given = dict(request.given)
+    for name in ("algo", "residual", "reward", "patience"):
+        if name in given:
+            raise InputError(f"--{name} is given with --teacher: leave one of them out")
+    for name, there in (("seeds", seeds), ("hyperparameters", request.file)):
+        if there is not None:
+            raise InputError(f"--{name} is given with --teacher: leave one of them out")
+    if request.resume:
+        raise InputError("--resume is given with --teacher: a student takes minutes, train it anew")
+    _check_folder(out, False, request.trust, request.force)
+    config = {"seed": 0, "motions": MOTIONS, **DAGGER, **given}
+    card, options = card_and_options(
+        request.chosen(config), {**config, "algo": "dagger", "teacher": teacher}
+    )
+    folder = RunFolder(out, "train", force=request.force)
+    with telling(lambda: "nothing was learned yet; start the training again"):
+        done = distill(folder, card, options, teacher, request.torch_threads)
+    say(
+        f"trained {done} steps; compare, in this task and with these options: "
+        f"activesuit evaluate --policies none {out}"
+    )
 
 
 def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoint | None:
@@ -156,86 +284,35 @@ def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoi
     return None
 
 
+def _before(out: Path, trust: bool) -> dict[str, Any]:
+    """Returns what the card of a run says of it."""
+    found = {**environment_of(out), **training_of(out)}
+    residual = read_card(out).residual
+    if residual is not None:
+        base_of(residual)
+        found["residual"] = residual
+    if "reward" in found and not (trust or is_own((out / CARD).read_bytes())):
+        raise InputError(
+            f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its {CARD} is "
+            "not of this machine: add --trust if that module may be imported"
+        )
+    return found
+
+
 def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
     """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
-    given = {name: value for name, value in given.items() if value is not None}
     for name, value in given.items():
-        if before and name != "steps" and before.get(name) != value:
+        if before and name not in ("steps", "motions", "patience") and before.get(name) != value:
             raise InputError(
                 f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
                 f"trained with {shown(before.get(name))}: leave --{name} out, or train another run"
             )
-    names = ("algo", "seed", "rows", "steps", "level", *OBSERVATION)
+    names = (*KEPT, "residual", *OBSERVATION)
     found = {name: before[name] for name in names if name in before}
-    return {"algo": "ppo", "seed": 0, **found, **given}
-
-
-def _begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
-    """Writes the card, and beside it a copy of the suit file if there is one; returns the card."""
-    if not resume:
-        for name in (CHECKPOINT, REPLAY, WEIGHTS):
-            folder.claim(name).unlink(missing_ok=True)
-    suit = card.environment["suit"]
-    if suit != "none" and suit not in suit_names():
-        if Path(suit) != folder / OWN_SUIT:
-            with folder.replacing(OWN_SUIT) as scratch:
-                load_suit(suit).save(scratch)
-        card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
-    if not resume:
-        write_own(folder, {CARD: card_file(card)})
-    return card
+    return {"algo": "ppo", "seed": 0, "motions": MOTIONS, **found, **given}
 
 
 def _kept(folder: RunFolder) -> str:
     if (folder / CHECKPOINT).exists():
         return f"the last checkpoint is kept in {folder.path}; go on with --resume"
     return "nothing was learned yet; start the training again"
-
-
-def _train(
-    folder: RunFolder,
-    card: Card,
-    options: dict[str, Any],
-    checkpoint: Checkpoint | None,
-    torch_threads: int,
-) -> Any:
-    env, training = card.environment["env"], card.training
-    algo, seed = training["algo"], training["seed"]
-    with (
-        threads(torch_threads),
-        closing(training_environments(env, training["rows"], seed, options)) as environments,
-    ):
-        if checkpoint:
-            learner = resumed_learner(algo, environments, checkpoint)
-        else:
-            learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
-        done, steps = learner.num_timesteps, training["steps"]
-        if done >= steps:
-            raise InputError(f"the run has {done} steps already: give --steps above that to go on")
-        card = _begin(folder, card, resume=bool(checkpoint))
-        _learn(learner, folder, card, f"{algo} on {env}", new=not checkpoint)
-    return learner
-
-
-def _learn(learner: Any, folder: RunFolder, card: Card, title: str, *, new: bool) -> None:
-    """Trains until all steps are done, and saves; Ctrl-C ends the training earlier."""
-    steps = card.training["steps"]
-    interrupted = False
-    with progress(title, steps) as bar:
-        try:
-            learner.learn(
-                steps - learner.num_timesteps,
-                callback=checkpoints(learner, folder, card, bar, steps),
-                reset_num_timesteps=new,
-                tb_log_name=card.training["algo"],
-            )
-        except KeyboardInterrupt:
-            interrupted = True
-    if not save(learner, folder, card):
-        messages.print(
-            f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
-        )
-    if interrupted:
-        raise KeyboardInterrupt(
-            f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
-        )

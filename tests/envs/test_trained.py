@@ -8,13 +8,12 @@ import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.plant import Plant
-from activesuit.envs.policies import TrainedPolicy, make_policy, needed_options, save_policy
+from activesuit.envs.policies import make_policy, needed_options, save_policy
 from activesuit.envs.policies.network import Network
 from activesuit.envs.sb3 import ArmVecEnv
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
-from activesuit.scripts.hyperparameters import ALGORITHMS, algorithm_class
+from activesuit.scripts.training.hyperparameters import ALGORITHMS, algorithm_class
 from trained_runs import make_run, write_network
 
 pytest.importorskip("stable_baselines3")
@@ -105,7 +104,7 @@ def test_an_environment_that_shows_more(tmp_path):
     run = make_run(tmp_path / "run")
     arm = ArmEnv("ElbowFlexion", sensors=["encoders", "preview"])
     with pytest.raises(InputError, match=r"trained with the sensors \['encoders'\]") as refusal:
-        TrainedPolicy(run, Plant.of(arm.episodes))
+        make_policy(str(run), arm)
     assert one_sentence(refusal)
 
 
@@ -167,7 +166,7 @@ def test_damaged_policies(tmp_path, damage, message):
     damage(run)
     env = ArmEnv("ElbowFlexion", gravity="moon")
     with pytest.raises(InputError, match=message) as refusal:
-        TrainedPolicy(run, Plant.of(env.episodes))
+        make_policy(str(run), env)
     assert one_sentence(refusal)
 
 

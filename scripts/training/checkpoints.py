@@ -1,24 +1,21 @@
-"""Learners of Stable-Baselines3: new ones, saved ones, and the checkpoints between."""
+"""Checkpoints of a training: what a learner continues from, to the last bit."""
 
 import io
 import random
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..envs.making import make_arms
-from ..envs.policies.network import Card, files_of
-from ..errors import InputError
-from .hyperparameters import algorithm_class, arguments
-from .output import Bar, RunFolder
-from .own_files import is_own, note
+from ...errors import InputError
+from ..output import RunFolder
+from ..own_files import is_own, note
+from .hyperparameters import algorithm_class
 
 CHECKPOINT, REPLAY = "model.zip", "replay.pkl"
-CHECKPOINTS = 10  # number per run
 MONITORED = ("episode_returns", "episode_lengths")
 LATEST = ("_last_episode_starts", "_last_lstm_states")
 
@@ -66,40 +63,6 @@ class Checkpoint:
         return cls(out / CHECKPOINT, learner, replay)
 
 
-def training_environments(env: str, rows: int, seed: int, options: dict[str, Any]) -> Any:
-    """Returns the environments that a learner trains in, as one of Stable-Baselines3."""
-    from stable_baselines3.common.vec_env import VecMonitor
-
-    from ..envs.sb3 import ArmVecEnv
-
-    arms = make_arms(env, rows, **options, autoreset_mode="SameStep", stagger=True)
-    environments = VecMonitor(ArmVecEnv(arms))
-    environments.seed(seed)
-    return environments
-
-
-def new_learner(
-    algo: str, environments: Any, folder: RunFolder, seed: int, settings: dict[str, Any]
-) -> Any:
-    """Returns a learner that knows nothing yet.
-
-    Raises:
-        InputError: The algorithm refuses a hyperparameter.
-    """
-    logs = str(folder.subfolder("tensorboard"))
-    usual = {"seed": seed, "device": "cpu", "tensorboard_log": logs}
-    try:
-        return algorithm_class(algo)(
-            settings["policy"], environments, **usual, **arguments(settings)
-        )
-    except InputError:
-        raise
-    except Exception as error:  # whatever a value of the wrong kind leads to
-        raise InputError(
-            f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
-        ) from error
-
-
 def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any:
     """Returns the learner of a checkpoint; this runs whatever code the checkpoint holds.
 
@@ -136,7 +99,7 @@ def _remember(learner: Any) -> None:
 
     if learner._last_obs is None:  # interrupted before the first episode
         return
-    monitor = learner.env
+    monitor, residual = learner.env, _residual(learner.env)
     memory = {
         "arms": monitor.unwrapped.arms.get_state(),
         "monitor": {name: getattr(monitor, name).copy() for name in MONITORED},
@@ -144,6 +107,7 @@ def _remember(learner: Any) -> None:
         "numpy": np.random.get_state(),  # noqa: NPY002 - the generator that learners use
         "torch": torch.get_rng_state().numpy(),
         "actions": learner.action_space.np_random.bit_generator.state,
+        "residual": residual and residual.get_memory(),
     }
     learner.memory = memory | {name: getattr(learner, name, None) for name in LATEST}
 
@@ -156,7 +120,7 @@ def _go_back(learner: Any, path: Path) -> None:
     if memory is None:
         learner._last_obs = None
         return
-    monitor = learner.env
+    monitor, residual = learner.env, _residual(learner.env)
     try:
         monitor.reset()
         observation, _ = monitor.unwrapped.arms.set_state(memory["arms"])
@@ -165,6 +129,9 @@ def _go_back(learner: Any, path: Path) -> None:
         for name in LATEST:
             if memory[name] is not None:
                 setattr(learner, name, memory[name])
+        if residual is not None:
+            residual.set_memory(memory["residual"])
+            observation = residual.seen(observation)
         learner._last_obs = observation
         learner.action_space.np_random.bit_generator.state = memory["actions"]
         random.setstate(memory["python"])
@@ -197,17 +164,19 @@ def _load_replay(learner: Any, content: bytes, path: Path) -> None:
         )
 
 
-def save(learner: Any, folder: RunFolder, card: Card) -> bool:
-    """Writes a checkpoint and the policy, and notes them as ours; returns whether that worked."""
-    from ..envs.policies.saving import network_of
+def _residual(environments: Any) -> Any:
+    """Returns the layer of environments in which a policy is corrected; None if there is none."""
+    below = environments.venv
+    return below if hasattr(below, "residual") else None
 
+
+def save(learner: Any, folder: RunFolder) -> bool:
+    """Writes a checkpoint and notes its files as ours; returns whether that worked."""
     _remember(learner)
     noted = _write(folder, CHECKPOINT, learner.save)
     if hasattr(learner, "save_replay_buffer"):
         noted &= _write(folder, REPLAY, learner.save_replay_buffer)
-    training = {**card.training, "done": int(learner.num_timesteps)}
-    card = card.model_copy(update={"training": training})
-    return write_own(folder, files_of(card, network_of(learner))) and noted
+    return noted
 
 
 def write_own(folder: RunFolder, contents: Mapping[str, bytes]) -> bool:
@@ -226,38 +195,3 @@ def _write(folder: RunFolder, name: str, write: Callable[[Path], Any]) -> bool:
     with folder.replacing(name) as scratch:
         write(scratch)
         return note(scratch, folder / name)
-
-
-def checkpoints(learner: Any, folder: RunFolder, card: Card, bar: Bar, steps: int) -> Any:
-    """Returns a callback that saves ten times a run, logs episodes, and moves the progress bar."""
-    from stable_baselines3.common.callbacks import BaseCallback
-
-    class Checkpoints(BaseCallback):
-        next_save = learner.num_timesteps + steps // CHECKPOINTS
-
-        def _on_rollout_start(self) -> None:  # between updates, so that a resume can be exact
-            if self.num_timesteps >= self.next_save:
-                self.next_save = self.num_timesteps + steps // CHECKPOINTS
-                save(learner, folder, card)
-
-        def _on_step(self) -> bool:
-            bar.move_to(self.num_timesteps)
-            for info in self.locals["infos"]:
-                for name, value in info.get("episode_costs", {}).items():
-                    learner.logger.record_mean(f"arm/{name}", value)
-            return True
-
-    return Checkpoints()
-
-
-@contextmanager
-def threads(count: int) -> Iterator[None]:
-    """Makes torch compute with `count` threads in the block."""
-    import torch
-
-    before = torch.get_num_threads()
-    torch.set_num_threads(count)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before)

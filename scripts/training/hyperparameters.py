@@ -7,8 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, shown, unknown_name
-from ..files import content_of
+from ...errors import InputError, shown, unknown_name
+from ...files import content_of
 
 ALGORITHMS = {
     "ppo": ("stable_baselines3", "PPO"),

@@ -1,0 +1,74 @@
+"""Rewards of a user's own: a function from the terms of the shipped one and from measurements."""
+
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..errors import InputError, shown
+
+Rewarding = Callable[[Mapping[str, Array], Mapping[str, NDArray]], Array]
+
+
+class OwnReward:
+    """A reward of a user's own, whose mistakes become sentences that name it.
+
+    It is called once per control period for n rows at once, as `function(terms, measured)`:
+    `terms` has the terms of the shipped reward, `effort`, `tracking` and `smoothness`, shape (n,);
+    `measured` has what `info` has, by the same names, shape (n, size), and `lost`, shape (n,),
+    which is true in the control period in which the arm is lost. It returns the reward, shape (n,).
+
+    Args:
+        given: The function, or its place as "package.module:function".
+
+    Raises:
+        InputError: There is no such function.
+    """
+
+    def __init__(self, given: str | Rewarding) -> None:
+        self.name = given if isinstance(given, str) else getattr(given, "__name__", repr(given))
+        self._function = _imported(given) if isinstance(given, str) else given
+        if not callable(self._function):
+            raise InputError(
+                f"the reward is {shown(given)}: give a function, or package.module:function"
+            )
+
+    def __call__(self, terms: Mapping[str, Array], measured: Mapping[str, NDArray]) -> Array:
+        """Returns the reward of n rows, shape (n,).
+
+        Raises:
+            InputError: The function fails, or returns something else than n finite numbers.
+        """
+        rows = measured["lost"].shape
+        try:
+            found = np.asarray(self._function(terms, measured), float)
+        except Exception as error:  # the user's code fails in any way that code can
+            raise InputError(
+                f"the reward {self.name!r} fails ({type(error).__name__}: {error}): mend it"
+            ) from error
+        if found.shape != rows:
+            raise InputError(
+                f"the reward {self.name!r} has the shape {found.shape}: return {rows}, one number "
+                "for each row"
+            )
+        if not np.isfinite(found).all():
+            row = int(np.flatnonzero(~np.isfinite(found))[0])
+            raise InputError(
+                f"the reward {self.name!r} is {found[row]} in row {row} of {rows[0]}: return "
+                "finite numbers"
+            )
+        return found
+
+
+def _imported(name: str) -> Any:
+    module, _, attribute = name.partition(":")
+    try:
+        return getattr(import_module(module), attribute)
+    except Exception as error:
+        raise InputError(
+            f"the reward {name!r} cannot be imported ({type(error).__name__}: {error}): name a "
+            "module that is installed or in the working folder, and a function in it"
+        ) from error

@@ -1,0 +1,1 @@
+"""Training of policies: learners, their checkpoints, evaluations between, and distillation."""

@@ -1,0 +1,200 @@
+"""Distillation: a network learns to repeat the actions of a teacher from sensors of its own.
+
+In the first round the teacher acts, then the student acts and the teacher says what it would have
+done, so that the student learns from the states that its own mistakes lead to.
+Source: Ross, Gordon and Bagnell 2011, AISTATS (DAgger), with the last rounds in place of all.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.making import make_arms
+from ...envs.plant import Plant
+from ...envs.policies import make_policy, needed_options
+from ...envs.policies.network import Card, Network, files_of
+from ...envs.vector_env import ArmVectorEnv
+from ...errors import InputError
+from ..output import RunFolder, messages, progress
+from ..reports.learning import learning_figure
+from .checkpoints import write_own
+from .evaluations import Evaluations
+from .learners import threads
+from .run import begin, report
+
+DAGGER: dict[str, Any] = {"rows": 64, "steps": 1_000_000}  # usual numbers
+LAYERS = (64, 64)
+LAST = 5  # rounds whose samples are kept
+EPOCHS, BATCH, RATE = 4, 1024, 1e-3
+Samples = NDArray[np.float32]
+
+
+def distill(
+    folder: RunFolder, card: Card, options: dict[str, Any], teacher: str, torch_threads: int
+) -> int:
+    """Trains a student; returns the number of steps.
+
+    Args:
+        folder: Folder of the run.
+        card: Card of the student.
+        options: Options of the student's environment.
+        teacher: Specification of the teacher.
+        torch_threads: Number of threads of torch.
+
+    Raises:
+        InputError: Torch is missing, or the teacher cannot act.
+    """
+    try:
+        import torch
+    except ImportError as error:
+        raise InputError(
+            "a student needs torch: use `make train` in a clone of the repository, or pip install "
+            "-e '.[train]' -c constraints.txt"
+        ) from error
+    env, training = card.environment["env"], card.training
+    own = {name: training[name] for name in ("randomize",) if name in training}
+    lesson = Lesson(env, {**options, **own}, teacher, training["rows"])
+    card = begin(folder, card, resume=False)
+    motions = training["motions"]
+    evaluations = Evaluations(folder, card, options, motions, 0) if motions else None
+    torch.manual_seed(training["seed"])
+    rounds = max(1, round(training["steps"] / (training["rows"] * lesson.periods)))
+    student = _Student(lesson.size, lesson.motors)
+    kept: deque[tuple[Samples, Samples]] = deque(maxlen=LAST)
+    done = 0
+    with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
+        for i in range(rounds):
+            first = 10**6 * (training["seed"] + 1) + i * training["rows"]
+            kept.append(lesson.round(student.network() if i else None, first))
+            student.learn(kept)
+            done += training["rows"] * lesson.periods
+            bar.advance()
+            network = student.network()
+            due = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0
+            if not due:
+                continue
+            scores = None
+            if evaluations is not None:
+                scores = evaluations.add(done, network)
+                messages.print(report(scores))
+                if not evaluations.last_is_best:
+                    continue
+            filled = card.model_copy(
+                update={"training": {**training, "done": done}, "scores": scores}
+            )
+            write_own(folder, files_of(filled, network))
+    if evaluations is not None:
+        evaluations.finish()
+        folder.figure("learning_curve", learning_figure({"student": evaluations.results}))
+    return done
+
+
+class Lesson:
+    """Rows of arms that show both a student and its teacher what each may see.
+
+    Args:
+        env: Id of the environment.
+        options: Options of the student's environment.
+        teacher: Specification of the teacher.
+        rows: Number of rows.
+
+    Attributes:
+        periods: Number of control periods of a round.
+        size: Number of values that the student observes.
+        motors: Number of motors.
+
+    Raises:
+        InputError: Student or teacher observe normalized values, which differ from each other.
+    """
+
+    def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
+        theirs = {**options, **{"history": 1}, **needed_options(teacher)}
+        theirs.setdefault("sensors", options.get("sensors", ("encoders",)))
+        mine = {"sensors": ("encoders",), "history": 1, **options}
+        if mine.get("normalize") or theirs.get("normalize"):
+            raise InputError("student or teacher have normalize: leave --normalize out")
+        sensors = [*mine["sensors"], *(set(theirs["sensors"]) - set(mine["sensors"]))]
+        frames = max(mine["history"], theirs["history"])
+        both = {**mine, **theirs, "sensors": sensors, "history": frames}
+        self._arms = make_arms(env, rows, **both)
+        size = Plant.of(self._arms.episodes).observation_space.shape[0] // frames
+        layout = self._arms.layout
+        self._mine, self._theirs = (_columns(env, one, layout, size) for one in (mine, theirs))
+        plant = _plant(env, theirs)
+        self._teacher = make_policy(teacher, plant)
+        self.periods = round(self._arms.duration / self._arms.control_dt)
+        self.size, self.motors = self._mine.size, plant.motors
+
+    def round(self, student: Network | None, first: int) -> tuple[Samples, Samples]:
+        """Returns what the student saw, and what the teacher would have done, sample by sample.
+
+        Args:
+            student: Student that acts; None lets the teacher act.
+            first: Seed of the first row.
+        """
+        seen, wished = [], []
+        observation, _ = self._arms.reset(seed=first)
+        self._teacher.reset()
+        over = np.zeros(self._arms.num_envs, np.bool_)
+        for _ in range(self.periods):
+            mine = observation[:, self._mine]
+            wanted = self._teacher.act(observation[:, self._theirs])
+            seen.append(mine[~over])
+            wished.append(wanted[~over].astype(np.float32))
+            action = wanted if student is None else student.act(mine, student.memory(len(mine)))
+            observation, _, terminated, truncated, _ = self._arms.step(action)
+            over |= terminated | truncated
+        return np.concatenate(seen), np.concatenate(wished)
+
+
+def _plant(env: str, options: Mapping[str, Any]) -> Plant:
+    arms: ArmVectorEnv = make_arms(env, 1, **options)
+    arms.close()
+    return Plant.of(arms.episodes)
+
+
+def _columns(
+    env: str, options: Mapping[str, Any], layout: Mapping[str, slice], size: int
+) -> NDArray[np.int64]:
+    """Returns the places of an observation in that of arms with more sensors and frames."""
+    one = _plant(env, {**options, "history": 1})
+    frame = [layout[name] for name in sorted(one.layout, key=lambda name: one.layout[name].start)]
+    columns = np.concatenate([np.arange(part.start, part.stop) for part in frame])
+    return np.concatenate([columns + i * size for i in range(options["history"])])
+
+
+class _Student:
+    """A network of two layers, and what teaches it."""
+
+    def __init__(self, size: int, motors: int) -> None:
+        from torch import nn, optim
+
+        sizes = (size, *LAYERS)
+        layers: list[Any] = []
+        for before, after in pairwise(sizes):
+            layers += [nn.Linear(before, after), nn.Tanh()]
+        self._layers = nn.Sequential(*layers, nn.Linear(sizes[-1], motors))
+        self._optimizer = optim.Adam(self._layers.parameters(), lr=RATE)
+
+    def learn(self, kept: deque[tuple[Samples, Samples]]) -> None:
+        """Moves the network towards the teacher's actions, by their squared differences."""
+        import torch
+
+        seen = torch.from_numpy(np.concatenate([one for one, _ in kept]))
+        wished = torch.from_numpy(np.concatenate([one for _, one in kept]))
+        for _ in range(EPOCHS):
+            for batch in torch.randperm(len(seen)).split(BATCH):
+                loss = ((self._layers(seen[batch]) - wished[batch]) ** 2).mean()
+                self._optimizer.zero_grad()
+                loss.backward()
+                self._optimizer.step()
+
+    def network(self) -> Network:
+        """Returns the network as NumPy runs it."""
+        from ...envs.policies.saving import layers_of
+
+        return Network(layers_of(self._layers), "tanh", squashed=False)

@@ -1,0 +1,154 @@
+"""Evaluations during a training: what the policy of each checkpoint gives to adapted wearers."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from ...assets import JOINTS
+from ...envs.evaluation.core import REFERENCES, run
+from ...envs.evaluation.relief import relief as each_relief
+from ...envs.evaluation.relief import relief_interval
+from ...envs.evaluation.rollout import Trace
+from ...envs.evaluation.wearers import ArmLost
+from ...envs.model import ASSISTED
+from ...envs.plant import Plant
+from ...envs.policies import Policy
+from ...envs.policies.build import network_policy
+from ...envs.policies.network import Card, Network
+from ...json_files import read_json
+from ..output import RunFolder
+
+EVALUATIONS = "evaluations.json"
+FIRST = 20_000  # first seed; those from 10,000 are left for scores after the training
+MOTIONS = 8  # usual number, which is the least that an interval takes
+BETTER = 0.005  # relief by which an evaluation must be better to count
+FULL = 0.999  # share of the peak torque from which a motor counts as saturated
+
+
+class Evaluations:
+    """Evaluates networks of a training on the same motions, and remembers the results.
+
+    Args:
+        folder: Folder of the run, in which the results are kept.
+        card: Card of the policy.
+        options: Options of the environment.
+        motions: Number of motions.
+        done: Steps of the training so far; results of later ones are dropped.
+
+    Attributes:
+        results: Results in the order of the training: steps, relief with its interval, success and
+            what `physical` returns; relief is None where the policy loses arms.
+    """
+
+    def __init__(
+        self, folder: RunFolder, card: Card, options: dict[str, Any], motions: int, done: int
+    ) -> None:
+        self._folder, self._card, self._options = folder, card, options
+        self._seeds = range(FIRST, FIRST + motions)
+        before = _before(folder / EVALUATIONS, motions) if done else {}
+        self._references: dict[str, list[float]] = before.get("references", {})
+        self.results = [one for one in before.get("results", []) if one["steps"] <= done]
+
+    @property
+    def last_is_best(self) -> bool:
+        """Whether no evaluation before the last one had more relief."""
+        values = [value(one) for one in self.results]
+        return values[-1] >= max(values)
+
+    def stagnant(self, patience: int) -> bool:
+        """Returns whether none of the last evaluations was better than those before.
+
+        Args:
+            patience: Number of the last evaluations.
+        """
+        values = [value(one) for one in self.results]
+        before, last = values[:-patience], values[-patience:]
+        return bool(before) and max(last) < max(before) + BETTER
+
+    def add(self, steps: int, network: Network) -> dict[str, Any]:
+        """Evaluates a network; returns the result.
+
+        Args:
+            steps: Steps of the training so far.
+            network: The network.
+        """
+        env = self._card.environment["env"]
+        if not self._references:
+            for name in REFERENCES:
+                scored = run(name, name, env, self._seeds, **self._options).score
+                self._references[name] = [float(effort) for effort in scored.effort]
+
+        def policy(plant: Plant) -> Policy:
+            peak[:] = plant.peak
+            return network_policy(self._card, network, plant, "the training")
+
+        peak = np.ones(len(ASSISTED))
+        result: dict[str, Any] = {"steps": steps, "relief": None}
+        try:
+            found = run("trained", policy, env, self._seeds, **self._options)
+        except ArmLost:
+            result["success"] = 0.0
+        else:
+            unsuited, suited = (np.array(self._references[name]) for name in REFERENCES)
+            effort = np.array(found.score.effort)
+            relief = relief_interval(unsuited, suited, effort)
+            if relief is not None:
+                result |= {"relief": relief.to_dict()}
+                result |= {"reliefs": np.asarray(each_relief(unsuited, suited, effort)).tolist()}
+            result |= physical(found.traces, peak)
+        self.results.append(result)
+        self._write()
+        return result
+
+    def finish(self) -> None:
+        """Notes that the training is at its end."""
+        self._write(finished=True)
+
+    def _write(self, **more: bool) -> None:
+        content = {"seeds": list(self._seeds), "references": self._references, **more}
+        self._folder.json(EVALUATIONS, {**content, "results": self.results})
+
+
+def value(result: Mapping[str, Any]) -> float:
+    """Returns the relief of a result; minus infinity where there is none."""
+    return -np.inf if result["relief"] is None else result["relief"]["value"]
+
+
+def physical(traces: list[Trace], peak: Array) -> dict[str, float]:
+    """Returns what motions were like, in physical units, as means over them.
+
+    They are the share of successes, effort [1], tracking error [rad], the root mean squares of the
+    torques of wearer and motors by joint [N·m], the greatest force of a cuff [N], and the share of
+    time in which a motor is saturated.
+
+    Args:
+        traces: The motions.
+        peak: Peak torque of the motors [N·m], shape (2,).
+    """
+    found = {"success": np.mean([trace.success for trace in traces])}
+    for name in ("effort", "tracking"):
+        found[name] = np.mean([trace.costs[name] for trace in traces])
+    found |= _by_joint("wearer", JOINTS, [trace.human_torque for trace in traces])
+    found |= _by_joint("motor", ASSISTED, [trace.assist_torque for trace in traces])
+    full = [(np.abs(trace.assist_torque) >= FULL * peak).any(axis=1).mean() for trace in traces]
+    found["saturated"] = np.mean(full)
+    forces = [trace.cuff_force for trace in traces if trace.cuff_force is not None]
+    if forces:
+        found["cuff_peak"] = np.mean([np.linalg.norm(one, axis=2).max() for one in forces])
+    return {name: float(mean) for name, mean in found.items()}
+
+
+def _by_joint(whose: str, joints: tuple[str, ...], torques: list[Array]) -> dict[str, Any]:
+    sizes = np.sqrt([np.mean(torque**2, axis=0) for torque in torques]).mean(axis=0)
+    return {f"{whose}_{joint}": size for joint, size in zip(joints, sizes, strict=True)}
+
+
+def _before(path: Path, motions: int) -> dict[str, Any]:
+    """Returns the results of a run that goes on; nothing where they are of other motions."""
+    if not path.is_file():
+        return {}
+    found = read_json(path, "evaluations")
+    return found if len(found.get("seeds", ())) == motions else {}

@@ -1,0 +1,85 @@
+"""Learners of Stable-Baselines3, and the environments that they learn in."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ...envs.making import make_arms
+from ...envs.policies.network import Residual
+from ...errors import InputError
+from ..output import RunFolder
+from .hyperparameters import algorithm_class, arguments
+
+
+def training_environments(
+    env: str, rows: int, seed: int, options: dict[str, Any], residual: Residual | None = None
+) -> Any:
+    """Returns the environments that a learner trains in, as one of Stable-Baselines3.
+
+    Args:
+        env: Id of the environment.
+        rows: Number of arms.
+        seed: Seed of the first arm.
+        options: Options of the environment.
+        residual: Policy that the learner corrects; None if it acts alone.
+    """
+    from stable_baselines3.common.vec_env import VecMonitor
+
+    from ...envs.sb3 import ArmVecEnv, ResidualVecEnv
+
+    arms = make_arms(env, rows, **options, autoreset_mode="SameStep", stagger=True)
+    rows_of_arms: Any = ArmVecEnv(arms)
+    if residual is not None:
+        rows_of_arms = ResidualVecEnv(rows_of_arms, residual.policy, residual.scale)
+    environments = VecMonitor(rows_of_arms)
+    environments.seed(seed)
+    return environments
+
+
+def new_learner(
+    algo: str, environments: Any, folder: RunFolder, seed: int, settings: dict[str, Any]
+) -> Any:
+    """Returns a learner that knows nothing yet.
+
+    Raises:
+        InputError: The algorithm refuses a hyperparameter.
+    """
+    logs = str(folder.subfolder("tensorboard"))
+    usual = {"seed": seed, "device": "cpu", "tensorboard_log": logs}
+    try:
+        learner = algorithm_class(algo)(
+            settings["policy"], environments, **usual, **arguments(settings)
+        )
+    except InputError:
+        raise
+    except Exception as error:  # whatever a value of the wrong kind leads to
+        raise InputError(
+            f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
+        ) from error
+    if hasattr(environments.venv, "residual"):
+        _begin_at_zero(learner)
+    return learner
+
+
+def _begin_at_zero(learner: Any) -> None:
+    """Makes the mean action of a learner zero, so that a residual begins as the policy alone."""
+    import torch
+
+    policy = learner.policy
+    last = policy.actor.mu if hasattr(policy, "actor") else policy.action_net
+    with torch.no_grad():
+        last.weight.zero_()
+        last.bias.zero_()
+
+
+@contextmanager
+def threads(count: int) -> Iterator[None]:
+    """Makes torch compute with `count` threads in the block."""
+    import torch
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(count)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

@@ -1,0 +1,186 @@
+"""One training: from a card to a learner that has done all steps, or was stopped."""
+
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from ...assets import load_suit, suit_names
+from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of
+from ...envs.policies.trained import OWN_SUIT
+from ...errors import InputError
+from ..output import Bar, RunFolder, messages, progress
+from ..own_files import notes_folder
+from ..reports.learning import learning_figure
+from .checkpoints import CHECKPOINT, REPLAY, Checkpoint, resumed_learner, save, write_own
+from .evaluations import Evaluations
+from .learners import new_learner, threads, training_environments
+
+CHECKPOINTS = 10  # number per run
+TRAINING_ONLY = ("reward", "randomize")  # options that evaluations are without
+
+
+def learn(
+    folder: RunFolder,
+    card: Card,
+    options: dict[str, Any],
+    checkpoint: Checkpoint | None,
+    torch_threads: int,
+) -> int:
+    """Trains until all steps are done; returns how many were done.
+
+    Args:
+        folder: Folder of the run.
+        card: Card of the policy, whose `training` has all that describes the training.
+        options: Options of the environment.
+        checkpoint: Checkpoint from which the training continues; None begins anew.
+        torch_threads: Number of threads of torch.
+
+    Raises:
+        InputError: The checkpoint is damaged or has all steps, or a hyperparameter or the reward
+            cannot be used.
+    """
+    env, training = card.environment["env"], card.training
+    algo, seed, steps = training["algo"], training["seed"], training["steps"]
+    own = {name: training[name] for name in TRAINING_ONLY if name in training}
+    with (
+        threads(torch_threads),
+        closing(
+            training_environments(env, training["rows"], seed, {**options, **own}, card.residual)
+        ) as environments,
+    ):
+        if checkpoint:
+            learner = resumed_learner(algo, environments, checkpoint)
+        else:
+            learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
+        done = learner.num_timesteps
+        if done >= steps:
+            raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+        card = begin(folder, card, resume=bool(checkpoint))
+        run = _Run(learner, folder, card, options)
+        interrupted = False
+        with progress(f"{algo} on {env}", steps) as bar:
+            try:
+                learner.learn(
+                    steps - done,
+                    callback=_callback(run, bar),
+                    reset_num_timesteps=not checkpoint,
+                    tb_log_name=algo,
+                )
+            except KeyboardInterrupt:
+                interrupted = True
+            run.checkpoint(evaluate=not (interrupted or run.stopped))
+    if interrupted:
+        raise KeyboardInterrupt(
+            f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
+        )
+    if run.evaluations is not None:
+        run.evaluations.finish()
+        folder.figure("learning_curve", learning_figure({algo: run.evaluations.results}))
+    return learner.num_timesteps
+
+
+class _Run:
+    """What happens between updates of a learner: checkpoints, and evaluations at each.
+
+    Args:
+        learner: The learner.
+        folder: Folder of the run.
+        card: Card of the policy.
+        options: Options of the environment.
+    """
+
+    def __init__(
+        self, learner: Any, folder: RunFolder, card: Card, options: dict[str, Any]
+    ) -> None:
+        self._learner, self._folder, self._card = learner, folder, card
+        motions, done = card.training["motions"], learner.num_timesteps
+        self.evaluations = Evaluations(folder, card, options, motions, done) if motions else None
+        self._every = max(1, card.training["steps"] // CHECKPOINTS)
+        self._next = done + self._every
+        self._evaluated = done if done else -1  # steps at the last evaluation
+        self.stopped = False
+
+    def between_updates(self) -> None:
+        """Makes a checkpoint where one is due."""
+        if self._learner.num_timesteps >= self._next:
+            self._next += self._every
+            self.checkpoint()
+
+    def checkpoint(self, *, evaluate: bool = True) -> None:
+        """Evaluates the policy, and keeps the learner and the best policy so far."""
+        from ...envs.policies.saving import network_of
+
+        network, steps = network_of(self._learner), int(self._learner.num_timesteps)
+        noted = save(self._learner, self._folder)
+        if self.evaluations is None or (not self.evaluations.results and not evaluate):
+            noted &= self._keep(network, steps, None)
+        elif evaluate and steps > self._evaluated:
+            self._evaluated = steps
+            result = self.evaluations.add(steps, network)
+            self._tell(result)
+            if self.evaluations.last_is_best:
+                noted &= self._keep(network, steps, result)
+            patience = self._card.training.get("patience")
+            self.stopped = bool(patience) and self.evaluations.stagnant(patience)
+        if not noted:
+            messages.print(
+                f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
+            )
+
+    def _keep(self, network: Network, steps: int, scores: dict[str, Any] | None) -> bool:
+        training = {**self._card.training, "done": steps}
+        card = self._card.model_copy(update={"training": training, "scores": scores})
+        return write_own(self._folder, files_of(card, network))
+
+    def _tell(self, result: dict[str, Any]) -> None:
+        """Reports an evaluation, on the terminal and to TensorBoard."""
+        messages.print(report(result))
+        relief = result["relief"] or {}
+        logger = self._learner.logger
+        numbers = {name: one for name, one in result.items() if isinstance(one, float)}
+        numbers |= {f"relief_{part}": one for part, one in relief.items()}
+        for name, number in numbers.items():
+            logger.record(f"adapted/{name}", number)
+        logger.dump(result["steps"])
+
+
+def report(result: dict[str, Any]) -> str:
+    """Returns a line about an evaluation."""
+    relief, text = result["relief"], "no relief, as the policy loses arms or the suit costs nothing"
+    if relief is not None:
+        text = f"relief {relief['value']:.2f} ({relief['low']:.2f} to {relief['high']:.2f})"
+    return f"{result['steps']} steps: {text}, success {result['success']:.0%}"
+
+
+def _callback(run: _Run, bar: Bar) -> Any:
+    """Returns a callback that makes checkpoints, logs episodes and moves the progress bar."""
+    from stable_baselines3.common.callbacks import BaseCallback
+
+    class Between(BaseCallback):
+        def _on_rollout_start(self) -> None:  # between updates, so that a resume can be exact
+            run.between_updates()
+
+        def _on_step(self) -> bool:
+            bar.move_to(self.num_timesteps)
+            for info in self.locals["infos"]:
+                for name, cost in info.get("episode_costs", {}).items():
+                    self.logger.record_mean(f"arm/{name}", cost)
+            return not run.stopped
+
+    return Between()
+
+
+def begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
+    """Writes the card, and beside it a copy of the suit file if there is one; returns the card."""
+    if not resume:
+        for name in (CHECKPOINT, REPLAY, WEIGHTS):
+            folder.claim(name).unlink(missing_ok=True)
+    suit = card.environment["suit"]
+    if suit != "none" and suit not in suit_names():
+        if Path(suit) != folder / OWN_SUIT:
+            with folder.replacing(OWN_SUIT) as scratch:
+                load_suit(suit).save(scratch)
+        card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
+    if not resume:
+        write_own(folder, {CARD: card_file(card)})
+    return card

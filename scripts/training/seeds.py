@@ -1,0 +1,125 @@
+"""Several trainings that differ by their seed alone, and what they say together."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...checks import check_seed
+from ...envs.evaluation.statistics import interquartile_mean, interquartile_mean_interval
+from ...errors import InputError
+from ...json_files import read_json
+from ..backends import run_all
+from ..output import RunFolder, conclude
+from ..reports.learning import learning_figure
+from .evaluations import EVALUATIONS, value
+
+MOST = 1000
+FEWEST = 5  # trainings from which an interval can be had
+Train = Callable[[Path, int], None]
+
+
+def seeds_of(text: str) -> list[int]:
+    """Returns seeds from "0-9" or "0,3,5", each once and in order.
+
+    Raises:
+        InputError: The text is neither, or names a seed twice or too many.
+    """
+    found: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not first.isdecimal() or (dash and not last.isdecimal()):
+            raise InputError(f"--seeds is {text!r}: give whole numbers, as 0-9 or 0,3,5")
+        low, high = int(first), int(last) if dash else int(first)
+        if not 1 <= high - low + 1 <= MOST:
+            raise InputError(f"--seeds has {part.strip()!r}: give 1 to {MOST} seeds, lowest first")
+        check_seed(high)
+        found += range(low, high + 1)
+    if len(set(found)) < len(found):
+        raise InputError(f"--seeds is {text!r}, which has a seed twice: give each once")
+    return sorted(found)
+
+
+def train_all(
+    train: Train, seeds: list[int], out: Path, workers: int, *, resume: bool, force: bool
+) -> None:
+    """Trains with each seed in a folder of its own, and reports all of them together.
+
+    Args:
+        train: Function that trains in a folder with a seed, or continues what is there.
+        seeds: The seeds.
+        out: Folder of the folders.
+        workers: Number of trainings at once.
+        resume: Whether to go on with what is there.
+        force: Whether to replace what is there.
+    """
+    folder = RunFolder(out, "train", force=force or resume)
+    runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
+    left = [(path, seed) for seed, path in runs.items() if not (resume and finished(path))]
+    if workers == 1:
+        for path, seed in left:
+            train(path, seed)
+    else:
+        for _ in run_all(train, left, "loky", workers):
+            pass
+    results = {seed: read_json(path / EVALUATIONS, "evaluations") for seed, path in runs.items()}
+    curves = {f"seed {seed}": one["results"] for seed, one in results.items()}
+    folder.figure("learning_curves", learning_figure(curves))
+    best = {seed: max(one["results"], key=value) for seed, one in results.items()}
+    rows = [[str(seed), str(one["steps"]), *_cells(one)] for seed, one in best.items()]
+    header = ["seed", "steps of the best", "relief", "success"]
+    conclude(
+        {"best": {str(seed): one for seed, one in best.items()}, "together": together(best)},
+        {"trainings": (header, rows)},
+        _remarks(best),
+        folder=folder,
+        json=False,
+    )
+
+
+def finished(path: Path) -> bool:
+    """Returns whether a training in a folder has reached its end."""
+    file = path / EVALUATIONS
+    return file.is_file() and bool(read_json(file, "evaluations").get("finished"))
+
+
+def together(best: dict[int, dict[str, Any]]) -> dict[str, float] | None:
+    """Returns the interquartile mean of the relief over trainings and motions, with its interval.
+
+    It is None where a training has no relief; the interval needs five trainings.
+    """
+    reliefs = [one.get("reliefs") for one in best.values()]
+    if not all(reliefs):
+        return None
+    scores = np.array(reliefs)
+    if len(scores) < FEWEST:
+        return {"value": float(interquartile_mean(scores.ravel()))}
+    return interquartile_mean_interval(scores).to_dict()
+
+
+def _cells(result: dict[str, Any]) -> list[str]:
+    relief = result["relief"]
+    if relief is None:
+        return ["-", f"{result['success']:.0%}"]
+    return [
+        f"{relief['value']:.2f} ({relief['low']:.2f} to {relief['high']:.2f})",
+        f"{result['success']:.0%}",
+    ]
+
+
+def _remarks(best: dict[int, dict[str, Any]]) -> Iterator[str]:
+    found = together(best)
+    if found is None:
+        yield "a training has no relief, so that they are not summed up"
+    elif "low" not in found:
+        yield (
+            f"interquartile mean of the relief {found['value']:.2f}; give at least {FEWEST} seeds "
+            "for an interval"
+        )
+    else:
+        yield (
+            f"interquartile mean of the relief {found['value']:.2f} "
+            f"({found['low']:.2f} to {found['high']:.2f}) over trainings"
+        )
+    yield "relief is of adapted wearers in motions that are in no training"
