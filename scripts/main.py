@@ -49,6 +49,7 @@ GROUPS = {
     },
     "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",
+        "benchmark learning": "Compare ways of training over tasks, levels and seeds.",
         "benchmark tune": "Tune the options of a policy within a budget, the same for all.",
     },
     "Reproduce a paper": {

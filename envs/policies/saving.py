@@ -111,8 +111,6 @@ def network_of(model: Any) -> Network:
         features = policy.features_extractor
     else:
         raise _foreign(model, "its policy is neither PPO's nor SAC's")
-    if getattr(model, "use_sde", False):
-        raise _foreign(model, "it explores by gSDE: train without use_sde")
     if type(features).__name__ != "FlattenExtractor":
         raise _foreign(model, "it extracts features before its layers")
     normalizing = model.get_vec_normalize_env()

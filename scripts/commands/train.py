@@ -1,6 +1,5 @@
 """`activesuit train`: trains a policy by reinforcement learning (needs the extra `train`)."""
 
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -8,33 +7,24 @@ from typing import Annotated, Any
 import tyro
 
 from ...checks import at_least, check_seed
-from ...envs.making import make_arms
-from ...envs.plant import Plant
-from ...envs.policies import needed_options
-from ...envs.policies.build import base_of, residual_of
-from ...envs.policies.network import CARD, Card, Residual, read_card
+from ...envs.policies.build import residual_of
+from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
-from ...envs.policies.trained import OBSERVATION, environment_of, portable, training_of
-from ...errors import InputError, shown
+from ...envs.policies.trained import portable
+from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
 from ..options import levels as level_names
 from ..options import policies as policy_names
 from ..options import suits as suit_names
 from ..options import tasks as task_names
-from ..output import RunFolder, say, telling
-from ..own_files import is_own
-from ..runs import Scene, scene
-from ..training.checkpoints import CHECKPOINT, Checkpoint
-from ..training.distillation import DAGGER, distill
+from ..output import say
+from ..runs import scene
 from ..training.evaluations import MOTIONS
-from ..training.hyperparameters import ALGORITHMS, algorithm_class, hyperparameters
-from ..training.run import TRAINING_ONLY, learn
+from ..training.hyperparameters import ALGORITHMS
+from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
+from ..training.run import USUAL_WEARERS, WEARERS, wearers_of
 from ..training.seeds import seeds_of, train_all
-
-TASK = "ActiveSuit/ElbowFlexion-v0"
-MOST_STEPS, MOST_ROWS = 10**11, 10**5
-KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", *TRAINING_ONLY)
 
 
 def train(
@@ -54,6 +44,7 @@ def train(
     teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
     reward: str | None = None,
     samples: bool = False,
+    wearers: Annotated[str | None, choice(lambda: WEARERS, usual=USUAL_WEARERS)] = None,
     motions: Annotated[int | None, optional_number(f"{MOTIONS}", int)] = None,
     patience: Annotated[int | None, optional_number("never", int)] = None,
     seed: RunSeed = None,
@@ -97,6 +88,8 @@ def train(
         reward: Reward of your own in place of the shipped one, as MODULE:FUNCTION; scores stay.
         samples: Whether each episode draws the suit among the samples of its file, which the
             identification found plausible; evaluations are without.
+        wearers: Wearers of the training: those who learn from episode to episode, or those who are
+            guided along the intention, whose effort at once is that of people who have adapted.
         motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
         patience: Number of evaluations without a better one after which the training ends.
         seeds: Seeds of several trainings, as 0-9 or 0,3,5, each in a folder of its own.
@@ -127,8 +120,9 @@ def train(
     given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
     given |= {"reward": reward, "motions": motions, "patience": patience}
     given |= {"randomize": {"suit": "samples"} if samples else None}
+    given |= {"control": wearers_of(wearers)}
     given |= {"residual": _residual(residual, residual_scale)}
-    request = _Request(
+    request = TrainingRequest(
         given={name: value for name, value in given.items() if value is not None},
         file=hyperparameters_file,
         scene=partial(scene, arm, env=env, task=task, suit=suit, gravity=gravity, trusted=trust),
@@ -137,102 +131,18 @@ def train(
         force=force,
         torch_threads=torch_threads,
     )
-    if teacher is not None:
-        _distill(request, teacher, out, seeds)
-    elif seeds is not None:
-        if motions == 0:
-            raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
-        train_all(request.seed, seeds_of(seeds), out, workers, resume=resume, force=force)
-    else:
-        done = request.one(out)
+    if seeds is None:
+        done = request.one(out) if teacher is None else request.student(out, teacher)
         say(
             f"trained {done} steps; compare, in this task and with these options: "
             f"activesuit evaluate --policies none {out}"
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Request:
-    """What the command was asked for.
-
-    Attributes:
-        given: Options that are given, by their names in a card.
-        file: File of hyperparameters; None if none is given.
-        scene: Function that returns the scene, of the level and of the run that goes on.
-        resume: Whether to go on with what is there.
-        trust: Whether to resume files of others.
-        force: Whether to replace what is there.
-        torch_threads: Number of threads of torch.
-    """
-
-    given: dict[str, Any]
-    file: Path | None
-    scene: partial[Scene]
-    resume: bool
-    trust: bool
-    force: bool
-    torch_threads: int
-
-    def seed(self, out: Path, seed: int) -> None:
-        """Trains with a seed in a folder, or continues what is there."""
-        resume = self.resume and (out / CHECKPOINT).exists()
-        file = None if resume else self.file
-        replace(self, resume=resume, file=file, given={**self.given, "seed": seed}).one(out)
-
-    def one(self, out: Path) -> int:
-        """Trains, or goes on, in a folder; returns the number of steps."""
-        checkpoint = _check_folder(out, self.resume, self.trust, self.force)
-        before = _before(out, self.trust) if self.resume else {}
-        if self.resume and self.file is not None:
-            raise InputError("--hyperparameters is given with --resume: a run keeps its own")
-        config = _config(before, self.given, out)
-        chosen = self.chosen(config, out if self.resume else None)
-        algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-        settings = hyperparameters(config["algo"], chosen.env, self.file)
-        settings |= before.get("hyperparameters", {})
-        config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
-        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
-        card, options = card_and_options(chosen, {**config, "hyperparameters": settings})
-        folder = RunFolder(out, "train", force=self.force or self.resume)
-        with telling(lambda: _kept(folder)):
-            done = learn(folder, card, options, checkpoint, self.torch_threads)
-        return done
-
-    def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
-        """Returns the task and the options of the arms."""
-        chosen = self.scene(level=config.get("level"), run=run, usual={"env": TASK})
-        if "task" in chosen.options:
-            raise InputError("--task is the file of a motion: name a task to train for")
-        if chosen.options["coupling"] == "none":
-            raise InputError(
-                "coupling is 'none': there is no motor to train for; use rigid or cuffs"
-            )
-        return chosen
-
-
-def card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[str, Any]]:
-    """Returns the card of a policy, and the options of its environment.
-
-    Args:
-        chosen: Task and arms.
-        config: All that describes the training, with what the policy observes.
-    """
-    from ...envs.policies.saving import card_of
-
-    config = dict(config)
-    observation = {name: config.pop(name) for name in OBSERVATION if name in config}
-    residual: Residual | None = config.pop("residual", None)
-    if residual is not None and "sensors" not in observation:
-        observation["sensors"] = list(needed_options(base_of(residual))["sensors"])
-    if "belief" in observation:
-        sensors = observation.get("sensors", ["encoders"])
-        observation["sensors"] = [*sensors, *({"belief"} - {*sensors})]
-    config.pop("level", None)
-    options = {**chosen.options, **observation}
-    arms = make_arms(chosen.env, 1, **options)
-    plant = Plant.of(arms.episodes)
-    arms.close()
-    return card_of(plant, {"env": chosen.env, **options}, config, residual), options
+        return
+    if teacher is not None:
+        raise InputError("--seeds is given with --teacher: leave one of them out")
+    if motions == 0:
+        raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
+    train_all(request.seed, seeds_of(seeds), out, workers, resume=resume, force=force)
 
 
 def _residual(given: str | None, scale: float | None) -> Residual | None:
@@ -241,78 +151,3 @@ def _residual(given: str | None, scale: float | None) -> Residual | None:
             raise InputError("--residual-scale is given without --residual: name a policy, too")
         return None
     return residual_of(given, SCALE if scale is None else scale)
-
-
-def _distill(request: _Request, teacher: str, out: Path, seeds: str | None) -> None:
-    """Trains a student of another policy."""
-    given = dict(request.given)
-    for name in ("algo", "residual", "reward", "patience"):
-        if name in given:
-            raise InputError(f"--{name} is given with --teacher: leave one of them out")
-    for name, there in (("seeds", seeds), ("hyperparameters", request.file)):
-        if there is not None:
-            raise InputError(f"--{name} is given with --teacher: leave one of them out")
-    if request.resume:
-        raise InputError("--resume is given with --teacher: a student takes minutes, train it anew")
-    _check_folder(out, False, request.trust, request.force)
-    config = {"seed": 0, "motions": MOTIONS, **DAGGER, **given}
-    card, options = card_and_options(
-        request.chosen(config), {**config, "algo": "dagger", "teacher": teacher}
-    )
-    folder = RunFolder(out, "train", force=request.force)
-    with telling(lambda: "nothing was learned yet; start the training again"):
-        done = distill(folder, card, options, teacher, request.torch_threads)
-    say(
-        f"trained {done} steps; compare, in this task and with these options: "
-        f"activesuit evaluate --policies none {out}"
-    )
-
-
-def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoint | None:
-    """Returns the checkpoint to go on from; None for a new run."""
-    if resume:
-        return Checkpoint.read(out, trust=trust)
-    if trust:
-        raise InputError(
-            "--trust is given without --resume: it is about the files of a run to resume"
-        )
-    if (out / CHECKPOINT).exists() and not force:
-        raise InputError(
-            f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
-            "choose another --out"
-        )
-    return None
-
-
-def _before(out: Path, trust: bool) -> dict[str, Any]:
-    """Returns what the card of a run says of it."""
-    found = {**environment_of(out), **training_of(out)}
-    residual = read_card(out).residual
-    if residual is not None:
-        base_of(residual)
-        found["residual"] = residual
-    if "reward" in found and not (trust or is_own((out / CARD).read_bytes())):
-        raise InputError(
-            f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its {CARD} is "
-            "not of this machine: add --trust if that module may be imported"
-        )
-    return found
-
-
-def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
-    """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
-    for name, value in given.items():
-        if before and name not in ("steps", "motions", "patience") and before.get(name) != value:
-            raise InputError(
-                f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
-                f"trained with {shown(before.get(name))}: leave --{name} out, or train another run"
-            )
-    names = (*KEPT, "residual", *OBSERVATION)
-    found = {name: before[name] for name in names if name in before}
-    return {"algo": "ppo", "seed": 0, "motions": MOTIONS, **found, **given}
-
-
-def _kept(folder: RunFolder) -> str:
-    if (folder / CHECKPOINT).exists():
-        return f"the last checkpoint is kept in {folder.path}; go on with --resume"
-    return "nothing was learned yet; start the training again"

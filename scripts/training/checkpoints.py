@@ -17,6 +17,7 @@ from .hyperparameters import algorithm_class
 
 CHECKPOINT, REPLAY = "model.zip", "replay.pkl"
 MONITORED = ("episode_returns", "episode_lengths")
+NOISE = ("exploration_mat", "exploration_matrices")
 LATEST = ("_last_episode_starts", "_last_lstm_states")
 
 
@@ -89,11 +90,15 @@ def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any
     return learner
 
 
-def _remember(learner: Any) -> None:
+def _remember(learner: Any, begun: bool) -> None:
     """Puts into a learner what its next update depends on beside it; a checkpoint has it then.
 
     That is the state of the arms, of the monitor of their episodes, of a recurrent network, and of
     all random generators.
+
+    Args:
+        learner: The learner.
+        begun: Whether a rollout has begun, with exploration noise that is already drawn.
     """
     import torch
 
@@ -103,10 +108,13 @@ def _remember(learner: Any) -> None:
     memory = {
         "arms": monitor.unwrapped.arms.get_state(),
         "monitor": {name: getattr(monitor, name).copy() for name in MONITORED},
-        "python": random.getstate(),
-        "numpy": np.random.get_state(),  # noqa: NPY002 - the generator that learners use
-        "torch": torch.get_rng_state().numpy(),
-        "actions": learner.action_space.np_random.bit_generator.state,
+        "random": {
+            "python": random.getstate(),
+            "numpy": np.random.get_state(),  # noqa: NPY002 - the generator that learners use
+            "torch": torch.get_rng_state().numpy(),
+            "actions": learner.action_space.np_random.bit_generator.state,
+        },
+        "noise": _noise(learner) if begun else None,
         "residual": residual and residual.get_memory(),
     }
     learner.memory = memory | {name: getattr(learner, name, None) for name in LATEST}
@@ -114,8 +122,6 @@ def _remember(learner: Any) -> None:
 
 def _go_back(learner: Any, path: Path) -> None:
     """Restores what `_remember` has put into a learner."""
-    import torch
-
     memory = getattr(learner, "memory", None)
     if memory is None:
         learner._last_obs = None
@@ -133,10 +139,7 @@ def _go_back(learner: Any, path: Path) -> None:
             residual.set_memory(memory["residual"])
             observation = residual.seen(observation)
         learner._last_obs = observation
-        learner.action_space.np_random.bit_generator.state = memory["actions"]
-        random.setstate(memory["python"])
-        np.random.set_state(memory["numpy"])  # noqa: NPY002
-        torch.set_rng_state(torch.from_numpy(memory["torch"]))
+        _restore_random(learner, memory["random"])
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(
             f"{str(path)!r} does not tell the state of its arms ({error}): train anew"
@@ -164,15 +167,55 @@ def _load_replay(learner: Any, content: bytes, path: Path) -> None:
         )
 
 
+def _restore_random(learner: Any, states: Mapping[str, Any]) -> None:
+    import torch
+
+    learner.action_space.np_random.bit_generator.state = states["actions"]
+    random.setstate(states["python"])
+    np.random.set_state(states["numpy"])  # noqa: NPY002
+    torch.set_rng_state(torch.from_numpy(states["torch"]))
+
+
+def _noise(learner: Any) -> dict[str, Any] | None:
+    """Returns the exploration that gSDE has drawn for a rollout; None without gSDE."""
+    if not getattr(learner, "use_sde", False):
+        return None
+    drawn = vars(_distribution(learner))
+    return {name: drawn[name].detach().numpy() for name in NOISE}
+
+
+def _distribution(learner: Any) -> Any:
+    policy = learner.policy
+    return policy.actor.action_dist if hasattr(policy, "actor") else policy.action_dist
+
+
+def begin_as_before(learner: Any) -> None:
+    """Restores exploration that was drawn before a checkpoint, at the begin of its rollout."""
+    import torch
+
+    memory = getattr(learner, "memory", None)
+    if memory is None or memory["noise"] is None:
+        return
+    for name, drawn in memory["noise"].items():
+        setattr(_distribution(learner), name, torch.from_numpy(drawn))
+    _restore_random(learner, memory["random"])
+
+
 def _residual(environments: Any) -> Any:
     """Returns the layer of environments in which a policy is corrected; None if there is none."""
     below = environments.venv
     return below if hasattr(below, "residual") else None
 
 
-def save(learner: Any, folder: RunFolder) -> bool:
-    """Writes a checkpoint and notes its files as ours; returns whether that worked."""
-    _remember(learner)
+def save(learner: Any, folder: RunFolder, *, begun: bool) -> bool:
+    """Writes a checkpoint and notes its files as ours; returns whether that worked.
+
+    Args:
+        learner: The learner.
+        folder: Folder of the run.
+        begun: Whether a rollout has begun.
+    """
+    _remember(learner, begun)
     noted = _write(folder, CHECKPOINT, learner.save)
     if hasattr(learner, "save_replay_buffer"):
         noted &= _write(folder, REPLAY, learner.save_replay_buffer)

@@ -7,16 +7,39 @@ from typing import Any
 from ...assets import load_suit, suit_names
 from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of
 from ...envs.policies.trained import OWN_SUIT
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ..output import Bar, RunFolder, messages, progress
 from ..own_files import notes_folder
 from ..reports.learning import learning_figure
-from .checkpoints import CHECKPOINT, REPLAY, Checkpoint, resumed_learner, save, write_own
+from .checkpoints import (
+    CHECKPOINT,
+    REPLAY,
+    Checkpoint,
+    begin_as_before,
+    resumed_learner,
+    save,
+    write_own,
+)
 from .evaluations import Evaluations
 from .learners import new_learner, threads, training_environments
 
 CHECKPOINTS = 10  # number per run
-TRAINING_ONLY = ("reward", "randomize")  # options that evaluations are without
+TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
+
+
+WEARERS: dict[str, dict[str, Any]] = {"learning": {}, "guided": {"stiff": True}}
+USUAL_WEARERS = "guided"
+
+
+def wearers_of(name: str | None) -> dict[str, Any] | None:
+    """Returns the wearers' control in a training by its name; None where no name is given.
+
+    Raises:
+        InputError: There is no such control.
+    """
+    if name is not None and name not in WEARERS:
+        raise unknown_name("wearers", name, WEARERS)
+    return None if name is None else WEARERS[name]
 
 
 def learn(
@@ -98,20 +121,28 @@ class _Run:
         self._every = max(1, card.training["steps"] // CHECKPOINTS)
         self._next = done + self._every
         self._evaluated = done if done else -1  # steps at the last evaluation
-        self.stopped = False
+        self.stopped, self._resumed = False, done > 0
 
     def between_updates(self) -> None:
         """Makes a checkpoint where one is due."""
+        if self._resumed:
+            begin_as_before(self._learner)
+            self._resumed = False
         if self._learner.num_timesteps >= self._next:
             self._next += self._every
-            self.checkpoint()
+            self.checkpoint(begun=True)
 
-    def checkpoint(self, *, evaluate: bool = True) -> None:
-        """Evaluates the policy, and keeps the learner and the best policy so far."""
+    def checkpoint(self, *, evaluate: bool = True, begun: bool = False) -> None:
+        """Evaluates the policy, and keeps the learner and the best policy so far.
+
+        Args:
+            evaluate: Whether to evaluate.
+            begun: Whether a rollout has begun.
+        """
         from ...envs.policies.saving import network_of
 
         network, steps = network_of(self._learner), int(self._learner.num_timesteps)
-        noted = save(self._learner, self._folder)
+        noted = save(self._learner, self._folder, begun=begun)
         if self.evaluations is None or (not self.evaluations.results and not evaluate):
             noted &= self._keep(network, steps, None)
         elif evaluate and steps > self._evaluated:

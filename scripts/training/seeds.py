@@ -1,6 +1,6 @@
 """Several trainings that differ by their seed alone, and what they say together."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -85,17 +85,21 @@ def finished(path: Path) -> bool:
 
 
 def together(best: dict[int, dict[str, Any]]) -> dict[str, float] | None:
-    """Returns the interquartile mean of the relief over trainings and motions, with its interval.
+    """Returns what `over_trainings` does of the relief; None where a training has none."""
+    reliefs = [value(one) for one in best.values()]
+    return over_trainings(reliefs) if np.isfinite(reliefs).all() else None
 
-    It is None where a training has no relief; the interval needs five trainings.
+
+def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
+    """Returns the interquartile mean over trainings, with its interval from five trainings on.
+
+    Args:
+        reliefs: Relief of each training, a mean over motions.
     """
-    reliefs = [one.get("reliefs") for one in best.values()]
-    if not all(reliefs):
-        return None
-    scores = np.array(reliefs)
+    scores = np.array(reliefs, float)
     if len(scores) < FEWEST:
-        return {"value": float(interquartile_mean(scores.ravel()))}
-    return interquartile_mean_interval(scores).to_dict()
+        return {"value": float(interquartile_mean(scores))}
+    return interquartile_mean_interval(scores[:, None]).to_dict()
 
 
 def _cells(result: dict[str, Any]) -> list[str]:

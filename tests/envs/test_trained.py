@@ -26,7 +26,7 @@ def one_sentence(refusal):
 
 OPTIONS = {"gravity": "moon", "sensors": ("encoders", "preview"), "history": 2, "normalize": True}
 SMALL = {
-    "ppo": {"n_steps": 16, "batch_size": 16},
+    "ppo": {"n_steps": 16, "batch_size": 16, "use_sde": True},
     "recurrent-ppo": {"n_steps": 16, "batch_size": 16},
     "sac": {"buffer_size": 100, "learning_starts": 8},
     "tqc": {"buffer_size": 100, "learning_starts": 8},
@@ -179,7 +179,6 @@ def test_models_that_make_no_policy(tmp_path):
     env, small = ArmVecEnv(arms), {"n_steps": 8, "batch_size": 8, "device": "cpu"}
     for model, message in (
         (TD3("MlpPolicy", env, buffer_size=10), "neither PPO's nor SAC's"),
-        (PPO("MlpPolicy", env, use_sde=True, **small), "train without use_sde"),
         (PPO("MlpPolicy", VecNormalize(env), **small), "use normalize=True instead"),
         (
             PPO("MlpPolicy", env, policy_kwargs={"activation_fn": torch.nn.ELU}, **small),

@@ -185,7 +185,7 @@ def test_one_thread_of_torch(tmp_path, monkeypatch):
 
     seen = []
 
-    def save(*given):
+    def save(*given, begun):
         seen.append(torch.get_num_threads())
         return True
 
@@ -393,6 +393,26 @@ def test_two_halves_are_the_whole_to_the_last_bit(tmp_path, algo):
         for name in ("whole", "halves")
     ]
     assert _equal(*weights)
+
+
+@pytest.mark.parametrize("algo", ["ppo", "recurrent-ppo"])
+def test_a_checkpoint_on_the_way_leads_to_the_same_weights(tmp_path, monkeypatch, algo):
+    """What was drawn for a rollout before its checkpoint is drawn again."""
+    keep = run_module.save
+
+    def copying(learner, folder, *, begun):
+        noted = keep(learner, folder, begun=begun)
+        if begun and not (tmp_path / "copy").exists():
+            shutil.copytree(folder.path, tmp_path / "copy")
+        return noted
+
+    monkeypatch.setattr(run_module, "save", copying)
+    train(tmp_path / "whole", algo=algo, steps=3 * ROLLOUT)
+    monkeypatch.undo()
+    assert steps_done(tmp_path / "copy", algo) < 3 * ROLLOUT
+    train(tmp_path / "copy", "--resume", algo=algo, steps=3 * ROLLOUT)
+    one, other = (tmp_path / name / "policy.safetensors" for name in ("whole", "copy"))
+    assert one.read_bytes() == other.read_bytes()
 
 
 def _equal(one, other):

@@ -1,0 +1,225 @@
+"""`activesuit benchmark learning`: ways of training over tasks, levels and seeds."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from ...checks import at_least
+from ...envs.evaluation.core import FIRST_SEED, REFERENCES, run
+from ...envs.evaluation.relief import relief
+from ...envs.levels import COMPARED
+from ...envs.policies import policy_spec
+from ...envs.policies.build import residual_of
+from ...envs.policies.residual import SCALE
+from ...errors import InputError, unknown_name
+from ...json_files import read_json
+from ..arm_options import USUAL
+from ..backends import run_all
+from ..options import Force, Json, choice, optional_number
+from ..options import levels as level_names
+from ..options import tasks as task_names
+from ..output import RunFolder, conclude, progress
+from ..reports.learning import study_figure
+from ..runs import scene
+from ..training.evaluations import EVALUATIONS, FIRST, MOTIONS
+from ..training.hyperparameters import ALGORITHMS
+from ..training.request import MOST_STEPS, TrainingRequest
+from ..training.seeds import finished, over_trainings, seeds_of
+
+COMPENSATION = "compensation:suit=mock-suit"
+BESIDE = (COMPENSATION, "adaptive:suit=mock-suit", "best-known-plan")
+WAYS: dict[str, dict[str, Any]] = {
+    **{algo: {"algo": algo} for algo in ALGORITHMS},
+    "ppo-history": {"algo": "ppo", "history": 5},
+    "residual": {"algo": "ppo", "residual": COMPENSATION},
+    "residual-history": {"algo": "ppo", "residual": COMPENSATION, "history": 5},
+    "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
+}
+TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
+TESTED = range(FIRST_SEED, FIRST_SEED + 20)  # motions of a finished policy
+IN_TRAINING = range(FIRST, FIRST + MOTIONS)
+SCORE = "score.json"
+
+
+class Cell(NamedTuple):
+    """A way of training in a task at a level."""
+
+    task: str
+    level: str
+    way: str
+
+    @property
+    def folder(self) -> str:
+        """Name of the folder of its trainings."""
+        return "-".join(self)
+
+
+def learning(
+    ways: tuple[Annotated[str, choice(lambda: WAYS)], ...] = tuple(WAYS),
+    tasks: tuple[Annotated[str, choice(task_names)], ...] = TASKS,
+    levels: tuple[Annotated[str, choice(level_names)], ...] = COMPARED,
+    seeds: str = "0-9",
+    steps: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
+    workers: int = -1,
+    out: Path = Path("runs/learning"),
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Compare ways of training over tasks, levels and seeds.
+
+    Each training is a run of `activesuit train`, at the level at which its policy is then tested,
+    with seeds that no training uses. The same command again does what is left.
+
+    Args:
+        ways: Names of ways of training: the algorithms, with a history of five observations, as
+            correction of compensation that believes the suit mock-suit, or as student of adaptive.
+        tasks: Names of tasks.
+        levels: Names of levels.
+        seeds: Seeds of the trainings, as 0-9 or 0,3,5.
+        steps: Number of environment steps of each training.
+        workers: Number of trainings at once; -1 uses all cores.
+        out: Folder of the trainings, result.json and the figure of learning curves.
+    """
+    for way in ways:
+        if way not in WAYS:
+            raise unknown_name("way of training", way, WAYS)
+    if workers != -1:
+        at_least("workers", workers, 1)
+    if steps is not None:
+        at_least("steps", steps, 1, MOST_STEPS)
+    chosen = seeds_of(seeds)
+    cells = [Cell(*names) for names in product(tasks, levels, ways)]
+    folder = RunFolder(out, "benchmark learning", force=force)
+    runs = {
+        (cell, seed): folder.subfolder(cell.folder) / f"seed-{seed}"
+        for cell, seed in product(cells, chosen)
+    }
+    settings = list(product(tasks, levels))
+    files = {one: folder / f"{'-'.join(one)}.json" for one in settings}
+    work: list[tuple[Any, ...]] = [
+        (_beside, one, folder, path.name) for one, path in files.items() if not path.exists()
+    ]
+    work += [(_train, key, path, steps) for key, path in runs.items() if not _done(path)]
+    with progress("learning", len(work)) as bar:
+        for _ in run_all(_call, work, "loky", workers):
+            bar.advance()
+    beside = {one: read_json(path, "scores") for one, path in files.items()}
+    result = _result(cells, chosen, runs, beside)
+    folder.figure("learning", study_figure(result["curves"], result["beside"]))
+    conclude(
+        result,
+        {"relief at the end (interquartile mean over trainings)": _table(result)},
+        ["relief is of adapted wearers in 20 motions that no training and no choice has used"],
+        folder=folder,
+        json=json,
+    )
+
+
+def _call(function: Any, *arguments: Any) -> None:
+    function(*arguments)
+
+
+def _done(path: Path) -> bool:
+    return finished(path) and (path / SCORE).exists()
+
+
+def _train(key: tuple[Cell, int], path: Path, steps: int | None) -> None:
+    """Trains in a folder, or continues what is there, and tests the policy that is kept."""
+    cell, seed = key
+    way = dict(WAYS[cell.way])
+    teacher = way.pop("teacher", None)
+    given = {"level": cell.level, "seed": seed, **way}
+    given |= {} if steps is None else {"steps": steps}
+    if "residual" in given:
+        given["residual"] = residual_of(given["residual"], SCALE)
+    request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
+    if not finished(path):
+        if teacher is None:
+            request.seed(path, seed, resume=True)
+        else:
+            request.student(path, teacher)
+    RunFolder(path).json(SCORE, _tested(str(path), cell.task, cell.level))
+
+
+def _beside(setting: tuple[str, str], folder: RunFolder, name: str) -> None:
+    """Tests references, policies and the bound in a setting."""
+    motions = {"tested": TESTED, "in_training": IN_TRAINING}
+    found = {
+        part: {one: _tested(one, *setting, seeds) for one in (*REFERENCES, *BESIDE)}
+        for part, seeds in motions.items()
+    }
+    RunFolder(folder.path).json(name, found)
+
+
+def _scene(task: str) -> Any:
+    return partial(scene, USUAL, env=None, task=task, suit=None, gravity=None)
+
+
+def _tested(
+    name: str,
+    task: str,
+    level: str,
+    seeds: Sequence[int] = TESTED,
+) -> dict[str, Any]:
+    found = _scene(task)(level=level)
+    given = name if name in (*REFERENCES, "best-known-plan") else policy_spec(name)
+    score = run(name, given, found.env, seeds, **found.options).score
+    return {"effort": list(map(float, score.effort)), "success": float(np.mean(score.success))}
+
+
+def _result(
+    cells: list[Cell],
+    seeds: list[int],
+    runs: Mapping[tuple[Cell, int], Path],
+    beside: Mapping[tuple[str, str], Any],
+) -> dict[str, Any]:
+    """Returns the relief of each way, and of what stands beside it, as plain data."""
+    curves, ends, others = [], [], []
+    for cell in cells:
+        names = {"task": cell.task, "level": cell.level, "way": cell.way}
+        paths = [runs[cell, seed] for seed in seeds]
+        results = [read_json(path / EVALUATIONS, "evaluations")["results"] for path in paths]
+        for at in zip(*results, strict=False):
+            if all(one["relief"] for one in at):
+                steps = int(np.mean([one["steps"] for one in at]))
+                found = over_trainings([one["relief"]["value"] for one in at])
+                curves.append({**names, "steps": steps, **found})
+        scores = [read_json(path / SCORE, "score") for path in paths]
+        found = over_trainings([_relief(beside[cell[:2]]["tested"], one) for one in scores])
+        success = float(np.mean([one["success"] for one in scores]))
+        ends.append({**names, **found, "success": success, "trainings": len(scores)})
+    for (task, level), found in beside.items():
+        for name in BESIDE:
+            tested = found["tested"][name]
+            more = {"policy": name, "value": _relief(found["tested"], tested)}
+            more |= {"in_training": _relief(found["in_training"], found["in_training"][name])}
+            others.append({"task": task, "level": level, **more, "success": tested["success"]})
+    return {"curves": curves, "ends": ends, "beside": others}
+
+
+def _relief(beside: Mapping[str, Any], score: Mapping[str, Any]) -> float:
+    """Returns the mean relief of a score beside those of references in the same motions."""
+    unsuited, suited = (beside[one]["effort"] for one in REFERENCES)
+    found = relief(unsuited, suited, score["effort"])
+    if found is None:
+        raise InputError("the suit costs nothing in one of the tasks: choose others")
+    return float(np.mean(found))
+
+
+def _table(result: Mapping[str, Any]) -> tuple[list[str], Iterator[list[str]]]:
+    header = ["task", "level", "way or policy", "trainings", "relief", "success"]
+
+    def rows() -> Iterator[list[str]]:
+        for one in (*result["ends"], *result["beside"]):
+            low = f" ({one['low']:.2f} to {one['high']:.2f})" if "low" in one else ""
+            yield [
+                *(one["task"], one["level"], one.get("way") or one["policy"]),
+                *(str(one.get("trainings", "-")), f"{one['value']:.2f}{low}"),
+                f"{one['success']:.0%}",
+            ]
+
+    return header, rows()

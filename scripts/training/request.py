@@ -1,0 +1,182 @@
+"""What a training was asked for, from which its card and its options follow."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ...checks import at_least
+from ...envs.making import make_arms
+from ...envs.plant import Plant
+from ...envs.policies import needed_options
+from ...envs.policies.build import base_of
+from ...envs.policies.network import CARD, Card, Residual, read_card
+from ...envs.policies.trained import OBSERVATION, environment_of, training_of
+from ...errors import InputError, shown
+from ..output import RunFolder, telling
+from ..own_files import is_own
+from ..runs import Scene
+from .checkpoints import CHECKPOINT, Checkpoint
+from .distillation import DAGGER, distill
+from .evaluations import MOTIONS
+from .hyperparameters import algorithm_class, hyperparameters
+from .run import TRAINING_ONLY, USUAL_WEARERS, WEARERS, learn
+
+TASK = "ActiveSuit/ElbowFlexion-v0"
+MOST_STEPS, MOST_ROWS = 10**11, 10**5
+KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", *TRAINING_ONLY)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingRequest:
+    """What the command was asked for.
+
+    Attributes:
+        given: Options that are given, by their names in a card.
+        scene: Function that returns the scene, of the level and of the run that goes on.
+        file: File of hyperparameters; None if none is given.
+        resume: Whether to go on with what is there.
+        trust: Whether to resume files of others.
+        force: Whether to replace what is there.
+        torch_threads: Number of threads of torch.
+    """
+
+    given: dict[str, Any]
+    scene: partial[Scene]
+    file: Path | None = None
+    resume: bool = False
+    trust: bool = False
+    force: bool = False
+    torch_threads: int = 1
+
+    def seed(self, out: Path, seed: int, *, resume: bool | None = None) -> None:
+        """Trains with a seed in a folder, or continues what is there if that is asked for."""
+        resume = (self.resume if resume is None else resume) and (out / CHECKPOINT).exists()
+        file = None if resume else self.file
+        replace(self, resume=resume, file=file, given={**self.given, "seed": seed}).one(out)
+
+    def one(self, out: Path) -> int:
+        """Trains, or goes on, in a folder; returns the number of steps."""
+        checkpoint = _check_folder(out, self.resume, self.trust, self.force)
+        before = _before(out, self.trust) if self.resume else {}
+        if self.resume and self.file is not None:
+            raise InputError("--hyperparameters is given with --resume: a run keeps its own")
+        config = _config(before, self.given, out)
+        chosen = self.chosen(config, out if self.resume else None)
+        algorithm_class(config["algo"])  # reports a missing extra before the folder is made
+        settings = hyperparameters(config["algo"], chosen.env, self.file)
+        settings |= before.get("hyperparameters", {})
+        config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
+        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
+        card, options = card_and_options(chosen, {**config, "hyperparameters": settings})
+        folder = RunFolder(out, "train", force=self.force or self.resume)
+        with telling(lambda: _kept(folder)):
+            done = learn(folder, card, options, checkpoint, self.torch_threads)
+        return done
+
+    def student(self, out: Path, teacher: str) -> int:
+        """Trains a student of another policy in a folder; returns the number of steps."""
+        for name in ("algo", "residual", "reward", "patience"):
+            if name in self.given:
+                raise InputError(f"--{name} is given with --teacher: leave one of them out")
+        if self.file is not None:
+            raise InputError("--hyperparameters is given with --teacher: leave one of them out")
+        if self.resume:
+            raise InputError(
+                "--resume is given with --teacher: a student takes minutes, train it anew"
+            )
+        _check_folder(out, False, self.trust, self.force)
+        config = {"seed": 0, "motions": MOTIONS, **DAGGER, **self.given}
+        card, options = card_and_options(
+            self.chosen(config), {**config, "algo": "dagger", "teacher": teacher}
+        )
+        folder = RunFolder(out, "train", force=self.force)
+        with telling(lambda: "nothing was learned yet; start the training again"):
+            return distill(folder, card, options, teacher, self.torch_threads)
+
+    def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
+        """Returns the task and the options of the arms."""
+        chosen = self.scene(level=config.get("level"), run=run, usual={"env": TASK})
+        if "task" in chosen.options:
+            raise InputError("--task is the file of a motion: name a task to train for")
+        if chosen.options["coupling"] == "none":
+            raise InputError(
+                "coupling is 'none': there is no motor to train for; use rigid or cuffs"
+            )
+        return chosen
+
+
+def card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[str, Any]]:
+    """Returns the card of a policy, and the options of its environment.
+
+    Args:
+        chosen: Task and arms.
+        config: All that describes the training, with what the policy observes.
+    """
+    from ...envs.policies.saving import card_of
+
+    config = dict(config)
+    observation = {name: config.pop(name) for name in OBSERVATION if name in config}
+    residual: Residual | None = config.pop("residual", None)
+    if residual is not None and "sensors" not in observation:
+        observation["sensors"] = list(needed_options(base_of(residual))["sensors"])
+    if "belief" in observation:
+        sensors = observation.get("sensors", ["encoders"])
+        observation["sensors"] = [*sensors, *({"belief"} - {*sensors})]
+    config.pop("level", None)
+    options = {**chosen.options, **observation}
+    arms = make_arms(chosen.env, 1, **options)
+    plant = Plant.of(arms.episodes)
+    arms.close()
+    return card_of(plant, {"env": chosen.env, **options}, config, residual), options
+
+
+def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoint | None:
+    """Returns the checkpoint to go on from; None for a new run."""
+    if resume:
+        return Checkpoint.read(out, trust=trust)
+    if trust:
+        raise InputError(
+            "--trust is given without --resume: it is about the files of a run to resume"
+        )
+    if (out / CHECKPOINT).exists() and not force:
+        raise InputError(
+            f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
+            "choose another --out"
+        )
+    return None
+
+
+def _before(out: Path, trust: bool) -> dict[str, Any]:
+    """Returns what the card of a run says of it."""
+    found = {**environment_of(out), **training_of(out)}
+    residual = read_card(out).residual
+    if residual is not None:
+        base_of(residual)
+        found["residual"] = residual
+    if "reward" in found and not (trust or is_own((out / CARD).read_bytes())):
+        raise InputError(
+            f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its {CARD} is "
+            "not of this machine: add --trust if that module may be imported"
+        )
+    return found
+
+
+def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
+    """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
+    for name, value in given.items():
+        if before and name not in ("steps", "motions", "patience") and before.get(name) != value:
+            raise InputError(
+                f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
+                f"trained with {shown(before.get(name))}: leave --{name} out, or train another run"
+            )
+    names = (*KEPT, "residual", *OBSERVATION)
+    found = {name: before[name] for name in names if name in before}
+    usual = {"algo": "ppo", "seed": 0, "motions": MOTIONS, "control": WEARERS[USUAL_WEARERS]}
+    return {**usual, **found, **given}
+
+
+def _kept(folder: RunFolder) -> str:
+    if (folder / CHECKPOINT).exists():
+        return f"the last checkpoint is kept in {folder.path}; go on with --resume"
+    return "nothing was learned yet; start the training again"
