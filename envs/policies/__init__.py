@@ -6,6 +6,7 @@ from .build import POLICIES, AnyPolicy, PolicySpec, make_policy, needed_options,
 from .compensation import Compensation, Complement
 from .feedforward import HysteresisFeedforward
 from .gravity import GravityCompensation
+from .network import Network
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .saving import save_policy
@@ -18,6 +19,7 @@ __all__ = [
     "Complement",
     "GravityCompensation",
     "HysteresisFeedforward",
+    "Network",
     "NoAssist",
     "Oracle",
     "Policy",

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ...arrays import Array
-from ...errors import InputError, shown
+from ...errors import InputError, shown, unknown_name
 from ...files import content_of
 from ...json_files import read_json
 from ..plant import Plant
@@ -30,6 +30,7 @@ ACTIVATIONS: dict[str, Callable[[Array], Array]] = {
     "relu": lambda values: np.maximum(values, 0.0),
 }
 LAYER, LSTM = "layer", "lstm"  # prefixes of the names of weights
+_LSTM = (f"{LSTM}.input", f"{LSTM}.hidden", f"{LSTM}.bias")
 
 
 class Residual(BaseModel):
@@ -93,10 +94,20 @@ class Network:
     """
 
     weights: Mapping[str, NDArray[np.floating[Any]]]
-    activation: str
-    squashed: bool
+    activation: str = "tanh"
+    squashed: bool = False
 
     def __post_init__(self) -> None:
+        if self.activation not in [*ACTIVATIONS]:
+            raise unknown_name("activation", self.activation, ACTIVATIONS)
+        recurrent = any(name.startswith(f"{LSTM}.") for name in self.weights)
+        layers = self._names or [(f"{LAYER}.0.weight", f"{LAYER}.0.bias")]
+        known = [*(_LSTM if recurrent else ()), *(name for pair in layers for name in pair)]
+        for name in known:
+            _check_numbers(self.weights, name, 1 if name.endswith("bias") else 2)
+        for name in self.weights:
+            if name not in known:
+                raise unknown_name("array of the network", name, known)
         size = self.inputs
         if self.hidden:
             _check(self.weights, f"{LSTM}.input", (4 * self.hidden, size))
@@ -172,18 +183,31 @@ def _sigmoid(values: Array) -> Array:
     return 0.5 * (1 + np.tanh(0.5 * values))
 
 
-def _check(weights: Mapping[str, NDArray[Any]], name: str, shape: tuple[int, ...]) -> None:
+def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> None:
     if name not in weights:
-        raise InputError(f"the network has no {name}: restore its file, or train again")
+        raise InputError(f"the network has no {name}: give it, or restore its file")
+    found = weights[name]
+    if (
+        not isinstance(found, np.ndarray)
+        or found.dtype not in (np.float32, np.float64)
+        or found.ndim != dimensions
+    ):
+        raise InputError(
+            f"the network's {name} is {shown(found)}: give an array of NumPy with {dimensions} "
+            "dimensions, of the type float32 or float64"
+        )
+    if not np.isfinite(found).all():
+        raise InputError(
+            f"the network's {name} has values that are not finite: restore its file, or train again"
+        )
+
+
+def _check(weights: Mapping[str, NDArray[Any]], name: str, shape: tuple[int, ...]) -> None:
     found = weights[name]
     if found.shape != shape:
         raise InputError(
             f"the network's {name} has the shape {found.shape}, and the layers before it need "
             f"{shape}: restore its file, or train again"
-        )
-    if not np.isfinite(found).all():
-        raise InputError(
-            f"the network's {name} has values that are not finite: restore its file, or train again"
         )
 
 

@@ -1,8 +1,9 @@
-"""Makes policies of what Stable-Baselines3 trained (needs the extra `train`)."""
+"""Makes policies of trained networks: of Stable-Baselines3, of torch, or of arrays."""
 
 import os
-from collections.abc import Iterable
-from importlib.metadata import version
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -34,10 +35,13 @@ _ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu"}
 
 
 def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
-    """Makes a policy of a model of Stable-Baselines3, for every command that takes a policy.
+    """Makes a policy of a trained network, for every command that takes a policy.
 
     Args:
-        model: PPO, A2C, SAC, or of sb3-contrib TQC or RecurrentPPO, on vectors of numbers.
+        model: PPO, A2C or SAC of Stable-Baselines3, TQC or RecurrentPPO of sb3-contrib; or, of any
+            other learner, the network of the mean action: a `torch.nn.Sequential` of Linear layers
+            with Tanh or ReLU between them, whose actions are clipped to -1 and 1 or pass a last
+            Tanh, or a `Network` of arrays.
         folder: Folder of the policy, which is made; one that is there gets new files.
         env: Environment that the model was trained in, single or vector, wrapped or not.
 
@@ -56,14 +60,26 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
             f"the environment's task {task.name!r} is not a shipped one: train it by `activesuit "
             "train --env MODULE:ID`, whose folder is a policy"
         )
+    residual = _residual_of(env)
+    size = int(np.prod(plant.observation_space.shape)) + (plant.motors if residual else 0)
+    if (network.inputs, network.outputs) != (size, plant.motors):
+        raise InputError(
+            f"the network has {network.inputs} inputs and {network.outputs} outputs, and the "
+            f"environment {size} observed numbers and {plant.motors} motors: give the environment "
+            "of the training, and the network of the mean action alone"
+        )
+    done = {"done": int(model.num_timesteps)} if hasattr(model, "num_timesteps") else {}
     observer, belief = arms.episodes.observer, arms.episodes.setup.belief
     seen = {"sensors": list(observer.sensors), "normalize": observer.normalized}
     seen |= {"history": observer.history} | ({"belief": belief.to_dict()} if belief else {})
+    environment = {"env": name, **{field: config[field] for field in ARM}, **seen}
+    if plant.config.payload.inertia is None:  # as `activesuit train` has it
+        environment["payload"] = {"mass": plant.config.payload.mass}
     card = card_of(
         plant,
-        environment={"env": name, **{field: config[field] for field in ARM}, **seen},
-        training={"algo": type(model).__name__, "done": int(model.num_timesteps)},
-        residual=_residual_of(env),
+        environment=environment,
+        training={"algo": type(model).__name__, **done},
+        residual=residual,
     )
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -90,19 +106,35 @@ def card_of(
         environment=environment,
         residual=residual,
         training=training,
-        versions={name: version(name) for name in PACKAGES},
+        versions=_versions(),
     )
 
 
+def _versions() -> dict[str, str]:
+    """Returns the versions of those packages that are installed."""
+    found = {}
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
+
+
 def network_of(model: Any) -> Network:
-    """Returns the network that makes the mean action of a model of Stable-Baselines3.
+    """Returns the network that makes the mean action of a trained model; see `save_policy`.
 
     Raises:
         InputError: It has parts that a policy cannot have.
     """
+    if isinstance(model, Network):
+        return model
     from torch import nn
 
-    policy, weights = model.policy, {}
+    if isinstance(model, nn.Sequential):
+        parts = list(model)
+        squashed = bool(parts) and len(parts) % 2 == 0 and isinstance(parts[-1], nn.Tanh)
+        return _layered(model, parts[:-1] if squashed else parts, {}, squashed)
+    policy: Any = getattr(model, "policy", None)
+    weights: dict[str, NDArray[np.float32]] = {}
     if hasattr(policy, "actor") and hasattr(policy.actor, "latent_pi"):  # SAC, TQC
         between, last, squashed = policy.actor.latent_pi, policy.actor.mu, True
         features = policy.actor.features_extractor
@@ -110,7 +142,7 @@ def network_of(model: Any) -> Network:
         between, last, squashed = policy.mlp_extractor.policy_net, policy.action_net, False
         features = policy.features_extractor
     else:
-        raise _foreign(model, "its policy is neither PPO's nor SAC's")
+        raise _foreign(model, "it is no PPO or SAC, no torch.nn.Sequential and no Network")
     if type(features).__name__ != "FlattenExtractor":
         raise _foreign(model, "it extracts features before its layers")
     normalizing = model.get_vec_normalize_env()
@@ -125,13 +157,35 @@ def network_of(model: Any) -> Network:
             part["weight_hh_l0"],
         )
         weights[f"{LSTM}.bias"] = part["bias_ih_l0"] + part["bias_hh_l0"]
-    kinds = {type(one).__name__ for one in between if not isinstance(one, nn.Linear)}
-    if not isinstance(last, nn.Linear) or len(kinds) > 1 or not kinds <= _ACTIVATIONS.keys():
+    return _layered(model, [*between, last], weights, squashed)
+
+
+def _layered(
+    model: Any, parts: Sequence[Any], weights: dict[str, NDArray[np.float32]], squashed: bool
+) -> Network:
+    """Returns the network of layers with one function between them, in order.
+
+    Args:
+        model: The model, for the message.
+        parts: Modules of torch.
+        weights: What stands before the layers.
+        squashed: Whether the last layer's values pass tanh.
+    """
+    from torch import nn
+
+    layers, between = parts[::2], {type(one).__name__ for one in parts[1::2]}
+    if (
+        len(parts) % 2 == 0
+        or any(type(one) is not nn.Linear or one.bias is None for one in layers)
+        or len(between) > 1
+        or not between <= _ACTIVATIONS.keys()
+    ):
+        kinds = ", ".join(type(one).__name__ for one in parts) or "none"
         raise _foreign(
-            model, f"between its layers are {', '.join(sorted(kinds))}: use Tanh or ReLU"
+            model, f"its parts are {kinds}: use Linear layers with bias, and Tanh or ReLU between"
         )
-    weights |= layers_of((*between, last))
-    return Network(weights, _ACTIVATIONS[kinds.pop()] if kinds else "tanh", squashed)
+    weights |= layers_of(layers)
+    return Network(weights, _ACTIVATIONS[between.pop()] if between else "tanh", squashed)
 
 
 def layers_of(layers: Iterable[Any]) -> dict[str, NDArray[np.float32]]:

@@ -3,13 +3,13 @@
 import json
 import subprocess
 import sys
+from importlib.metadata import PackageNotFoundError
 
 import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.policies import make_policy, needed_options, save_policy
-from activesuit.envs.policies.network import Network
+from activesuit.envs.policies import Network, make_policy, needed_options, save_policy
 from activesuit.envs.sb3 import ArmVecEnv
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
@@ -123,15 +123,27 @@ def changed(**more):
 @pytest.mark.parametrize(
     ("weights", "message"),
     [
+        ({}, "no layer.0.weight: give it"),
+        ({**layers(12, 2), "0.weight": np.zeros((2, 12))}, "array of the network '0.weight'"),
+        (changed(layer_1_bias=[0.0, 0.0]), "give an array of NumPy with 1 dimensions"),
+        (changed(layer_1_bias=np.zeros(2, int)), "float32 or float64"),
+        (changed(layer_1_weight=np.zeros(8)), "with 2 dimensions"),
         (changed(layer_1_bias=np.zeros(3)), r"layer.1.bias has the shape \(3,\)"),
         (changed(layer_0_weight=np.full((8, 12), np.nan)), "values that are not finite"),
-        (changed(lstm_hidden=np.zeros((16, 4))), "KeyError|no lstm.input|lstm.input"),
+        (changed(lstm_hidden=np.zeros((16, 4))), "no lstm.input"),
         ({"layer.0.weight": np.zeros((2, 12))}, "no layer.0.bias"),
+        ({"layer.1.weight": np.zeros((2, 12))}, "no layer.0.weight"),
     ],
 )
 def test_networks_that_do_not_fit_together(weights, message):
-    with pytest.raises((InputError, KeyError), match=message):
-        Network(weights, "tanh", squashed=False)
+    with pytest.raises(InputError, match=message) as refusal:
+        Network(weights)
+    assert one_sentence(refusal)
+
+
+def test_a_network_has_a_known_activation():
+    with pytest.raises(InputError, match="unknown activation 'elu': use one of relu, tanh"):
+        Network(layers(12, 2), "elu")
 
 
 def damaged_card(run, **changes):
@@ -178,11 +190,11 @@ def test_models_that_make_no_policy(tmp_path):
     arms = ArmVectorEnv(2, "ArmTracking", autoreset_mode="SameStep")
     env, small = ArmVecEnv(arms), {"n_steps": 8, "batch_size": 8, "device": "cpu"}
     for model, message in (
-        (TD3("MlpPolicy", env, buffer_size=10), "neither PPO's nor SAC's"),
+        (TD3("MlpPolicy", env, buffer_size=10), "no PPO or SAC"),
         (PPO("MlpPolicy", VecNormalize(env), **small), "use normalize=True instead"),
         (
             PPO("MlpPolicy", env, policy_kwargs={"activation_fn": torch.nn.ELU}, **small),
-            "between its layers are ELU: use Tanh or ReLU",
+            "Linear, ELU, Linear, ELU, Linear: use Linear layers",
         ),
     ):
         with pytest.raises(InputError, match=message) as refusal:
@@ -194,3 +206,60 @@ def test_models_that_make_no_policy(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot make the folder"):
         save_policy(PPO("MlpPolicy", env, **small), tmp_path / "file" / "policy", env)
+
+
+@pytest.mark.parametrize("squashed", [False, True])
+@pytest.mark.parametrize("activation", ["Tanh", "ReLU"])
+def test_a_network_of_torch_is_a_policy(tmp_path, activation, squashed):
+    import torch
+    from torch import nn
+
+    torch.manual_seed(0)
+    between, end = getattr(nn, activation), [nn.Tanh()] if squashed else []
+    actor = nn.Sequential(nn.Linear(12, 8), between(), nn.Linear(8, 2), *end)
+    arms = ArmVectorEnv(3, "ArmTracking")
+    save_policy(actor, tmp_path / "policy", arms)
+    observation, _ = arms.reset(seed=0)
+    expected = actor(torch.as_tensor(observation)).clamp(-1, 1).detach().numpy()
+    found = make_policy(str(tmp_path / "policy"), arms).act(observation)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
+
+
+def test_a_network_of_arrays_is_a_policy_without_any_learner(tmp_path, monkeypatch):
+    def only_ours(name):
+        if name in ("torch", "stable-baselines3"):
+            raise PackageNotFoundError(name)
+        return "1.0"
+
+    for name in ("torch", "stable_baselines3"):
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.setattr("activesuit.envs.policies.saving.version", only_ours)
+    env, network = ArmEnv("ArmTracking", gravity="moon"), Network(layers(12, 8, 2))
+    save_policy(network, tmp_path / "policy", env)
+    observation, _ = env.reset(seed=0)
+    found = make_policy(str(tmp_path / "policy"), env).act(observation)
+    np.testing.assert_array_equal(found, network.act(observation[None], network.memory(1))[0])
+    card = json.loads((tmp_path / "policy" / "policy.json").read_text())
+    assert card["training"] == {"algo": "Network"}
+    assert set(card["versions"]) == {"activesuit", "gymnasium", "mujoco", "numpy"}
+
+
+def test_networks_that_make_no_policy(tmp_path):
+    from torch import nn
+
+    env = ArmEnv("ArmTracking")
+    for network, message in (
+        (nn.Sequential(nn.Linear(12, 8), nn.Linear(8, 2)), "its parts are Linear, Linear: use"),
+        (nn.Sequential(nn.Linear(12, 8), nn.ELU(), nn.Linear(8, 2)), "parts are Linear, ELU"),
+        (nn.Sequential(nn.Linear(12, 8), nn.Tanh(), nn.Linear(8, 2), nn.ReLU()), "use Linear"),
+        (nn.Sequential(nn.Linear(12, 2, bias=False)), "use Linear layers with bias"),
+        (nn.Sequential(), "its parts are none"),
+        (nn.Linear(12, 2), "of this Linear: it is no PPO"),
+        ("my-policy", "of this str: it is no PPO"),
+        (nn.Sequential(nn.Linear(12, 4)), "12 inputs and 4 outputs, and the environment 12"),
+        (Network(layers(30, 2)), "30 inputs and 2 outputs"),
+    ):
+        with pytest.raises(InputError, match=message) as refusal:
+            save_policy(network, tmp_path / "policy", env)
+        assert one_sentence(refusal)
+    assert not (tmp_path / "policy").exists()

@@ -4,9 +4,12 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from activesuit.assets import load_suit
+from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
+from activesuit.envs.policies import Network, save_policy
 from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
@@ -178,6 +181,15 @@ def test_options_that_no_training_has(tmp_path):
     run = run_folder(tmp_path / "run", payload={"mass": 2.0, "inertia": [0.1, 0.1, 0.1]})
     with pytest.raises(InputError, match="options of wearer or payload that no training has"):
         scene(ArmOptions(), policies=(run,))
+
+
+def test_a_policy_of_save_policy_is_a_run(tmp_path):
+    weights = {"layer.0.weight": np.zeros((2, 12)), "layer.0.bias": np.zeros(2)}
+    env = ArmEnv("ElbowFlexion", gravity="moon", payload={"mass": 2.0})
+    save_policy(Network(weights), tmp_path / "saved", env)
+    trained, saved = run_folder(tmp_path / "run"), str(tmp_path / "saved")
+    both, alone = (scene(ArmOptions(), policies=given) for given in ((trained, saved), (trained,)))
+    assert (both.env, both.options) == (alone.env, alone.options)
 
 
 NAIVE = {"references": False, "adapted": False}
