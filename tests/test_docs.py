@@ -36,8 +36,9 @@ def page(name):
 
 
 def examples(name):
-    """The Python blocks of a page, with two trials where it does many, on coarser curves."""
+    """The Python blocks of a page, with two trials or updates, on coarser curves."""
     page_with_few = re.sub("^TRIALS = 30 ", "TRIALS = 2 ", page(name), flags=re.MULTILINE)
+    page_with_few = page_with_few.replace("PERIODS = 245, 64, 64", "PERIODS = 2, 8, 64")
     page_with_few = page_with_few.replace("angle_step=0.01)", "angle_step=0.02)")
     return re.findall(r"^```python\n(.*?)^```$", page_with_few, re.DOTALL | re.MULTILINE)
 
@@ -72,6 +73,12 @@ def test_three_joints_is_short_and_stands_on_its_page():
     code = [line for line in lines if line.strip() and not line.lstrip().startswith(("#", '"""'))]
     assert len(code) <= 30
     assert "\n".join(lines) + "\n" == examples("robot.md")[0]
+
+
+def test_ppo_is_short_and_stands_on_its_page():
+    script = (DOCS / "learners" / "ppo.py").read_text(encoding="utf-8")
+    assert len(script.splitlines()) <= 100
+    assert f"```python\n{script}```" in page("learners.md")
 
 
 def test_a_task_of_your_own_is_short():
