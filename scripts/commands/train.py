@@ -23,7 +23,6 @@ from ..runs import scene
 from ..training.evaluations import MOTIONS
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
-from ..training.run import USUAL_WEARERS, WEARERS, wearers_of
 from ..training.seeds import seeds_of, train_all
 
 
@@ -44,7 +43,6 @@ def train(
     teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
     reward: str | None = None,
     samples: bool = False,
-    wearers: Annotated[str | None, choice(lambda: WEARERS, usual=USUAL_WEARERS)] = None,
     motions: Annotated[int | None, optional_number(f"{MOTIONS}", int)] = None,
     patience: Annotated[int | None, optional_number("never", int)] = None,
     seed: RunSeed = None,
@@ -88,8 +86,6 @@ def train(
         reward: Reward of your own in place of the shipped one, as MODULE:FUNCTION; scores stay.
         samples: Whether each episode draws the suit among the samples of its file, which the
             identification found plausible; evaluations are without.
-        wearers: Wearers of the training: those who learn from episode to episode, or those who are
-            guided along the intention, whose effort at once is that of people who have adapted.
         motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
         patience: Number of evaluations without a better one after which the training ends.
         seeds: Seeds of several trainings, as 0-9 or 0,3,5, each in a folder of its own.
@@ -120,7 +116,6 @@ def train(
     given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
     given |= {"reward": reward, "motions": motions, "patience": patience}
     given |= {"randomize": {"suit": "samples"} if samples else None}
-    given |= {"control": wearers_of(wearers)}
     given |= {"residual": _residual(residual, residual_scale)}
     request = TrainingRequest(
         given={name: value for name, value in given.items() if value is not None},
