@@ -61,6 +61,7 @@ class Card(BaseModel):
         training: Algorithm, seed, steps and what else describes the training.
         scores: Scores of the evaluation during the training at which these weights were the best.
         versions: Versions of the packages that trained it.
+        summary: Sentence about the policy, for lists; None if there is none.
         license: License of the weights, by its SPDX name; None if none is granted.
     """
 
@@ -77,6 +78,7 @@ class Card(BaseModel):
     training: dict[str, Any]
     scores: dict[str, Any] | None = None
     versions: dict[str, str] = {}
+    summary: str | None = None
     license: str | None = None
 
 

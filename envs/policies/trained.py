@@ -15,6 +15,7 @@ from ..model import ArmConfig
 from ..plant import Plant
 from .network import CARD, Card, Network, contract_of, observed, read_card
 
+SHIPPED = Path(__file__).parents[2] / "assets" / "policies"
 OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
 OBSERVATION = ("sensors", "normalize", "history", "belief")
 ARM = (
@@ -22,6 +23,16 @@ ARM = (
     *("preconditioned", "allow_uncertified"),
 )
 _ENVIRONMENT = ("env", "level", *OBSERVATION, *ARM)
+
+
+def shipped_policies() -> dict[str, str]:
+    """Returns the folders of the trained policies that this package ships, by their names."""
+    return {path.parent.name: str(path.parent) for path in sorted(SHIPPED.glob(f"*/{CARD}"))}
+
+
+def folder_of(name: str) -> str | None:
+    """Returns the folder of a trained policy, shipped or of a user; None if there is none."""
+    return shipped_policies().get(name) or (name if os.path.isdir(name) else None)
 
 
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
