@@ -86,13 +86,6 @@ class TrainedPolicy:
         card = read_card(folder)
         self._network = read_network(folder, card)
         _check_observed(Path(folder), card.observation, observed(plant))
-        size, motors = (card.observation.get(name) for name in ("size", "motors"))
-        if (self._network.inputs, self._network.outputs) != (size, motors):
-            raise InputError(
-                f"the network in {str(folder)!r} has {self._network.inputs} inputs and "
-                f"{self._network.outputs} outputs, and its card says {size} and {motors}: restore "
-                "both"
-            )
         self._memory: Array | None = None
 
     def reset(self) -> None:
