@@ -54,5 +54,5 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,compare,cluster,video,dev]'
+	$(PIP) -e '.[train,onnx,compare,cluster,video,dev]'
 	touch $@

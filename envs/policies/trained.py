@@ -106,13 +106,6 @@ class TrainedPolicy:
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
         _check_observed(name, card.observation, observed(plant))
-        size, motors = (card.observation.get(part) for part in ("size", "motors"))
-        size = size + motors if card.residual and size and motors else size
-        if (network.inputs, network.outputs) != (size, motors):
-            raise InputError(
-                f"the network in {name!r} has {network.inputs} inputs and {network.outputs} "
-                f"outputs, and its card says {size} and {motors}: restore both"
-            )
         self._network = network
         self._memory: Array | None = None
 
