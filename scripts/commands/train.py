@@ -42,6 +42,7 @@ def train(
     residual_scale: Annotated[float | None, optional_number(f"{SCALE}")] = None,
     teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
     reward: str | None = None,
+    suits: tuple[Annotated[str, choice(suit_names)], ...] = (),
     samples: bool = False,
     motions: Annotated[int | None, optional_number(f"{MOTIONS}", int)] = None,
     patience: Annotated[int | None, optional_number("never", int)] = None,
@@ -84,6 +85,7 @@ def train(
         teacher: Policy whose actions the network learns to repeat from its own sensors, in place of
             reinforcement learning; it may need other sensors.
         reward: Reward of your own in place of the shipped one, as MODULE:FUNCTION; scores stay.
+        suits: Suits of which each episode draws one; evaluations have the suit of the scene.
         samples: Whether each episode draws the suit among the samples of its file, which the
             identification found plausible; evaluations are without.
         motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
@@ -115,7 +117,8 @@ def train(
     given |= {"level": level, "history": history, "sensors": list(sensors) or None}
     given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
     given |= {"reward": reward, "motions": motions, "patience": patience}
-    given |= {"randomize": {"suit": "samples"} if samples else None}
+    drawn = {"suit": "samples" if samples else None, "suits": list(suits) or None}
+    given |= {"randomize": {name: one for name, one in drawn.items() if one} or None}
     given |= {"residual": _residual(residual, residual_scale)}
     request = TrainingRequest(
         given={name: value for name, value in given.items() if value is not None},
