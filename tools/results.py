@@ -408,6 +408,26 @@ def hindered() -> str:
     return markdown_table([*header, *(f"{name}: success, effort" for name in names)], rows)
 
 
+def learning() -> str:
+    """Returns the relief that ways of training reach in each task, beside other policies."""
+    found = kept("learning")["result"]
+    settings = list(dict.fromkeys((one["task"], one["level"]) for one in found["ends"]))
+    ways = list(dict.fromkeys(one["way"] for one in found["ends"]))
+    beside = list(dict.fromkeys(one["policy"] for one in found["beside"]))
+    rows = []
+    for place in settings:
+        at = [one for one in found["beside"] if (one["task"], one["level"]) == place]
+        by_policy = {one["policy"]: _signed(one["value"]) for one in at}
+        ends = [one for one in found["ends"] if (one["task"], one["level"]) == place]
+        by_way = {
+            one["way"]: interval(one) if "low" in one else _signed(one["value"]) for one in ends
+        }
+        cells = (by_policy.get(name, "-") for name in beside)
+        rows.append([*place, *cells, *(by_way.get(way, "-") for way in ways)])
+    header = ["task", "level", *(name.partition(":")[0] for name in beside), *ways]
+    return markdown_table(header, rows)
+
+
 # The leaderboard.
 
 
@@ -508,6 +528,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
+    "training.md": {"learning": learning},
     "environments.md": {"speed": lambda: speed("env")},
 }
 """The tables by page and mark."""

@@ -1,7 +1,7 @@
 """Tunes the shipped hyperparameters: `python -m activesuit.tools.tune_training --algo ppo`.
 
 Optuna (TPE; Akiba et al. 2019, KDD) maximizes the relief of adapted wearers in the second half of
-two short trainings: a policy that acts alone, weightless, and a correction of a compensation that
+two short trainings: a policy that acts alone, on Earth, and a correction of a compensation that
 believes another suit. The trials are kept in a file, so that the same command goes on. The result
 is a table in docs/measured; the shipped files are changed by hand, with its numbers.
 """
@@ -27,9 +27,8 @@ from ..scripts.training.request import TrainingRequest
 
 WORST = -2.0  # relief of a training that loses arms
 CASES: dict[str, dict[str, Any]] = {
-    "alone": {"gravity": "microgravity", "given": {}},
+    "alone": {"given": {}},
     "correction": {
-        "gravity": None,
         "given": {"level": "shift", "residual": residual_of("compensation:suit=mock-suit", 0.3)},
     },
 }
@@ -71,9 +70,7 @@ def score(settings: dict[str, Any], algo: str, steps: int) -> dict[str, float]:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "tried.yml"
             file.write_text(yaml.safe_dump({"default": settings}), encoding="utf-8")
-            place = partial(
-                scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=case["gravity"]
-            )
+            place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
             given = {"algo": algo, "steps": steps, **case["given"]}
             run = Path(folder) / "run"
             TrainingRequest(given=given, scene=place, file=file).one(run)
