@@ -38,13 +38,13 @@ ON_POLICY = ("ppo", "recurrent-ppo")
 def settings_of(trial: optuna.Trial, algo: str) -> dict[str, Any]:
     """Returns the hyperparameters of a trial, in the syntax of rl-zoo3."""
     size = trial.suggest_categorical("size", [32, 64, 128])
-    rate = trial.suggest_float("learning_rate", 1e-4, 3e-3, log=True)
+    rate = trial.suggest_float("learning_rate", 2e-4, 2e-3, log=True)
     falling = trial.suggest_categorical("falling", [False, True])
     found: dict[str, Any] = {
-        "gamma": trial.suggest_categorical("gamma", [0.8, 0.9, 0.95, 0.98]),
+        "gamma": trial.suggest_categorical("gamma", [0.9, 0.95, 0.98]),
         "learning_rate": f"lin_{rate:.3g}" if falling else float(f"{rate:.3g}"),
         "use_sde": True,
-        "sde_sample_freq": trial.suggest_categorical("sde_sample_freq", [4, 8, 16, 32]),
+        "sde_sample_freq": trial.suggest_categorical("sde_sample_freq", [8, 16, 32]),
     }
     if algo in ON_POLICY:
         found |= {
@@ -59,7 +59,7 @@ def settings_of(trial: optuna.Trial, algo: str) -> dict[str, Any]:
     else:
         found["tau"] = trial.suggest_categorical("tau", [0.005, 0.02])
         networks = {"net_arch": [size] * 2}
-    networks["log_std_init"] = trial.suggest_float("log_std_init", -4.0, -1.0)
+    networks["log_std_init"] = trial.suggest_float("log_std_init", -3.5, -1.5)
     return {**found, "policy_kwargs": networks}
 
 
