@@ -428,6 +428,27 @@ def learning() -> str:
     return markdown_table(header, rows)
 
 
+def tuned() -> str:
+    """Returns the best hyperparameters of PPO that were tried, and the shipped ones."""
+    rows = []
+    for one in kept("hyperparameters-ppo")["rows"]:
+        settings = one["settings"]
+        networks = settings["policy_kwargs"]
+        rows.append(
+            [
+                *(str(one["trial"]), f"{one['alone']:.2f}", f"{one['correction']:.2f}"),
+                *(str(settings[name]) for name in ("learning_rate", "gamma", "gae_lambda")),
+                *(str(settings[name]) for name in ("n_steps", "batch_size")),
+                str(settings.get("n_epochs", 10)),
+                *(str(settings["sde_sample_freq"]), f"{networks['log_std_init']:.1f}"),
+                str(networks["net_arch"]["pi"][0]),
+            ]
+        )
+    header = ["trial", "relief alone", "relief of the correction", "learning rate", "gamma"]
+    header += ["lambda", "steps a row", "batch", "epochs", "periods of one exploration"]
+    return markdown_table([*header, "log std", "layer"], rows)
+
+
 # The leaderboard.
 
 
@@ -528,7 +549,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
-    "training.md": {"learning": learning},
+    "training.md": {"learning": learning, "tuned": tuned},
     "environments.md": {"speed": lambda: speed("env")},
 }
 """The tables by page and mark."""

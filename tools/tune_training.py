@@ -7,6 +7,7 @@ is a table in docs/measured; the shipped files are changed by hand, with its num
 """
 
 import argparse
+import json
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -17,14 +18,18 @@ import optuna
 import yaml
 from joblib import Parallel, delayed
 
+from .. import __version__
 from ..envs.policies.build import residual_of
+from ..files import write_text
 from ..json_files import read_json
 from ..scripts.arm_options import USUAL
 from ..scripts.runs import scene
 from ..scripts.training.evaluations import EVALUATIONS, value
 from ..scripts.training.hyperparameters import hyperparameters
 from ..scripts.training.request import TrainingRequest
+from .measure import FOLDER
 
+SHOWN = 5  # trials in the table
 WORST = -2.0  # relief of a training that loses arms
 CASES: dict[str, dict[str, Any]] = {
     "alone": {"given": {}},
@@ -85,7 +90,7 @@ def _value(trial: Any) -> float:
 
 
 def main() -> None:
-    """Tunes one algorithm, and prints its best trials beside the shipped hyperparameters."""
+    """Tunes one algorithm, and keeps its best trials beside the shipped hyperparameters."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--algo", default="ppo")
     parser.add_argument("--trials", type=int, default=40)
@@ -113,10 +118,23 @@ def main() -> None:
                 study.tell(trial, float(np.mean([*found.values()])))
                 print(trial.number, found, settings, flush=True)
     shipped = hyperparameters(given.algo, "default")
-    print("shipped", score(shipped, given.algo, given.steps), shipped)
-    best = sorted(study.trials, key=_value, reverse=True)
-    for trial in best[:5]:
-        print(trial.number, trial.value, trial.user_attrs)
+    rows = [
+        {
+            "trial": trial.number,
+            **trial.user_attrs["found"],
+            "settings": trial.user_attrs["settings"],
+        }
+        for trial in sorted(study.trials, key=_value, reverse=True)[:SHOWN]
+    ]
+    found = score(shipped, given.algo, given.steps)
+    rows.append({"trial": "shipped", **found, "settings": shipped})
+    content = {
+        "command": f"python -m activesuit.tools.tune_training --algo {given.algo}",
+        "version": __version__,
+        "result": {"trials": len(study.trials), "steps": given.steps, "rows": rows},
+    }
+    text = json.dumps(content, indent=1)
+    write_text(FOLDER / f"hyperparameters-{given.algo}.json", f"{text}\n")
 
 
 if __name__ == "__main__":
