@@ -36,6 +36,7 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("validate", "", ["--episodes", "8"]),
     ("evaluate envelope", "", ["--spacing", "0.08"]),
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
+    ("benchmark learning", "", ["--levels", "nominal", "--seeds", "0", "--steps", "8192"]),
     ("benchmark tune", "", ["--evaluations", "2"]),
     ("evaluate knowledge", "", ["--tasks", "ElbowFlexion", "--episodes", "8", "--classes", "own"]),
     ("evaluate faults", "", ["--episodes", "8"]),

@@ -70,7 +70,7 @@ def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
         )
     if not isinstance(found.get("hyperparameters", {}), dict):
         raise InputError(f"{str(path)!r} has hyperparameters that are no object: restore it")
-    for name, least in (("seed", 0), ("steps", 1), ("rows", 1)):
+    for name, least in (("seed", 0), ("steps", 1), ("rows", 1), ("motions", 0), ("patience", 1)):
         value = found.get(name, least)
         if type(value) is not int or value < least:
             raise InputError(

@@ -140,7 +140,8 @@ def train(
         raise InputError("--seeds is given with --teacher: leave one of them out")
     if motions == 0:
         raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
-    train_all(request.seed, seeds_of(seeds), out, workers, resume=resume, force=force)
+    chosen = seeds_of(seeds)
+    train_all(request.seed, chosen, out, workers, steps=steps, resume=resume, force=force)
 
 
 def _residual(given: str | None, scale: float | None) -> Residual | None:

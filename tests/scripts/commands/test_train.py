@@ -443,7 +443,8 @@ def corrected(tmp_path_factory):
 def test_evaluations_on_the_way(corrected):
     found = json.loads((corrected / "evaluations.json").read_text())
     steps = [one["steps"] for one in found["results"]]
-    assert steps == sorted(set(steps)) and steps[-1] == 4 * ROLLOUT and found["finished"]
+    assert steps == sorted(set(steps))
+    assert steps[-1] == found["finished"] == 4 * ROLLOUT
     assert found["seeds"] == list(range(20_000, 20_008))
     last = found["results"][-1]
     assert last["relief"]["low"] <= last["relief"]["value"] <= last["relief"]["high"]
