@@ -103,8 +103,7 @@ class Network:
         if self.activation not in [*ACTIVATIONS]:
             raise unknown_name("activation", self.activation, ACTIVATIONS)
         recurrent = any(name.startswith(f"{LSTM}.") for name in self.weights)
-        layers = self._names or [(f"{LAYER}.0.weight", f"{LAYER}.0.bias")]
-        known = [*(_LSTM if recurrent else ()), *(name for pair in layers for name in pair)]
+        known = [*(_LSTM if recurrent else ()), *(name for pair in self.layers for name in pair)]
         for name in known:
             _check_numbers(self.weights, name, 1 if name.endswith("bias") else 2)
         for name in self.weights:
