@@ -15,7 +15,7 @@ demo: .venv/core
 	$(BIN)/activesuit demo --out runs/demo
 
 train: .venv/train
-	@echo 'Ready: $(BIN)/activesuit train --algo ppo --steps 20000 --out runs/ppo'
+	@echo 'Ready: $(BIN)/activesuit train --algo ppo --steps 200000 --out runs/ppo'
 
 # Sixty processes of the tests import the package, and would compile it each without bytecode.
 test: export PYTHONDONTWRITEBYTECODE =
@@ -54,5 +54,5 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,compare,cluster,video,dev]'
+	$(PIP) -e '.[train,onnx,compare,cluster,video,dev]'
 	touch $@

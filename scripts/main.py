@@ -46,6 +46,7 @@ GROUPS = {
     },
     "Train": {
         "train": "Train an assist policy with Stable-Baselines3.",
+        "export": "Export a trained policy as an ONNX model, which other runtimes run.",
     },
     "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",

@@ -97,8 +97,9 @@ def environments() -> list[str]:
 def policies() -> list[str]:
     """Returns the names of the policies; the folder of a training run is one too."""
     from ..envs.policies import POLICIES
+    from ..envs.policies.trained import shipped_policies
 
-    return [*POLICIES, "FOLDER"]
+    return [*POLICIES, *shipped_policies(), "FOLDER"]
 
 
 def evaluated() -> list[str]:

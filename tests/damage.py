@@ -504,12 +504,15 @@ def run_option(name: str, *values: Any) -> Damage:
     return run_config(change)
 
 
+EXPORT = ("export", "run", "--onnx", "--out", "new.onnx")
+
+
 def network(change: Callable[[Path, Rng], None]) -> Damage:
     """Returns damage of the file of the weights."""
 
     def damage(folder: Path, rng: Rng) -> list[str]:
         change(folder / "run" / "policy.safetensors", rng)
-        return run_command(rng)
+        return run_command(rng) if rng.integers(4) else [*EXPORT]
 
     return damage
 
@@ -755,6 +758,8 @@ OPTION_KINDS = [
             ["view", "--snapshot", "new.jpg"],
             ["identify", "a\0b"],
             ["suits", "suit.json", "--export", "nosuch/new.json"],
+            ["export", "nosuch", "--onnx", "--out", "new.onnx"],
+            ["export", "compensation", "--onnx", "--out", "new.onnx"],
             [*IDENTIFY[:3], "elbow.csv/out"],
         ),
     ),

@@ -56,7 +56,7 @@ COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
     "study": same("reproduce", "li-2022", *SMALL),
     "demo": same("demo", "--trials", "2", "--episodes", "8"),
-    "train": Command([*TRAIN, "--steps", "4096"], [*TRAIN, "--steps", "8192", "--resume"]),
+    "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
     "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
     "simulate": same("simulate"),
     "animate": Command(["animate"], ["animate", "--force"], "motion.gif"),
@@ -180,8 +180,8 @@ class Attack:
     def _next_run(self, command: Command, folder: Path, kept: Counter[str]) -> tuple[int, str]:
         whole = bool(kept["model.zip"] or kept[command.file])
         arguments = command.again if whole else command.first
-        if kept["steps"] >= 8192:
-            arguments = [*TRAIN, "--steps", "12288", "--resume"]
+        if kept["steps"] >= 16384:
+            arguments = [*TRAIN, "--steps", "24576", "--resume"]
         return finish(arguments, command, folder)
 
 

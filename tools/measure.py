@@ -66,6 +66,9 @@ EXPERIMENTS = {
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",
+    "learning": (
+        "benchmark learning --tasks ArmTracking --ways residual --seeds 0-4 --steps 200000"
+    ),
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
     "bench-hysteresis": "bench hysteresis",

@@ -408,6 +408,47 @@ def hindered() -> str:
     return markdown_table([*header, *(f"{name}: success, effort" for name in names)], rows)
 
 
+def learning() -> str:
+    """Returns the relief that ways of training reach in each task, beside other policies."""
+    found = kept("learning")["result"]
+    settings = list(dict.fromkeys((one["task"], one["level"]) for one in found["ends"]))
+    ways = list(dict.fromkeys(one["way"] for one in found["ends"]))
+    beside = list(dict.fromkeys(one["policy"] for one in found["beside"]))
+    rows = []
+    for place in settings:
+        at = [one for one in found["beside"] if (one["task"], one["level"]) == place]
+        by_policy = {one["policy"]: _signed(one["value"]) for one in at}
+        ends = [one for one in found["ends"] if (one["task"], one["level"]) == place]
+        by_way = {
+            one["way"]: interval(one) if "low" in one else _signed(one["value"]) for one in ends
+        }
+        cells = (by_policy.get(name, "-") for name in beside)
+        rows.append([*place, *cells, *(by_way.get(way, "-") for way in ways)])
+    header = ["task", "level", *(name.partition(":")[0] for name in beside), *ways]
+    return markdown_table(header, rows)
+
+
+def tuned() -> str:
+    """Returns the best hyperparameters of PPO that were tried, and the shipped ones."""
+    rows = []
+    for one in kept("hyperparameters-ppo")["rows"]:
+        settings = one["settings"]
+        networks = settings["policy_kwargs"]
+        rows.append(
+            [
+                *(str(one["trial"]), f"{one['alone']:.2f}", f"{one['correction']:.2f}"),
+                *(str(settings[name]) for name in ("learning_rate", "gamma", "gae_lambda")),
+                *(str(settings[name]) for name in ("n_steps", "batch_size")),
+                str(settings.get("n_epochs", 10)),
+                *(str(settings["sde_sample_freq"]), f"{networks['log_std_init']:.1f}"),
+                str(networks["net_arch"]["pi"][0]),
+            ]
+        )
+    header = ["trial", "relief alone", "relief of the correction", "learning rate", "gamma"]
+    header += ["lambda", "steps a row", "batch", "epochs", "periods of one exploration"]
+    return markdown_table([*header, "log std", "layer"], rows)
+
+
 # The leaderboard.
 
 
@@ -508,6 +549,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
+    "training.md": {"learning": learning, "tuned": tuned},
     "environments.md": {"speed": lambda: speed("env")},
 }
 """The tables by page and mark."""

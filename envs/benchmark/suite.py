@@ -23,6 +23,7 @@ from ..model import ArmConfig
 from ..person import VoluntaryControl
 from ..policies import POLICIES, PolicySpec, policy_spec
 from ..policies.build import believes, is_saved
+from ..policies.trained import shipped_policies
 from ..simulation.sensing import Sensing
 from ..tasks import TASKS, Task
 
@@ -212,7 +213,8 @@ _NEED_CUFFS = ("corrected", "admittance")
 _ON_CUFFS = ("none", "transparent", "compensation", *_NEED_CUFFS)
 # Parts of `compensation`, and trackers that find no error to follow, are in tables of their own.
 _LEFT_OUT = ("transparent", "gravity", "complement", "proportional", "oscillators", "radial-basis")
-_ALL = tuple(name for name in POLICIES if name not in ("oracle", *_NEED_CUFFS, *_LEFT_OUT))
+_OTHERS = ("oracle", *_NEED_CUFFS, *_LEFT_OUT)
+_ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
 _QUICK = ("none", "compensation")
 
 

@@ -40,7 +40,14 @@ from .predictive import PredictiveSampling
 from .proportional import ProportionalAssist
 from .radial_basis import RadialBasisTracker
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
-from .trained import OBSERVATION, TrainedPolicy, environment_of, portable
+from .trained import (
+    OBSERVATION,
+    TrainedPolicy,
+    environment_of,
+    folder_of,
+    portable,
+    shipped_policies,
+)
 from .transparent import Transparent
 
 POLICIES: dict[str, Callable[..., Policy]] = {
@@ -85,8 +92,8 @@ class PolicySpec:
     """A policy as plain data: which one, and what differs from its usual options.
 
     Attributes:
-        name: Name among `POLICIES`, the folder of a training run, or "package.module:Class" for a
-            class of your own.
+        name: Name among `POLICIES` or `shipped_policies`, the folder of a training run, or
+            "package.module:Class" for a class of your own.
         options: Values of its options by name.
     """
 
@@ -147,18 +154,24 @@ def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = F
 
 
 def maker_of(name: str, beside: Sequence[str] = ()) -> Callable[..., Policy] | None:
-    """Returns the class of a policy; None for the folder of a training run.
+    """Returns the class of a policy; None for a trained one, shipped or the folder of a run.
 
     Raises:
         InputError: There is no such policy, folder, module or class.
     """
     if name in POLICIES:
         return POLICIES[name]
-    if os.path.isdir(name):
+    if folder_of(name):
         return None
     module, _, attribute = name.partition(":")
     if not attribute:  # a name may be too long for a path
-        known = (*POLICIES, *beside, "the folder of a training run", "package.module:Class")
+        known = (
+            *POLICIES,
+            *shipped_policies(),
+            *beside,
+            "the folder of a training run",
+            "package.module:Class",
+        )
         raise unknown_name("policy", name, known)
     try:
         found = getattr(import_module(module), attribute)
@@ -216,7 +229,8 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
     name = policy_spec(given).name
     maker = maker_of(name)
     if maker is None:
-        return {part: value for part, value in environment_of(name).items() if part in OBSERVATION}
+        found = environment_of(_folder(name))
+        return {part: value for part, value in found.items() if part in OBSERVATION}
     sensors = getattr(maker, "sensors", None)
     return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 
@@ -243,8 +257,8 @@ def make_policy(given: AnyPolicy, env: ArmEnv | ArmVectorEnv | Plant) -> Policy:
         )
     maker = maker_of(name)
     if maker is None:
-        card = read_card(name)
-        return network_policy(card, read_network(name, card), plant, name)
+        card = read_card(_folder(name))
+        return network_policy(card, read_network(_folder(name), card), plant, name)
     if set(sensors) - set(plant.sensors):
         raise InputError(
             f"policy {name!r} needs the sensors {', '.join(sensors)}, and the environment has "
@@ -321,6 +335,12 @@ def _plant_of(env: ArmEnv | ArmVectorEnv | Plant) -> Plant:
     if not isinstance(arm, ArmEnv | ArmVectorEnv):
         raise InputError(f"{shown(arm)} is no ActiveSuit environment: make one of ActiveSuit/...")
     return Plant.of(arm.episodes)
+
+
+def _folder(name: str) -> str:
+    found = folder_of(name)
+    assert found is not None  # `maker_of` has looked
+    return found
 
 
 def is_saved(text: str) -> bool:

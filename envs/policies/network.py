@@ -62,6 +62,7 @@ class Card(BaseModel):
         training: Algorithm, seed, steps and what else describes the training.
         scores: Scores of the evaluation during the training at which these weights were the best.
         versions: Versions of the packages that trained it.
+        summary: Sentence about the policy, for lists; None if there is none.
         license: License of the weights, by its SPDX name; None if none is granted.
     """
 
@@ -78,6 +79,7 @@ class Card(BaseModel):
     training: dict[str, Any]
     scores: dict[str, Any] | None = None
     versions: dict[str, str] = {}
+    summary: str | None = None
     license: str | None = None
 
 
@@ -101,8 +103,7 @@ class Network:
         if self.activation not in [*ACTIVATIONS]:
             raise unknown_name("activation", self.activation, ACTIVATIONS)
         recurrent = any(name.startswith(f"{LSTM}.") for name in self.weights)
-        layers = self._names or [(f"{LAYER}.0.weight", f"{LAYER}.0.bias")]
-        known = [*(_LSTM if recurrent else ()), *(name for pair in layers for name in pair)]
+        known = [*(_LSTM if recurrent else ()), *(name for pair in self.layers for name in pair)]
         for name in known:
             _check_numbers(self.weights, name, 1 if name.endswith("bias") else 2)
         for name in self.weights:
@@ -114,18 +115,19 @@ class Network:
             _check(self.weights, f"{LSTM}.hidden", (4 * self.hidden, self.hidden))
             _check(self.weights, f"{LSTM}.bias", (4 * self.hidden,))
             size = self.hidden
-        for weight, bias in self._names:
+        for weight, bias in self.layers:
             shape = self.weights[weight].shape
             _check(self.weights, weight, (shape[0], size))
             _check(self.weights, bias, (shape[0],))
             size = shape[0]
 
     @property
-    def _names(self) -> list[tuple[str, str]]:
+    def layers(self) -> list[tuple[str, str]]:
+        """Names of weight and bias of each layer, of which there is at least one."""
         count = sum(
             name.startswith(f"{LAYER}.") and name.endswith(".weight") for name in self.weights
         )
-        return [(f"{LAYER}.{i}.weight", f"{LAYER}.{i}.bias") for i in range(count)]
+        return [(f"{LAYER}.{i}.weight", f"{LAYER}.{i}.bias") for i in range(max(1, count))]
 
     @property
     def hidden(self) -> int:
@@ -141,7 +143,7 @@ class Network:
     @property
     def outputs(self) -> int:
         """Number of motors."""
-        return self.weights[self._names[-1][0]].shape[0]
+        return self.weights[self.layers[-1][0]].shape[0]
 
     def memory(self, rows: int) -> Array:
         """Returns the memory at the begin of an episode, shape (2, rows, hidden)."""
@@ -160,7 +162,7 @@ class Network:
         values = np.asarray(observation, float)
         if self.hidden:
             values = self._remembered(values, memory)
-        *between, last = self._names
+        *between, last = self.layers
         for weight, bias in between:
             values = ACTIVATIONS[self.activation](
                 values @ self.weights[weight].T + self.weights[bias]
@@ -185,7 +187,7 @@ def _sigmoid(values: Array) -> Array:
 
 def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> None:
     if name not in weights:
-        raise InputError(f"the network has no {name}: give it, or restore its file")
+        raise InputError(f"the network has no {name}: give it")
     found = weights[name]
     if (
         not isinstance(found, np.ndarray)
@@ -279,11 +281,19 @@ def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
             "them is damaged or of another training; restore both"
         )
     try:
-        return Network(load(content), card.activation, card.squashed)
+        network = Network(load(content), card.activation, card.squashed)
     except (SafetensorError, KeyError, ValueError, IndexError) as error:
         raise InputError(
             f"{str(path)!r} is not a readable network ({error}): restore it, or train again"
         ) from error
+    size, motors = (card.observation.get(name) for name in ("size", "motors"))
+    size = size + motors if card.residual and size and motors else size
+    if (network.inputs, network.outputs) != (size, motors):
+        raise InputError(
+            f"the network in {str(folder)!r} has {network.inputs} inputs and {network.outputs} "
+            f"outputs, and its card says {size} and {motors}: restore both"
+        )
+    return network
 
 
 def files_of(card: Card, network: Network) -> dict[str, bytes]:

@@ -15,6 +15,7 @@ from ..model import ArmConfig
 from ..plant import Plant
 from .network import CARD, Card, Network, contract_of, observed, read_card
 
+SHIPPED = Path(__file__).parents[2] / "assets" / "policies"
 OWN_SUIT = "suit.json"  # a copy of the suit file that a run was given
 OBSERVATION = ("sensors", "normalize", "history", "belief")
 ARM = (
@@ -22,6 +23,16 @@ ARM = (
     *("preconditioned", "allow_uncertified"),
 )
 _ENVIRONMENT = ("env", "level", *OBSERVATION, *ARM)
+
+
+def shipped_policies() -> dict[str, str]:
+    """Returns the folders of the trained policies that this package ships, by their names."""
+    return {path.parent.name: str(path.parent) for path in sorted(SHIPPED.glob(f"*/{CARD}"))}
+
+
+def folder_of(name: str) -> str | None:
+    """Returns the folder of a trained policy, shipped or of a user; None if there is none."""
+    return shipped_policies().get(name) or (name if os.path.isdir(name) else None)
 
 
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
@@ -59,7 +70,7 @@ def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
         )
     if not isinstance(found.get("hyperparameters", {}), dict):
         raise InputError(f"{str(path)!r} has hyperparameters that are no object: restore it")
-    for name, least in (("seed", 0), ("steps", 1), ("rows", 1)):
+    for name, least in (("seed", 0), ("steps", 1), ("rows", 1), ("motions", 0), ("patience", 1)):
         value = found.get(name, least)
         if type(value) is not int or value < least:
             raise InputError(
@@ -95,13 +106,6 @@ class TrainedPolicy:
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:
         _check_observed(name, card.observation, observed(plant))
-        size, motors = (card.observation.get(part) for part in ("size", "motors"))
-        size = size + motors if card.residual and size and motors else size
-        if (network.inputs, network.outputs) != (size, motors):
-            raise InputError(
-                f"the network in {name!r} has {network.inputs} inputs and {network.outputs} "
-                f"outputs, and its card says {size} and {motors}: restore both"
-            )
         self._network = network
         self._memory: Array | None = None
 

@@ -266,22 +266,23 @@ def _anew(
 
     def residual(at: Array) -> Array:
         try:
-            with np.errstate(over="ignore", invalid="ignore"):
-                return ahead(at)
+            return ahead(at)
         except (InputError, OverflowError):
             return np.full(measured.size, far)
 
     def ahead(at: Array) -> Array:
         plain, added = parts(at)
-        left = (measured - plain) / scale - added.sum(axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            left = (measured - plain) / scale - added.sum(axis=1)
         return np.clip(np.where(np.isfinite(left), left, far), -far, far)  # a pole is near
 
     def parts(at: Array) -> tuple[Array, Array]:
         model, start = coordinates.at(at[:count])
-        plain = np.concatenate([predicted(model, start, curve) for curve in curves])
         pairs = zip(faults, at[count:].tolist(), strict=True)
-        added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
-        return plain, np.column_stack(added) / scale[:, None]
+        with np.errstate(over="ignore", invalid="ignore"):  # at a pole
+            plain = np.concatenate([predicted(model, start, curve) for curve in curves])
+            added = [one.hypothesis.torque(model, start, size) - plain for one, size in pairs]
+            return plain, np.column_stack(added) / scale[:, None]
 
     begin = np.concatenate([coordinates.point, [one.size for one in faults]])
     found = least_squares(residual, begin, x_scale="jac", max_nfev=STEPS)
@@ -291,6 +292,8 @@ def _anew(
         _, added = parts(found.x)
     except (InputError, OverflowError):
         return None  # it ended where there is no such model
+    if not np.isfinite(added).all():
+        return None  # it ended at a pole
     return Beside(found.fun, -found.jac, found.x[count:], added)
 
 

@@ -37,6 +37,7 @@ WAYS: dict[str, dict[str, Any]] = {
     "ppo-history": {"algo": "ppo", "history": 5},
     "residual": {"algo": "ppo", "residual": COMPENSATION},
     "residual-history": {"algo": "ppo", "residual": COMPENSATION, "history": 5},
+    "residual-guided": {"algo": "ppo", "residual": COMPENSATION, "control": {"stiff": True}},
     "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
 }
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
@@ -76,7 +77,8 @@ def learning(
 
     Args:
         ways: Names of ways of training: the algorithms, with a history of five observations, as
-            correction of compensation that believes the suit mock-suit, or as student of adaptive.
+            correction of compensation that believes the suit mock-suit, the same with wearers who
+            are guided along the intention, or as student of adaptive.
         tasks: Names of tasks.
         levels: Names of levels.
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.

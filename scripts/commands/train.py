@@ -23,7 +23,6 @@ from ..runs import scene
 from ..training.evaluations import MOTIONS
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
-from ..training.run import USUAL_WEARERS, WEARERS, wearers_of
 from ..training.seeds import seeds_of, train_all
 
 
@@ -43,8 +42,8 @@ def train(
     residual_scale: Annotated[float | None, optional_number(f"{SCALE}")] = None,
     teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
     reward: str | None = None,
+    suits: tuple[Annotated[str, choice(suit_names)], ...] = (),
     samples: bool = False,
-    wearers: Annotated[str | None, choice(lambda: WEARERS, usual=USUAL_WEARERS)] = None,
     motions: Annotated[int | None, optional_number(f"{MOTIONS}", int)] = None,
     patience: Annotated[int | None, optional_number("never", int)] = None,
     seed: RunSeed = None,
@@ -86,10 +85,9 @@ def train(
         teacher: Policy whose actions the network learns to repeat from its own sensors, in place of
             reinforcement learning; it may need other sensors.
         reward: Reward of your own in place of the shipped one, as MODULE:FUNCTION; scores stay.
+        suits: Suits of which each episode draws one; evaluations have the suit of the scene.
         samples: Whether each episode draws the suit among the samples of its file, which the
             identification found plausible; evaluations are without.
-        wearers: Wearers of the training: those who learn from episode to episode, or those who are
-            guided along the intention, whose effort at once is that of people who have adapted.
         motions: Number of motions in the evaluation at each checkpoint, at least 8; 0 for none.
         patience: Number of evaluations without a better one after which the training ends.
         seeds: Seeds of several trainings, as 0-9 or 0,3,5, each in a folder of its own.
@@ -119,8 +117,8 @@ def train(
     given |= {"level": level, "history": history, "sensors": list(sensors) or None}
     given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
     given |= {"reward": reward, "motions": motions, "patience": patience}
-    given |= {"randomize": {"suit": "samples"} if samples else None}
-    given |= {"control": wearers_of(wearers)}
+    drawn = {"suit": "samples" if samples else None, "suits": list(suits) or None}
+    given |= {"randomize": {name: one for name, one in drawn.items() if one} or None}
     given |= {"residual": _residual(residual, residual_scale)}
     request = TrainingRequest(
         given={name: value for name, value in given.items() if value is not None},
@@ -142,7 +140,8 @@ def train(
         raise InputError("--seeds is given with --teacher: leave one of them out")
     if motions == 0:
         raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
-    train_all(request.seed, seeds_of(seeds), out, workers, resume=resume, force=force)
+    chosen = seeds_of(seeds)
+    train_all(request.seed, chosen, out, workers, steps=steps, resume=resume, force=force)
 
 
 def _residual(given: str | None, scale: float | None) -> Residual | None:

@@ -8,7 +8,8 @@ import numpy as np
 from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
 from ...envs.benchmark.suite import BASELINE, Setting
 from ...envs.evaluation import Interval
-from ...envs.policies import POLICIES
+from ...envs.policies import POLICIES, needed_options
+from ...envs.policies.trained import shipped_policies
 from ..output import Rows, markdown_table
 from ..text import without_markup
 from .motions import interval_text
@@ -55,8 +56,10 @@ def _ends(interval: Interval | None) -> str:
 
 def _sensors(policy: str) -> str:
     """Returns the sensor suites that a policy of this package needs, by its label."""
-    maker = POLICIES.get(policy.partition(":")[0].removesuffix("-tuned"))
-    return ", ".join(getattr(maker, "sensors", ())) or "-"
+    name = policy.partition(":")[0].removesuffix("-tuned")
+    if name in shipped_policies():
+        return ", ".join(needed_options(name)["sensors"])
+    return ", ".join(getattr(POLICIES.get(name), "sensors", ())) or "-"
 
 
 def task_rows(standings: Standings, level: str) -> Rows:

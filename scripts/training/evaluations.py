@@ -104,10 +104,10 @@ class Evaluations:
         return result
 
     def finish(self) -> None:
-        """Notes that the training is at its end."""
-        self._write(finished=True)
+        """Notes that the training is at its end, with the steps that it was asked for."""
+        self._write(finished=self._card.training["steps"])
 
-    def _write(self, **more: bool) -> None:
+    def _write(self, **more: int) -> None:
         content = {"seeds": list(self._seeds), "references": self._references, **more}
         self._folder.json(EVALUATIONS, {**content, "results": self.results})
 

@@ -65,8 +65,17 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
     given = parts.get(env, parts.get(DEFAULT))
     if not isinstance(given, dict):
         raise InputError(f"{str(path)!r} has neither {env!r} nor 'default': name one of them")
+    given = {name: _as_number(value) for name, value in given.items()}
     _check(algo, given, path)
     return {**usual, **given}
+
+
+def _as_number(value: Any) -> Any:
+    """Returns the number of a text such as 3e-4, which YAML 1.1 takes for a text."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
 
 
 def _read(content: bytes, name: str) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from .checkpoints import CHECKPOINT, Checkpoint
 from .distillation import DAGGER, distill
 from .evaluations import MOTIONS
 from .hyperparameters import algorithm_class, hyperparameters
-from .run import TRAINING_ONLY, USUAL_WEARERS, WEARERS, learn
+from .run import TRAINING_ONLY, learn
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_STEPS, MOST_ROWS = 10**11, 10**5
@@ -172,8 +172,7 @@ def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[st
             )
     names = (*KEPT, "residual", *OBSERVATION)
     found = {name: before[name] for name in names if name in before}
-    usual = {"algo": "ppo", "seed": 0, "motions": MOTIONS, "control": WEARERS[USUAL_WEARERS]}
-    return {**usual, **found, **given}
+    return {"algo": "ppo", "seed": 0, "motions": MOTIONS, **found, **given}
 
 
 def _kept(folder: RunFolder) -> str:

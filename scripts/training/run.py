@@ -7,7 +7,7 @@ from typing import Any
 from ...assets import load_suit, suit_names
 from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of
 from ...envs.policies.trained import OWN_SUIT
-from ...errors import InputError, unknown_name
+from ...errors import InputError
 from ..output import Bar, RunFolder, messages, progress
 from ..own_files import notes_folder
 from ..reports.learning import learning_figure
@@ -25,21 +25,6 @@ from .learners import new_learner, threads, training_environments
 
 CHECKPOINTS = 10  # number per run
 TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
-
-
-WEARERS: dict[str, dict[str, Any]] = {"learning": {}, "guided": {"stiff": True}}
-USUAL_WEARERS = "guided"
-
-
-def wearers_of(name: str | None) -> dict[str, Any] | None:
-    """Returns the wearers' control in a training by its name; None where no name is given.
-
-    Raises:
-        InputError: There is no such control.
-    """
-    if name is not None and name not in WEARERS:
-        raise unknown_name("wearers", name, WEARERS)
-    return None if name is None else WEARERS[name]
 
 
 def learn(

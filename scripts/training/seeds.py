@@ -42,7 +42,14 @@ def seeds_of(text: str) -> list[int]:
 
 
 def train_all(
-    train: Train, seeds: list[int], out: Path, workers: int, *, resume: bool, force: bool
+    train: Train,
+    seeds: list[int],
+    out: Path,
+    workers: int,
+    *,
+    steps: int | None = None,
+    resume: bool,
+    force: bool,
 ) -> None:
     """Trains with each seed in a folder of its own, and reports all of them together.
 
@@ -51,12 +58,13 @@ def train_all(
         seeds: The seeds.
         out: Folder of the folders.
         workers: Number of trainings at once.
+        steps: Steps that each shall have in the end; None for those of its folder.
         resume: Whether to go on with what is there.
         force: Whether to replace what is there.
     """
     folder = RunFolder(out, "train", force=force or resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
-    left = [(path, seed) for seed, path in runs.items() if not (resume and finished(path))]
+    left = [(path, seed) for seed, path in runs.items() if not (resume and finished(path, steps))]
     if workers == 1:
         for path, seed in left:
             train(path, seed)
@@ -78,10 +86,11 @@ def train_all(
     )
 
 
-def finished(path: Path) -> bool:
-    """Returns whether a training in a folder has reached its end."""
+def finished(path: Path, steps: int | None = None) -> bool:
+    """Returns whether a training in a folder has reached its end, and has so many steps."""
     file = path / EVALUATIONS
-    return file.is_file() and bool(read_json(file, "evaluations").get("finished"))
+    found = read_json(file, "evaluations") if file.is_file() else {}
+    return found.get("finished", 0) >= (steps or 1)
 
 
 def together(best: dict[int, dict[str, Any]]) -> dict[str, float] | None:

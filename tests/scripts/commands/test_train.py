@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 from activesuit.scripts import own_files
-from activesuit.scripts.commands import train as train_module
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
+from activesuit.scripts.training import request as request_module
 from activesuit.scripts.training import run as run_module
 from helpers import shorten_tasks
 
@@ -23,11 +23,12 @@ pytestmark = pytest.mark.slow
 ROLLOUT = 256  # steps of all environments together, after which PPO learns
 
 
+SMALL = f"{{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64, learning_rate: 7e-4}}"
 QUICK = {
-    "ppo": f"default: {{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64}}",
+    "ppo": f"default: {SMALL}",
     "sac": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
     "tqc": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
-    "recurrent-ppo": f"default: {{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64}}",
+    "recurrent-ppo": f"default: {SMALL}",
 }
 
 
@@ -214,7 +215,7 @@ def interrupt(*arguments, **options):
 
 def interrupt_in(monkeypatch, part):
     """Makes a part of the training raise what Ctrl-C raises."""
-    for module in (train_module, run_module):
+    for module in (request_module, run_module):
         if hasattr(module, part):
             monkeypatch.setattr(module, part, interrupt)
 
@@ -358,10 +359,13 @@ def test_schedules_and_own_hyperparameters(tmp_path):
     from activesuit.scripts.training.hyperparameters import ALGORITHMS, arguments, hyperparameters
 
     file = tmp_path / "mine.yml"
-    file.write_text("default: {gamma: 0.5}\nMine-v0: {learning_rate: lin_3e-4, n_envs: 2}")
+    file.write_text(
+        "default: {gamma: 0.5}\nMine-v0: {learning_rate: lin_3e-4, n_envs: 2, vf_coef: 3e-1}"
+    )
     assert hyperparameters("ppo", "Other-v0", file)["gamma"] == 0.5
     found = hyperparameters("ppo", "Mine-v0", file)
-    assert (found["n_envs"], found["gamma"]) == (2, 0.9)
+    assert (found["n_envs"], found["gamma"]) == (2, 0.98)
+    assert found["vf_coef"] == 0.3  # a text in YAML 1.1
     made = arguments(found)
     assert made["learning_rate"](0.5) == pytest.approx(1.5e-4)
     assert "n_envs" not in made
@@ -439,7 +443,8 @@ def corrected(tmp_path_factory):
 def test_evaluations_on_the_way(corrected):
     found = json.loads((corrected / "evaluations.json").read_text())
     steps = [one["steps"] for one in found["results"]]
-    assert steps == sorted(set(steps)) and steps[-1] == 4 * ROLLOUT and found["finished"]
+    assert steps == sorted(set(steps))
+    assert steps[-1] == found["finished"] == 4 * ROLLOUT
     assert found["seeds"] == list(range(20_000, 20_008))
     last = found["results"][-1]
     assert last["relief"]["low"] <= last["relief"]["value"] <= last["relief"]["high"]

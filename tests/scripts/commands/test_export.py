@@ -1,0 +1,218 @@
+"""`activesuit export`: an ONNX model acts as the network that NumPy runs."""
+
+import json
+import re
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from activesuit.envs.policies.network import (
+    Network,
+    contract_of,
+    files_of,
+    read_card,
+    read_network,
+)
+from activesuit.scripts.commands import export as command
+from activesuit.scripts.main import main
+from trained_runs import OBSERVATION, card, write_network
+
+ROOT = Path(__file__).parents[3]
+KINDS = {
+    "tanh": {},
+    "relu": {"activation": "relu", "squashed": True},
+    "one layer": {"between": ()},
+    "LSTM": {"hidden": 16},
+    "LSTM, one layer": {"hidden": 16, "between": (), "squashed": True},
+}
+
+
+def network(inputs=12, outputs=2, between=(32, 32), hidden=0, activation="tanh", squashed=False):
+    """Returns a network with random weights, as a training begins with."""
+    rng, weights = np.random.default_rng(7), {}
+
+    def add(name, *shape):
+        size = hidden if name.startswith("lstm") else inputs
+        weights[name] = rng.uniform(-1, 1, shape).astype(np.float32) / np.sqrt(np.float32(size))
+
+    if hidden:
+        add("lstm.input", 4 * hidden, inputs)
+        add("lstm.hidden", 4 * hidden, hidden)
+        add("lstm.bias", 4 * hidden)
+        inputs = hidden
+    for i, size in enumerate((*between, outputs)):
+        add(f"layer.{i}.weight", size, inputs)
+        add(f"layer.{i}.bias", size)
+        inputs = size
+    return Network(weights, activation, squashed)
+
+
+@pytest.fixture
+def run(tmp_path):
+    """The folder of a policy without an LSTM."""
+    return made(tmp_path / "run", network())
+
+
+def made(folder, one):
+    folder.mkdir()
+    write_network(folder, one)
+    return folder
+
+
+def runs(content, runtime):
+    """Returns the function that runs a model from a dict of its inputs."""
+    module = pytest.importorskip({"onnx": "onnx.reference"}.get(runtime, runtime))
+    if runtime == "onnx":
+        return lambda given: module.ReferenceEvaluator(content).run(None, given)
+    session = module.InferenceSession(content, providers=["CPUExecutionProvider"])
+    return lambda given: session.run(None, given)
+
+
+def fails(capsys, *arguments):
+    """Returns the one sentence of a command that must fail with exit code 2."""
+    with pytest.raises(SystemExit) as stop:
+        main(["export", *map(str, arguments)])
+    captured = capsys.readouterr()
+    assert stop.value.code == 2
+    assert captured.out == ""
+    assert "Traceback" not in captured.err
+    (line,) = captured.err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("runtime", ["onnx", "onnxruntime"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_model_acts_as_the_network(capsys, tmp_path, kind, runtime):
+    pytest.importorskip("onnx")
+    one, out = network(**KINDS[kind]), tmp_path / "policy.onnx"
+    main(["export", str(made(tmp_path / "run", one)), "--onnx", "--out", str(out)])
+    assert f"wrote {out}" in capsys.readouterr().out
+    act = runs(out.read_bytes(), runtime)
+    rng, memory = np.random.default_rng(1), one.memory(50)
+    given = {"memory": memory.astype(np.float32)} if one.hidden else {}
+    for _ in range(20):  # 1,000 observations, and as many steps of 50 memories
+        given["observation"] = rng.normal(size=(50, 12)).astype(np.float32)
+        action, *moved = act(given)
+        assert action.dtype == np.float32
+        np.testing.assert_allclose(action, one.act(given["observation"], memory), atol=1e-6)
+        if one.hidden:
+            given["memory"] = moved[0]
+            np.testing.assert_allclose(moved[0], memory, atol=1e-6)
+    assert np.abs(action).max() <= 1
+
+
+def test_inputs_outputs_and_metadata(tmp_path):
+    onnx = pytest.importorskip("onnx")
+    from activesuit.envs.policies.onnx_export import onnx_model
+
+    folder = made(tmp_path / "run", network(hidden=16))
+    found = read_card(folder)
+    model = onnx_model(found, read_network(folder, found))
+    onnx.checker.check_model(model, full_check=True)
+    shapes = {
+        one.name: [side.dim_param or side.dim_value for side in one.type.tensor_type.shape.dim]
+        for one in (*model.graph.input, *model.graph.output)
+    }
+    assert shapes == {
+        "observation": ["batch", 12],
+        "memory": [2, "batch", 16],
+        "action": ["batch", 2],
+        "next_memory": [2, "batch", 16],
+    }
+    about = {one.key: one.value for one in model.metadata_props}
+    observation = json.loads(about["observation"])
+    assert observation == OBSERVATION
+    assert about["contract"] == contract_of(observation) == found.contract
+    assert json.loads(about["environment"]) == found.environment
+    parts = json.loads(about["parts"])
+    assert parts.keys() == observation["layout"].keys()
+    assert parts["rate"] == {"shows": "their rates", "unit": "rad/s", "limit": 20.0, "scale": 4.0}
+
+
+def test_a_difference_is_refused(capsys, tmp_path, monkeypatch, run):
+    onnx_export = pytest.importorskip("activesuit.envs.policies.onnx_export")
+    out = tmp_path / "policy.onnx"
+    found = {"ONNX reference": 1e-7, "onnxruntime": 2e-5}
+    monkeypatch.setattr(onnx_export, "differences", lambda model, network: found)
+    message = fails(capsys, run, "--onnx", "--out", out)
+    assert "differs from its network by 2.0e-05 (onnxruntime), and at most 1e-05" in message
+    assert not out.exists()
+
+
+def test_the_check_notices_another_network():
+    onnx_export = pytest.importorskip("activesuit.envs.policies.onnx_export")
+    one, other = network(hidden=16), network(hidden=16)
+    other.weights["lstm.bias"][20] += 0.001  # a gate that keeps the state
+    found = onnx_export.differences(onnx_export.onnx_model(card(), one), other)
+    assert min(found.values()) > 10 * command.TOLERANCE
+    assert max(onnx_export.differences(onnx_export.onnx_model(card(), one), one).values()) < 1e-6
+
+
+def test_numbers_that_32_bits_cannot_have(capsys, tmp_path):
+    pytest.importorskip("onnx")
+    one = network()
+    weights = {**one.weights, "layer.0.weight": one.weights["layer.0.weight"] * np.float64(1e300)}
+    folder = made(tmp_path / "run", Network(weights, "tanh", squashed=False))
+    assert "too large for 32-bit" in fails(capsys, folder, "--onnx", "--out", tmp_path / "a")
+
+
+def test_mistakes(capsys, tmp_path, run):
+    assert "no format is given: add --onnx" in fails(capsys, run)
+    assert "required" in fails(capsys, "--onnx")
+    assert "has no readable policy.json" in fails(capsys, tmp_path, "--onnx")
+    assert "has no readable policy.json" in fails(capsys, tmp_path / "nosuch", "--onnx")
+    for name in ("compensation", "compensation:lead=0.03"):
+        message = fails(capsys, name, "--onnx")
+        assert f"the policy '{name}' is no network: give the folder of a training run" in message
+    (run / "policy.safetensors").write_bytes(b"")
+    assert "do not belong together" in fails(capsys, run, "--onnx")
+
+
+def test_a_card_of_another_network(capsys, run):
+    for name, content in files_of(card(), network(inputs=5)).items():
+        (run / name).write_bytes(content)
+    message = fails(capsys, run, "--onnx")
+    assert "has 5 inputs and 2 outputs, and its card says 12 and 2" in message
+
+
+def test_an_lstm_without_a_layer(capsys, run):
+    weights = {name: one for name, one in network(hidden=4).weights.items() if "lstm" in name}
+    damaged = SimpleNamespace(weights=weights, activation="tanh", squashed=False)
+    for name, content in files_of(card(), damaged).items():
+        (run / name).write_bytes(content)
+    assert "readable network (the network has no layer.0.weight" in fails(capsys, run, "--onnx")
+
+
+def test_places_that_are_taken(capsys, tmp_path, run):
+    out = tmp_path / "policy.onnx"
+    out.write_text("mine")
+    assert "exists: give another name, or add --force" in fails(capsys, run, "--onnx", "--out", out)
+    assert "is a folder: give the name" in fails(capsys, run, "--onnx", "--out", tmp_path)
+    assert out.read_text() == "mine"
+    pytest.importorskip("onnx")
+    nowhere = tmp_path / "nosuch" / "policy.onnx"
+    assert "choose a folder that exists" in fails(capsys, run, "--onnx", "--out", nowhere)
+    main(["export", str(run), "--onnx", "--out", str(out), "--force"])
+    assert out.read_bytes() != b"mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["policy.onnx", "run"]
+
+
+def test_without_the_extra(capsys, tmp_path, monkeypatch, run):
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    monkeypatch.delitem(sys.modules, "activesuit.envs.policies.onnx_export", raising=False)
+    message = fails(capsys, run, "--onnx", "--out", tmp_path / "policy.onnx")
+    assert "pip install 'activesuit[onnx]'" in message
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run"]
+
+
+def test_the_example_of_the_page_runs(tmp_path, monkeypatch, run):
+    pytest.importorskip("onnxruntime")
+    monkeypatch.chdir(tmp_path)
+    main(["export", str(run), "--onnx", "--out", "my-policy.onnx"])
+    page = (ROOT / "docs" / "training.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```py\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    names = {}
+    exec(compile(example, "training.md", "exec"), names)
+    assert names["action"].shape == (1, 2)

@@ -1,0 +1,69 @@
+"""`activesuit benchmark learning`: ways of training beside each other."""
+
+import json
+import shutil
+
+import pytest
+from activesuit.scripts.commands import learning as command
+from activesuit.scripts.main import main
+from helpers import shorten_tasks
+
+pytest.importorskip("stable_baselines3")
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch, tmp_path):
+    """Short motions, in this process, with notes of its own."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr(command, "run_all", lambda work, calls, *_: (work(*call) for call in calls))
+    shorten_tasks(monkeypatch, 2.0)
+    usual = "best-known-plan"
+    monkeypatch.setattr(command, "BESIDE", tuple(one for one in command.BESIDE if one != usual))
+
+
+GIVEN = ["benchmark", "learning", "--tasks", "ArmTracking", "--levels", "shift", "--steps", "9000"]
+
+
+def test_ways_beside_policies(tmp_path, capsys):
+    out = tmp_path / "out"
+    ways = ["--ways", "residual", "student", "--seeds", "0,4", "--out", str(out)]
+    main([*GIVEN, *ways])
+    said = capsys.readouterr().out
+    assert "relief at the end" in said
+    found = json.loads((out / "result.json").read_text())
+    assert [(one["way"], one["trainings"]) for one in found["ends"]] == [
+        ("residual", 2),
+        ("student", 2),
+    ]
+    assert {one["policy"] for one in found["beside"]} == {*command.BESIDE}
+    assert {one["way"] for one in found["curves"]} == {"residual", "student"}
+    assert (out / "learning.png").exists()
+    card = json.loads((out / "ArmTracking-shift-residual" / "seed-4" / "policy.json").read_text())
+    assert (card["training"]["seed"], card["environment"]["level"]) == (4, "shift")
+    assert card["residual"]["policy"] == {"name": "compensation", "suit": "mock-suit"}
+    left = out / "ArmTracking-shift-student" / "seed-0"
+    before = (out / "ArmTracking-shift-residual" / "seed-0" / "model.zip").stat().st_mtime_ns
+    shutil.rmtree(left)
+    main([*GIVEN, *ways])
+    assert (left / "score.json").exists()
+    again = json.loads((out / "result.json").read_text())
+    assert again["ends"] == found["ends"]
+    after = (out / "ArmTracking-shift-residual" / "seed-0" / "model.zip").stat().st_mtime_ns
+    assert after == before
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["--ways", "prayer"], "unknown way of training 'prayer'"),
+        (["--workers", "0"], "workers is 0"),
+        (["--seeds", "x"], "give whole numbers, as 0-9 or 0,3,5"),
+        (["--steps", "0"], "steps is 0"),
+    ],
+)
+def test_mistakes(tmp_path, capsys, given, message):
+    with pytest.raises(SystemExit) as stop:
+        main(["benchmark", "learning", "--out", str(tmp_path / "out"), *given])
+    assert stop.value.code == 2
+    assert message in capsys.readouterr().err
