@@ -187,7 +187,7 @@ def _sigmoid(values: Array) -> Array:
 
 def _check_numbers(weights: Mapping[str, Any], name: str, dimensions: int) -> None:
     if name not in weights:
-        raise InputError(f"the network has no {name}: give it, or restore its file")
+        raise InputError(f"the network has no {name}: give it")
     found = weights[name]
     if (
         not isinstance(found, np.ndarray)

@@ -182,7 +182,7 @@ def test_an_lstm_without_a_layer(capsys, run):
     damaged = SimpleNamespace(weights=weights, activation="tanh", squashed=False)
     for name, content in files_of(card(), damaged).items():
         (run / name).write_bytes(content)
-    assert "is not a readable network ('layer.0.weight')" in fails(capsys, run, "--onnx")
+    assert "readable network (the network has no layer.0.weight" in fails(capsys, run, "--onnx")
 
 
 def test_places_that_are_taken(capsys, tmp_path, run):
