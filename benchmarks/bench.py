@@ -3,6 +3,7 @@
 import platform
 from collections.abc import Callable, Sequence
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -23,6 +24,7 @@ Topic = Literal[
     "engine",
     "model",
     "env",
+    "train",
     "identify",
     "exactness",
     "sensitivity",
@@ -49,13 +51,14 @@ def bench(
     """Measure speed, each row against something else in turn in this very run.
 
     Args:
-        topic: Part whose speed is measured, or all of them; or exactness, which compares the
-            kernels with their readable references, with SciPy and with the engine; or sensitivity,
-            which halves and doubles assumed numbers (about an hour); or bound, which changes the
-            best known plan at random under wearers who adapt to each change (half an hour); or
-            hindered, which locks and throws the arm in every task; or honesty, which counts how
-            often intervals, verdicts and searches of identify are right on random truths; or
-            first-use, which compiles everything that a first environment needs.
+        topic: Part whose speed is measured (train needs the extra train), or all of them; or
+            exactness, which compares the kernels with their readable references, with SciPy and
+            with the engine; or sensitivity, which halves and doubles assumed numbers (about an
+            hour); or bound, which changes the best known plan at random under wearers who adapt to
+            each change (half an hour); or hindered, which locks and throws the arm in every task;
+            or honesty, which counts how often intervals, verdicts and searches of identify are
+            right on random truths; or first-use, which compiles everything that a first environment
+            needs.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
             each cell, 200 by default; of bands, which take long, a third of it; of bound the
             changes of each of 20 motions, 10 by default.
@@ -104,6 +107,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         identify,
         model,
         starts,
+        train,
     )
 
     alone = {
@@ -124,12 +128,19 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         "identify": partial(identify.rows, study=li_2022),
     }
     rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
+    learners = []
+    if topic == "train" or (topic == "all" and find_spec("stable_baselines3")):  # env says so
+        compared, learners = train.training(repeats)
+        rows += compared
     found = starts.random_starts(repeats) if topic in ("identify", "all") else []
     errors = model.step_errors() if topic in ("model", "all") else []
     costs = effort.suit_costs() if topic in ("model", "all") else []
     machine = f"{platform.processor() or platform.machine()}, MuJoCo {mujoco.__version__}"
     if json:
-        parts = {"rows": rows, "starts": found, "step_errors": errors, "suit_costs": costs}
+        parts = {
+            **{"rows": rows, "training": learners, "starts": found},
+            **{"step_errors": errors, "suit_costs": costs},
+        }
         content = {name: [one.to_dict() for one in part] for name, part in parts.items()}
         print(to_json({"machine": machine, "repeats": repeats, **content}))
         return
@@ -139,6 +150,8 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         map(_cells, rows),
         left=1,
     )
+    if learners:
+        table("steps of PPO, and where their time goes", *train.training_table(learners))
     if errors:
         table("RMS differences from physics steps of 0.125 ms", *model.step_table(errors))
     if costs:

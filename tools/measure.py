@@ -75,6 +75,7 @@ EXPERIMENTS = {
     "bench-engine": "bench engine",
     "bench-model": "bench model",
     "bench-env": "bench env",
+    "bench-train": "bench train",
 }
 """Command lines by the name of their result."""
 

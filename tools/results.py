@@ -305,6 +305,23 @@ def speed(topic: str) -> str:
     return markdown_table(["ours", "against", "speed, median", "lowest to highest"], rows)
 
 
+def training() -> str:
+    """Returns the table of PPO in rows and in single arms, and where its time goes."""
+    found = kept("bench-train")["result"]["training"]
+    header = ["PPO in", "steps per second", "slowest to fastest"]
+    rows = [
+        [
+            one["what"].removeprefix("PPO in "),
+            f"{one['speed']:,.0f}",
+            f"{one['slowest']:,.0f} to {one['fastest']:,.0f}",
+            *(percent(share, 0) for share in one["shares"].values()),
+            f"{one['minutes']:.1f} min",
+        ]
+        for one in found
+    ]
+    return markdown_table([*header, *found[0]["shares"], "a million steps"], rows)
+
+
 # The papers.
 
 
@@ -549,7 +566,10 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
-    "training.md": {"learning": learning, "tuned": tuned},
+    "training.md": {
+        **{"learning": learning, "tuned": tuned},
+        **{"speed of training": lambda: speed("train"), "time of training": training},
+    },
     "environments.md": {"speed": lambda: speed("env")},
 }
 """The tables by page and mark."""

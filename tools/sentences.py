@@ -157,11 +157,22 @@ def _environments() -> Iterator[str]:
     yield f"their process {rows['memory of 1024 rows', '']['ours']:.0f} MB"
 
 
+def _training() -> Iterator[str]:
+    result = kept("bench-train")["result"]
+    first, *_, forward = result["rows"]
+    yield f"{first['ratio']:.1f} times as fast as version 0.1"
+    yield f"{first['reference_cpu'] / first['cpu']:.1f} times by processor time"
+    share, ratio = result["training"][0]["shares"]["forward passes"], forward["ratio"]
+    yield f"take {100 * share:.0f} % of the time, and NumPy does them {ratio:.1f} times as fast"
+    yield f"at most {100 * share * (1 - 1 / ratio):.0f} % less time"
+
+
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "controllers.md": _controllers,
     "benchmark.md": lambda: chain(_benchmark(), _knowledge()),
     "tasks.md": _tasks,
     "model.md": _model,
     "environments.md": _environments,
+    "training.md": _training,
 }
 """Parts of sentences by the page that has them."""

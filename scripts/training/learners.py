@@ -56,7 +56,7 @@ def new_learner(
         raise InputError(
             f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
         ) from error
-    if hasattr(environments.venv, "residual"):
+    if hasattr(getattr(environments, "venv", None), "residual"):
         _begin_at_zero(learner)
     return learner
 

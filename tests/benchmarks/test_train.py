@@ -1,0 +1,45 @@
+"""The benchmark of training: what it reports; times are not tested."""
+
+import json
+
+import pytest
+from activesuit.benchmarks import train
+from activesuit.scripts.main import main
+from activesuit.scripts.training import hyperparameters
+
+
+def test_without_the_extra_one_sentence_says_so(capsys, monkeypatch):
+    monkeypatch.setitem(hyperparameters.ALGORITHMS, "ppo", ("no_such_package", "PPO"))
+    with pytest.raises(SystemExit) as stop:
+        main(["bench", "train"])
+    assert stop.value.code == 2
+    assert "training by ppo needs no-such-package: use `make train`" in capsys.readouterr().err
+
+
+def test_ratios_shares_and_goals(capsys, monkeypatch):
+    pytest.importorskip("stable_baselines3")
+    usual = hyperparameters.hyperparameters("ppo", train.ENV)
+    few = {**usual, "n_envs": 4, "n_steps": 8, "batch_size": 16}
+    monkeypatch.setattr(train, "hyperparameters", lambda *_: few)
+    monkeypatch.setattr(train, "STEPS", 32)
+    monkeypatch.setattr(train, "PASSES", 2)
+    monkeypatch.setattr(
+        train, "BEFORE", {"n_envs": 2, "n_steps": 8, "batch_size": 8, "n_epochs": 2}
+    )
+    monkeypatch.setattr(train, "AS_LONG", {"n_envs": 2, "n_steps": 16})
+    main(["bench", "train", "--repeats", "2", "--json"])
+    result = json.loads(capsys.readouterr().out)
+    pairs = [row for row in result["rows"] if row["ratio"] is not None]
+    assert [row["target"] for row in pairs] == [3.0, None, None]
+    for row in pairs:
+        assert row["lowest"] <= row["ratio"] <= row["highest"]
+    share, million = (row for row in result["rows"] if row["ratio"] is None)
+    rows, before, as_long = result["training"]
+    assert share["ours"] == pytest.approx(100 * rows["shares"]["environment"])
+    assert million["ours"] == pytest.approx(1e6 / rows["speed"] / 60)
+    for one in (rows, before, as_long):
+        assert one["slowest"] <= one["speed"] <= one["fastest"]
+        assert min(one["shares"].values()) > 0
+        assert sum(one["shares"].values()) < 1.05  # medians need not add up
+    header, cells = train.training_table([train.Training(**one) for one in result["training"]])
+    assert {len(row) for row in cells} == {len(header)}
