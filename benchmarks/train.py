@@ -33,7 +33,7 @@ class Training:
     """Speed of a learner, and the shares of its time, each the median of the measurements.
 
     Attributes:
-        what: What the learner trains in.
+        what: Name of the learner.
         speed: Environment steps per second.
         slowest: Least steps per second of a measurement.
         fastest: Most steps per second of a measurement.
@@ -188,11 +188,11 @@ def _forward_passes(ppo: Any, repeats: int) -> Row:
 
 def training_table(found: Sequence[Training]) -> Rows:
     """Returns the table of the learners: header and rows."""
-    header = ["trained in", "steps per\nsecond", "slowest to\nfastest"]
-    header += [f"{part}\n[% of time]" for part in PARTS] + ["a million\nsteps [min]"]
+    header = ["learner", "steps\nper s", "slowest\nfastest", "environ-\nment [%]"]
+    header += ["forward\npasses [%]", "update\n[%]", "million\nsteps [min]"]
     rows = []
     for one in found:
-        speed, spread = f"{one.speed:,.0f}", f"{one.slowest:,.0f} to {one.fastest:,.0f}"
+        speed, spread = f"{one.speed:,.0f}", f"{one.slowest:,.0f}\n{one.fastest:,.0f}"
         shares = (f"{100 * share:.0f}" for share in one.shares.values())
         rows.append([one.what, speed, spread, *shares, f"{one.minutes:.1f}"])
     return header, rows
