@@ -43,6 +43,7 @@ from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
 from .trained import (
     OBSERVATION,
     TrainedPolicy,
+    check_portable,
     environment_of,
     folder_of,
     portable,
@@ -325,6 +326,7 @@ def base_of(residual: Residual) -> PolicySpec:
     name = residual.policy.get("name")
     if name not in POLICIES:
         raise unknown_name("policy that a network corrects", str(name), POLICIES)
+    check_portable(residual.policy.get("suit"))
     return policy_spec(residual.policy)
 
 

@@ -15,6 +15,7 @@ from ...errors import InputError, shown
 from ...files import replacing
 from ..arm_env import ArmEnv
 from ..making import OURS
+from ..model.config import NO_SUIT
 from ..plant import Plant
 from ..tasks import TASKS
 from ..vector_env import ArmVectorEnv
@@ -28,7 +29,7 @@ from .network import (
     files_of,
     observed,
 )
-from .trained import ARM
+from .trained import ARM, portable
 
 PACKAGES = ("activesuit", "gymnasium", "mujoco", "numpy", "stable-baselines3", "torch")
 _ACTIVATIONS = {"Tanh": "tanh", "ReLU": "relu"}
@@ -71,7 +72,13 @@ def save_policy(model: Any, folder: str | os.PathLike[str], env: Any) -> None:
     done = {"done": int(model.num_timesteps)} if hasattr(model, "num_timesteps") else {}
     observer, belief = arms.episodes.observer, arms.episodes.setup.belief
     seen = {"sensors": list(observer.sensors), "normalize": observer.normalized}
-    seen |= {"history": observer.history} | ({"belief": belief.to_dict()} if belief else {})
+    seen |= {"history": observer.history}
+    if belief is not None:
+        believed = belief.to_dict()
+        if not isinstance(believed["suit"], str):
+            raise InputError("the believed suit is no file: save it, and name its file")
+        suit = believed["suit"]
+        seen["belief"] = {**believed, "suit": suit if suit == NO_SUIT else portable(suit)}
     environment = {"env": name, **{field: config[field] for field in ARM}, **seen}
     if plant.config.payload.inertia is None:  # as `activesuit train` has it
         environment["payload"] = {"mass": plant.config.payload.mass}

@@ -12,6 +12,7 @@ from ...arrays import Array
 from ...assets import load_suit, suit_names
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig
+from ..model.config import NO_SUIT
 from ..plant import Plant
 from .network import CARD, Card, Network, contract_of, observed, read_card
 
@@ -50,6 +51,8 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
         raise InputError(f"{str(path)!r} has the env {shown(found.get('env'))}: it must be an id")
     if found.get("suit") == OWN_SUIT:
         found["suit"] = str(folder / OWN_SUIT)
+    if isinstance(found.get("belief"), dict):
+        check_portable(found["belief"].get("suit"))
     try:
         ArmConfig.from_dict({name: found[name] for name in ARM if name in found})
     except InputError as error:
@@ -89,6 +92,19 @@ def portable(suit: str) -> str | dict[str, Any]:
     if suit in suit_names():
         return suit
     return json.loads(load_suit(suit).model_dump_json(exclude_none=True))
+
+
+def check_portable(suit: Any) -> None:
+    """Refuses a suit of a card that names a file, as a card of others could name any.
+
+    Raises:
+        InputError: It is the path of a file.
+    """
+    if isinstance(suit, str) and suit not in (NO_SUIT, *suit_names()):
+        raise InputError(
+            f"the card names the suit {shown(suit)}: a card names shipped suits, or has the "
+            "content of a file; restore it, or train again"
+        )
 
 
 class TrainedPolicy:

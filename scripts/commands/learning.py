@@ -105,7 +105,7 @@ def learning(
     work: list[tuple[Any, ...]] = [
         (_beside, one, folder, path.name) for one, path in files.items() if not path.exists()
     ]
-    work += [(_train, key, path, steps) for key, path in runs.items() if not _done(path)]
+    work += [(_train, key, path, steps) for key, path in runs.items() if not _done(path, steps)]
     with progress("learning", len(work)) as bar:
         for _ in run_all(_call, work, "loky", workers):
             bar.advance()
@@ -125,8 +125,8 @@ def _call(function: Any, *arguments: Any) -> None:
     function(*arguments)
 
 
-def _done(path: Path) -> bool:
-    return finished(path) and (path / SCORE).exists()
+def _done(path: Path, steps: int | None) -> bool:
+    return finished(path, steps) and (path / SCORE).exists()
 
 
 def _train(key: tuple[Cell, int], path: Path, steps: int | None) -> None:
@@ -139,7 +139,7 @@ def _train(key: tuple[Cell, int], path: Path, steps: int | None) -> None:
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
     request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
-    if not finished(path):
+    if not finished(path, steps):
         if teacher is None:
             request.seed(path, seed, resume=True)
         else:

@@ -117,7 +117,7 @@ class Lesson:
         mine = {"sensors": ("encoders",), "history": 1, **options}
         if mine.get("normalize") or theirs.get("normalize"):
             raise InputError("student or teacher have normalize: leave --normalize out")
-        sensors = [*mine["sensors"], *(set(theirs["sensors"]) - set(mine["sensors"]))]
+        sensors = [*dict.fromkeys((*mine["sensors"], *theirs["sensors"]))]
         frames = max(mine["history"], theirs["history"])
         both = {**mine, **theirs, "sensors": sensors, "history": frames}
         self._arms = make_arms(env, rows, **both)

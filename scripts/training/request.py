@@ -10,7 +10,7 @@ from ...envs.making import make_arms
 from ...envs.plant import Plant
 from ...envs.policies import needed_options
 from ...envs.policies.build import base_of
-from ...envs.policies.network import CARD, Card, Residual, read_card
+from ...envs.policies.network import CARD, WEIGHTS, Card, Residual, read_card
 from ...envs.policies.trained import OBSERVATION, environment_of, training_of
 from ...errors import InputError, shown
 from ..output import RunFolder, telling
@@ -91,7 +91,7 @@ class TrainingRequest:
             self.chosen(config), {**config, "algo": "dagger", "teacher": teacher}
         )
         folder = RunFolder(out, "train", force=self.force)
-        with telling(lambda: "nothing was learned yet; start the training again"):
+        with telling(lambda: _kept(folder)):
             return distill(folder, card, options, teacher, self.torch_threads)
 
     def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
@@ -139,10 +139,17 @@ def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoi
         raise InputError(
             "--trust is given without --resume: it is about the files of a run to resume"
         )
-    if (out / CHECKPOINT).exists() and not force:
+    if force:
+        return None
+    if (out / CHECKPOINT).exists():
         raise InputError(
             f"{str(out)!r} holds a trained run: add --resume to go on, --force to begin anew, or "
             "choose another --out"
+        )
+    if (out / WEIGHTS).exists():
+        raise InputError(
+            f"{str(out)!r} holds a trained policy: add --force to replace it, or choose another "
+            "--out"
         )
     return None
 
@@ -178,4 +185,6 @@ def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[st
 def _kept(folder: RunFolder) -> str:
     if (folder / CHECKPOINT).exists():
         return f"the last checkpoint is kept in {folder.path}; go on with --resume"
+    if (folder / WEIGHTS).exists():
+        return f"the best student so far is kept in {folder.path}"
     return "nothing was learned yet; start the training again"

@@ -263,3 +263,27 @@ def test_networks_that_make_no_policy(tmp_path):
             save_policy(network, tmp_path / "policy", env)
         assert one_sentence(refusal)
     assert not (tmp_path / "policy").exists()
+
+
+def test_a_card_cannot_name_the_file_of_a_belief(tmp_path):
+    run = make_run(tmp_path / "run")
+    environment = json.loads((run / "policy.json").read_text())["environment"]
+    damaged_card(run, environment={**environment, "belief": {"suit": str(tmp_path / "x.json")}})
+    with pytest.raises(InputError, match="a card names shipped suits"):
+        needed_options(str(run))
+
+
+def test_a_belief_of_a_file_is_part_of_the_card(tmp_path):
+    from activesuit.assets import load_suit, save_suit
+    from stable_baselines3 import PPO
+
+    save_suit(load_suit("emu-like"), tmp_path / "mine.json")
+    seen = {"sensors": ("encoders", "belief"), "belief": {"suit": str(tmp_path / "mine.json")}}
+    arms = ArmVectorEnv(2, "ArmTracking", autoreset_mode="SameStep", **seen)
+    env = ArmVecEnv(arms)
+    model = PPO("MlpPolicy", env, n_steps=8, batch_size=8, device="cpu")
+    save_policy(model, tmp_path / "policy", env)
+    (tmp_path / "mine.json").unlink()
+    needed = needed_options(str(tmp_path / "policy"))
+    again = ArmVectorEnv(2, "ArmTracking", **needed)
+    make_policy(str(tmp_path / "policy"), again).act(again.reset(seed=0)[0])

@@ -111,3 +111,9 @@ def test_a_card_cannot_name_code():
     card = Residual(policy={"name": "os:system"}, scale=0.3)
     with pytest.raises(InputError, match="unknown policy that a network corrects 'os:system'"):
         base_of(card)
+
+
+def test_a_card_cannot_name_a_file(tmp_path):
+    card = Residual(policy={"name": "compensation", "suit": str(tmp_path / "x.json")}, scale=0.3)
+    with pytest.raises(InputError, match="a card names shipped suits"):
+        base_of(card)

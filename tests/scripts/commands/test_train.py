@@ -535,7 +535,7 @@ def test_what_is_believed_and_drawn(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["suit"] == "emu-like"
 
 
-def test_a_student_learns_from_its_teacher(tmp_path):
+def test_a_student_learns_from_its_teacher(tmp_path, capsys):
     """Compensation needs the sensors that the student has, so that it can be repeated."""
     out = tmp_path / "student"
     given = ["--teacher", "compensation", "--rows", "16", "--steps", str(16 * 200 * 12)]
@@ -555,6 +555,7 @@ def test_a_student_learns_from_its_teacher(tmp_path):
 
     wanted, given = np.array(wanted), np.array(given)
     assert np.mean((given - wanted) ** 2) < 0.3 * np.var(wanted)
+    assert "add --force to replace it" in fails(capsys, "train", *WEIGHTLESS, "--out", out)
 
 
 @pytest.mark.parametrize(
