@@ -27,7 +27,7 @@ DRAWN = {"level": "randomized", "randomize": {"suits": ["mock-suit", "emu-like"]
 NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
     "plain-network": (
         "A network on the encoders of the last five control periods, trained by PPO.",
-        {**DRAWN, "algo": "ppo", "history": 5, "steps": 1_500_000},
+        {**DRAWN, "algo": "ppo", "history": 5, "steps": 1_000_000},
     ),
     "residual-network": (
         "A network that corrects compensation with the suit mock-suit, trained by PPO.",
@@ -36,16 +36,16 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
             "algo": "ppo",
             "history": 5,
             "residual": residual_of("compensation:suit=mock-suit", 0.3),
-            "steps": 600_000,
+            "steps": 400_000,
         },
     ),
     "recurrent-network": (
         "A network with memory on the encoders, trained by recurrent PPO.",
-        {**DRAWN, "algo": "recurrent-ppo", "steps": 1_500_000},
+        {**DRAWN, "algo": "recurrent-ppo", "steps": 600_000},
     ),
     "student-network": (
         "A network on the encoders of ten control periods that repeats adaptive.",
-        {**DRAWN, "teacher": "adaptive:suit=mock-suit", "history": 10, "steps": 3_000_000},
+        {**DRAWN, "teacher": "adaptive:suit=mock-suit", "history": 10, "steps": 1_000_000},
     ),
 }
 
@@ -66,7 +66,7 @@ def main() -> None:
     """Trains all seeds of one network, and ships the best."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("name", choices=NETWORKS)
-    parser.add_argument("--seeds", default="0-9")
+    parser.add_argument("--seeds", default="0-4")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, required=True, help="folder of the trainings")
     given = parser.parse_args()
