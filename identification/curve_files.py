@@ -1,59 +1,142 @@
-"""Curve files: measured curves as CSV, read with every sample checked, and written."""
+"""Curve files: measured curves as tables, read with every sample checked, and written as CSV."""
 
 import csv
 import hashlib
 import io
 import os
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..csv_rows import LARGEST, RADIANS_AT_MOST, angle_in, next_time, number_in, rows_of
 from ..errors import InputError
 from ..files import content_of, write_text
-from .curves import Curve, Curves
+from ..table_files import (
+    LARGEST,
+    RADIANS_AT_MOST,
+    joint_angle,
+    next_time,
+    number_in,
+    read_table,
+)
+from .columns import Column, Wanted, columns_of, described
+from .curves import Curve, Curves, Lines
+
+HEADER = (
+    "'curve,angle_rad,torque_nm', or name the columns, as angle='Winkel [deg]', or angle=2 for the "
+    "second one"
+)
 
 
-def load_curves(path: str | os.PathLike[str]) -> Curves:
-    """Reads curves from a CSV file.
+def load_curves(
+    *paths: str | os.PathLike[str],
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    decimal: str | None = None,
+) -> Curves:
+    """Reads curves from tables, as ActiveSuit, rigs, spreadsheets and dynamometers write them.
 
-    The header is `curve,angle_rad,torque_nm` (or `angle_deg`), with optional columns `role`
-    (`fit` or `predict`) and `weight` (> 0), which stay the same along a curve, and `time_s`, which
-    rises along a curve or is empty for all of it. Rows of one curve are in the order of
-    measurement. Empty lines and lines that begin with `#` are skipped.
+    The header of ActiveSuit is `curve,angle_rad,torque_nm` (or `angle_deg`), with optional columns
+    `role` (`fit` or `predict`) and `weight` (> 0), which stay the same along a curve, and `time_s`,
+    which rises along a curve or is empty for all of it. In other files the separator, the decimal
+    mark, the columns by their usual names and the units in the header are found; `reading` of the
+    result says what was found. A file without a column `curve` is one curve with the name of the
+    file. Rows of one curve are in the order of measurement.
+
+    Args:
+        paths: One file or several.
+        columns: Name in the header, or number from 1 on, of the column "angle", "torque", "time",
+            "curve", "role" or "weight".
+        units: Unit of "angle", "torque" or "time", which may be scaled, as "0.5 Nm/V".
+        decimal: The decimal mark, "." or ",", where the numbers leave it open.
 
     Returns:
-        The curves, with the name of the file and its hash.
+        The curves, with the names of the files and a hash of their contents.
 
     Raises:
-        InputError: The file is missing or contains anything but usable curves; the message
-            names the line.
+        InputError: A file is missing or contains anything but usable curves; the message names the
+            line.
     """
-    path = Path(path)
+    if not paths:
+        raise InputError("there is no file of curves: give at least one")
+    wanted = Wanted(columns or {}, units or {})
+    wanted.check()
+    read = [_read(Path(path), wanted, decimal) for path in paths]
+    if len(read) == 1:
+        return read[0]
+    names = [curve.name for family in read for curve in family]
+    unique = len({*names}) == len(names)
+    curves, lines = [], {}
+    for family in read:
+        for curve in family:
+            name = curve.name if unique else f"{Path(family.source).stem} {curve.name}"
+            if name in lines:
+                raise InputError(f"two files are named {family.source!r}: rename one of them")
+            curves.append(replace(curve, name=name))
+            lines[name] = family.lines[curve.name]
+    digests = "".join(str(family.sha256) for family in read)
+    return Curves(
+        curves,
+        source=", ".join(family.source for family in read),
+        sha256=hashlib.sha256(digests.encode()).hexdigest(),
+        lines=lines,
+        reading=[sentence for family in read for sentence in family.reading],
+    )
+
+
+def _read(path: Path, wanted: Wanted, decimal: str | None) -> Curves:
+    """Reads the curves of one file."""
     content = content_of(path, "curves", LARGEST, "thin it")
-    rows = rows_of(path, content, "curves", "curve,angle_rad,torque_nm")
-    _, header = next(rows)
-    header = [name.strip() for name in header]
-    angle_column = _angle_column(path, header)
+    is_header = None if wanted.by_number else wanted.is_header
+    table = read_table(path, content, "curves", HEADER, is_header, decimal)
+    found = columns_of(table, wanted)
+    samples, lines = _samples(path, table.rows, found)
+    if not samples:
+        raise InputError(f"{path} has a header but no samples")
+    try:
+        curves = [Curve(name=name, **fields) for name, fields in samples.items()]
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    done = [*described(table, found)]
+    if done:
+        family = Curves(curves)
+        low, high = family.angle_range
+        count = f"{len(family)} curves" if len(family) > 1 else "one curve"
+        done.append(
+            f"{count}, {sum(curve.angle.size for curve in family)} samples, {low:.3g} to {high:.3g}"
+            f" rad, at most {family.peak:.3g} N·m"
+        )
+    return Curves(
+        curves,
+        source=path.name,
+        sha256=hashlib.sha256(content).hexdigest(),
+        lines={name: Lines(path.name, numbers) for name, numbers in lines.items()},
+        reading=[f"{path.name}: {'; '.join(done)}"] if done else [],
+    )
+
+
+def _samples(
+    path: Path, rows: Iterator[tuple[int, list[str]]], columns: Mapping[str, Column]
+) -> tuple[dict[str, dict[str, Any]], dict[str, array]]:
+    """Returns the fields of each curve, and the line of each of its samples."""
     samples: dict[str, tuple[array, array, array]] = {}
     labels: dict[str, dict[str, Any]] = {}
     lines: dict[str, array] = {}
-    for line, row in rows:
-        if len(row) != len(header):
-            raise InputError(
-                f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
-            )
-        cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
-        name = cells["curve"]
+    angles, torques, times = (columns.get(kind) for kind in ("angle", "torque", "time"))
+    assert angles is not None and torques is not None
+    for line, cells in rows:
+        name = cells[columns["curve"].at] if "curve" in columns else path.stem
         if not name:
             raise InputError(f"{path}, line {line}: the cell 'curve' is empty: name the curve")
-        label: dict[str, Any] = {"role": cells.get("role", "fit")}
-        if "weight" in cells:
-            label["weight"] = number_in(cells, "weight", path, line)
+        label: dict[str, Any] = {}
+        if "role" in columns:
+            label["role"] = cells[columns["role"].at]
+        if "weight" in columns:
+            label["weight"] = number_in(cells[columns["weight"].at], "weight", path, line)
         for key, value in label.items():
             if labels.setdefault(name, label)[key] != value:
                 raise InputError(
@@ -61,38 +144,40 @@ def load_curves(path: str | os.PathLike[str]) -> Curves:
                     "its samples the same"
                 )
         angle, torque, time = samples.setdefault(name, (array("d"), array("d"), array("d")))
-        if cells.get("time_s"):
-            time.append(next_time(cells, "time_s", time, path, line))
+        if times is not None and cells[times.at]:
+            now = _value(cells, times, path, line)
+            time.append(next_time(now, time, path, line))
         if len(time) != (len(angle) + 1 if time else 0):
             raise InputError(
                 f"{path}, line {line}: curve {name!r} has a time at some samples only: fill the "
-                "column time_s for all of them, or for none"
+                "column of the time for all of them, or for none"
             )
-        torque.append(number_in(cells, "torque_nm", path, line))
-        try:
-            angle.append(angle_in(cells, angle_column, path, line))
-        except InputError as error:
-            if max(map(abs, torque)) > RADIANS_AT_MOST:
-                raise
-            raise InputError(f"{error}; or the columns of angle and torque are exchanged") from None
+        torque.append(_value(cells, torques, path, line))
+        now = _value(cells, angles, path, line)
+        if abs(now) > RADIANS_AT_MOST:
+            hint = "no joint does that"
+            if angles.unit.factor == 1:
+                hint = "if these are degrees, give the unit, as angle=deg, or name it angle_deg"
+            if max(map(abs, torque)) <= RADIANS_AT_MOST:
+                hint += "; or the columns of angle and torque are exchanged"
+            joint_angle(now, angles.name, hint, path, line)
+        angle.append(now)
         lines.setdefault(name, array("l")).append(line)
-    if not samples:
-        raise InputError(f"{path} has a header but no samples")
-    try:
-        curves = [
-            Curve(
-                np.array(angle),
-                np.array(torque),
-                name=name,
-                time=np.array(time) if time else None,
-                **labels[name],
-            )
-            for name, (angle, torque, time) in samples.items()
-        ]
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    sha256 = hashlib.sha256(content).hexdigest()
-    return Curves(curves, source=path.name, sha256=sha256, lines=lines)
+    fields = {
+        name: {
+            "angle": np.array(angle),
+            "torque": np.array(torque),
+            "time": np.array(time) if time else None,
+            **labels.get(name, {}),
+        }
+        for name, (angle, torque, time) in samples.items()
+    }
+    return fields, lines
+
+
+def _value(cells: list[str], column: Column, path: Path, line: int) -> float:
+    """Returns the number in a column, in rad, N·m or s."""
+    return column.unit.factor * number_in(cells[column.at], column.name, path, line)
 
 
 def save_curves(
@@ -127,20 +212,3 @@ def save_curves(
             now = ["" if time is None else f"{time:.15g}"] * timed
             writer.writerow([*label, *now, f"{angle:.6f}", f"{torque:{digits}}"])
     write_text(path, text.getvalue())
-
-
-def _angle_column(path: Path, header: list[str]) -> str:
-    """Checks the names of the columns; returns that of the angle."""
-    for column in header:
-        if header.count(column) > 1:
-            raise InputError(f"{path} has the column {column!r} twice: keep one of them")
-    if {"angle_deg", "angle_rad"} <= set(header):
-        raise InputError(f"{path} has both angle_rad and angle_deg: keep one of them")
-    angle_column = "angle_deg" if "angle_deg" in header else "angle_rad"
-    for column in ("curve", angle_column, "torque_nm"):
-        if column not in header:
-            raise InputError(
-                f"{path} has no column {column!r}: the header must be 'curve,angle_rad,torque_nm' "
-                f"(or angle_deg), and it is {','.join(header)!r}"
-            )
-    return angle_column

@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
 from ..arrays import Array
 from ..checks import number
-from ..csv_rows import RADIANS_AT_MOST, time_goes_wrong
 from ..errors import InputError
+from ..table_files import RADIANS_AT_MOST, time_goes_wrong
 
 Role = Literal["fit", "predict"]
 TORQUE_AT_MOST = 1e6  # N·m
@@ -102,13 +102,22 @@ class Curve:
             )
 
 
+class Lines(NamedTuple):
+    """Where a curve was read: the name of a file, and the line of each sample."""
+
+    file: str
+    numbers: Sequence[int]
+
+
 class Curves(list[Curve]):
     """The curves of one joint, and where they come from: a list that knows its roles.
 
     Attributes:
-        source: The name of the file they were read from; empty if they were made in Python.
-        sha256: The hash of that file's bytes; None if there is no file.
-        lines: The line of each sample in that file, by curve; empty if there is no file.
+        source: The name of the file they were read from, or the names of several; empty if they
+            were made in Python.
+        sha256: The hash of that file's bytes, or of the hashes of several; None if there is none.
+        lines: Where each curve was read, by its name; empty if there is no file.
+        reading: How files were read that are unlike ours, a sentence for each.
     """
 
     def __init__(
@@ -117,13 +126,16 @@ class Curves(list[Curve]):
         *,
         source: str = "",
         sha256: str | None = None,
-        lines: Mapping[str, Sequence[int]] | None = None,
+        lines: Mapping[str, Lines] | None = None,
+        reading: Sequence[str] = (),
     ) -> None:
         """Makes the list; without a `source` it keeps that of other `Curves`."""
         super().__init__(curves)
         if isinstance(curves, Curves) and not source:
             source, sha256, lines = curves.source, curves.sha256, curves.lines
+            reading = curves.reading
         self.source, self.sha256, self.lines = source, sha256, lines or {}
+        self.reading = tuple(reading)
 
     def fitted(self) -> "Curves":
         """Returns the curves with role "fit"."""
@@ -152,7 +164,8 @@ class Curves(list[Curve]):
     def place(self, name: str, sample: int) -> str:
         """Returns where a sample of a curve as it was read is, in words."""
         if name in self.lines:
-            return f"line {self.lines[name][sample]}"
+            where, several = self.lines[name], len({one.file for one in self.lines.values()}) > 1
+            return f"line {where.numbers[sample]}{f' of {where.file}' if several else ''}"
         return f"sample {sample} of curve {name!r}"
 
     @property
@@ -178,7 +191,13 @@ class Curves(list[Curve]):
 
     def _with_role(self, role: Role) -> "Curves":
         chosen = (curve for curve in self if curve.role == role)
-        return Curves(chosen, source=self.source, sha256=self.sha256, lines=self.lines)
+        return self.of(chosen, self.lines)
+
+    def of(self, curves: Iterable[Curve], lines: Mapping[str, Lines] | None = None) -> "Curves":
+        """Returns curves made from these, as of the same files; their samples have other lines."""
+        return Curves(
+            curves, source=self.source, sha256=self.sha256, lines=lines, reading=self.reading
+        )
 
 
 def noise_floor(curves: Sequence[Curve]) -> float:

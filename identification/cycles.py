@@ -28,7 +28,7 @@ def averaged_cycles(curves: Sequence[Curve]) -> Curves:
         InputError: A record has fewer than 3 cycles, or they do not turn at the same two angles.
     """
     family = Curves(curves)
-    return Curves(map(_averaged, family), source=family.source, sha256=family.sha256)
+    return family.of(map(_averaged, family))
 
 
 def cycles_of(curve: Curve) -> int:

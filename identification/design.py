@@ -13,8 +13,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import number
-from ..csv_rows import RADIANS_AT_MOST
 from ..errors import InputError
+from ..table_files import RADIANS_AT_MOST
 
 BRANCHES = 9  # number of branches on the way inwards, each a ninth of the range shorter
 MIN_RATE, MAX_RATE = 0.02, 0.5  # assumed rates [rad/s]: slow, and the fastest of the simulated rig

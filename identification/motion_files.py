@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import os
 from array import array
 from pathlib import Path
@@ -10,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..csv_rows import LARGEST, angle_in, next_time, rows_of
 from ..errors import InputError
 from ..files import content_of, write_text
+from ..table_files import LARGEST, joint_angle, next_time, number_in, read_table
 
 HEADER = "time_s,angle_rad"
 ANGLES = ("angle_rad", "angle_deg")
@@ -40,26 +41,34 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
             motion; the message names the line.
     """
     path = Path(path)
-    rows = rows_of(path, content_of(path, "motion", LARGEST, "thin it"), "motion", HEADER)
-    _, first = next(rows)
-    header = [name.strip() for name in first]
-    angle_column = _one_of(header, [*ANGLES, *([joint] if joint else [])], path)
-    time_column = _one_of(header, TIMES, path) if set(TIMES) & set(header) else None
+    known = {*ANGLES, *TIMES, *([joint] if joint else [])}
+    table = read_table(
+        path,
+        content_of(path, "motion", LARGEST, "thin it"),
+        "motion",
+        repr(HEADER),
+        lambda cells: not known.isdisjoint(cells),
+    )
+    angle_column = _one_of(table.header, [*ANGLES, *([joint] if joint else [])], path)
+    at = table.header.index(angle_column)
+    times = [table.header.index(one) for one in TIMES if one in table.header]
+    if len(times) > 1:
+        _one_of(table.header, TIMES, path)
+    in_degrees = angle_column == "angle_deg"
+    hint = "no joint does that" if in_degrees else "if these are degrees, name it angle_deg"
     angle, time = array("d"), array("d")
-    for line, row in rows:
-        if len(row) != len(header):
-            raise InputError(
-                f"{path}, line {line}: {len(row)} cells where the header has {len(header)}"
-            )
-        cells = dict(zip(header, (cell.strip() for cell in row), strict=True))
-        angle.append(angle_in(cells, angle_column, path, line))
-        if time_column:
-            time.append(next_time(cells, time_column, time, path, line))
+    for line, cells in table.rows:
+        value = number_in(cells[at], angle_column, path, line)
+        value = math.radians(value) if in_degrees else value
+        angle.append(joint_angle(value, angle_column, hint, path, line))
+        for column in times:
+            now = number_in(cells[column], table.header[column], path, line)
+            time.append(next_time(now, time, path, line))
     if len(angle) < 2:
         raise InputError(f"{path} has {len(angle)} samples: a motion needs at least 2")
     if np.ptp(angle) == 0:
         raise InputError(f"{path} stays at the angle {angle[0]:g} rad: give a motion that moves")
-    return Motion(np.array(time) if time_column else None, np.array(angle))
+    return Motion(np.array(time) if times else None, np.array(angle))
 
 
 def save_motion(path: str | os.PathLike[str], motion: Motion) -> None:

@@ -82,7 +82,7 @@ def without_change(curves: Curves, softening: Softening, count: Count) -> Curves
     rest = (
         replace(curve, torque=curve.torque / softening.factor(count(curve))) for curve in curves
     )
-    return Curves(rest, source=curves.source, sha256=curves.sha256)
+    return curves.of(rest)
 
 
 def found_softening(

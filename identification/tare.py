@@ -32,7 +32,7 @@ def tared(curves: Curves, tare: float) -> Curves:
     if tare == 0:
         return curves
     rest = (replace(curve, torque=curve.torque - tare) for curve in curves)
-    return Curves(rest, source=curves.source, sha256=curves.sha256)
+    return curves.of(rest)
 
 
 def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], float]) -> float:

@@ -25,7 +25,7 @@ def thinned(curves: Sequence[Curve], most: int = FITTED) -> Curves:
         return Curves(curves)
     family = Curves(curves)
     short = (_picked(curve, kept_samples(curve.angle, every)) for curve in family)
-    return Curves(short, source=family.source, sha256=family.sha256)
+    return family.of(short)
 
 
 def thinning_note(curves: Sequence[Curve], most: int = FITTED) -> str:

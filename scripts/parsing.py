@@ -8,7 +8,7 @@ from typing import Any
 
 import tyro
 
-from ..errors import InputError
+from ..errors import InputError, shown
 
 FRAME = " │╭╮╰╯"
 ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message that take many lines
@@ -53,3 +53,20 @@ def _sentence(box: str) -> str:
             part.append(" ".join(text.split()))
     sentences = [one.strip() for one in parts if not one.startswith(ADVICE)]
     return "; ".join(one for one in sentences if one)
+
+
+def named_values(option: str, given: Sequence[str]) -> dict[str, str]:
+    """Returns the values of an option that is given as NAME=VALUE, by name.
+
+    Raises:
+        InputError: One has another form, or a name is there twice.
+    """
+    found: dict[str, str] = {}
+    for one in given:
+        name, sign, value = one.partition("=")
+        if not (sign and name and value):
+            raise InputError(f"{option} has {shown(one)}: give NAME=VALUE")
+        if name in found:
+            raise InputError(f"{option} has {name!r} twice: give it once")
+        found[name] = value
+    return found

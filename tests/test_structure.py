@@ -32,7 +32,8 @@ NOT_INSTALLED = {("benchmarks",), ("tools",), ("hysteresis", "references")}
 ROOT_MODULES = {
     "arrays",
     "checks",
-    "csv_rows",
+    "table_files",
+    "units",
     "errors",
     "files",
     "json_files",

@@ -11,9 +11,9 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...csv_rows import LARGEST, angle_in, next_time, rows_of
 from ...errors import InputError, shown
 from ...files import content_of
+from ...table_files import LARGEST, joint_angle, next_time, number_in, read_table
 from ..provenance import setting
 from ..simulation.plan import Motion
 from .task import LONGEST, SHORTEST, Task
@@ -21,6 +21,7 @@ from .task import LONGEST, SHORTEST, Task
 MOTION = ".csv"  # how the names of files of motions end
 HEADER = ("time", *JOINTS)
 LARGEST_GAP = 3.0  # times the usual time between samples
+IN_DEGREES = "if these are degrees, give radians"
 LARGEST_STEP = 0.2  # s between samples, beyond which a motion is not known
 
 
@@ -75,18 +76,19 @@ def _read(given: Any) -> tuple[Array, Array]:
         raise InputError(f"cannot read the motion {shown(given)}: give the path of a CSV file")
     path, time, angles = Path(given), array("d"), array("d")
     content = content_of(path, "motion", LARGEST, "thin it")
-    rows = rows_of(path, content, "motion", ",".join(HEADER))
-    names = [name.strip() for name in next(rows)[1]]
-    if sorted(names) != sorted(HEADER):
-        raise InputError(f"{path} has the columns {', '.join(names)}: use {', '.join(HEADER)}")
-    for line, row in rows:
-        if len(row) != len(HEADER):
-            raise InputError(
-                f"{path}, line {line}: {len(row)} cells where the header has {len(HEADER)}"
-            )
-        cells = dict(zip(names, (cell.strip() for cell in row), strict=True))
-        time.append(next_time(cells, HEADER[0], time, path, line))
-        angles.extend(angle_in(cells, joint, path, line) for joint in JOINTS)
+    header = ",".join(HEADER)
+    table = read_table(path, content, "motion", repr(header), lambda cells: HEADER[0] in cells)
+    if sorted(table.header) != sorted(HEADER):
+        names = ", ".join(table.header)
+        raise InputError(f"{path} has the columns {names}: use {', '.join(HEADER)}")
+    columns = [(name, table.header.index(name)) for name in JOINTS]
+    at = table.header.index(HEADER[0])
+    for line, cells in table.rows:
+        now = number_in(cells[at], HEADER[0], path, line)
+        time.append(next_time(now, time, path, line))
+        for name, column in columns:
+            angle = number_in(cells[column], name, path, line)
+            angles.append(joint_angle(angle, name, IN_DEGREES, path, line))
     if len(time) < 3:
         raise InputError(f"{path} has {len(time)} samples: a motion needs at least 3")
     return _checked(path, np.array(time), np.array(angles).reshape(-1, len(JOINTS)))

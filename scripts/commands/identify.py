@@ -17,6 +17,7 @@ from ...identification.cycles import cycles_of
 from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
 from ...identification.identify import NONE
+from ...identification.left_out import questions
 from ...identification.methods import DEFAULT_MODEL, METHODS, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND
@@ -25,6 +26,7 @@ from ..curve_joints import joint_of
 from ..intended import intended_motions, needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, suits
 from ..output import RunFolder, progress, say, table, to_json
+from ..parsing import named_values
 from ..reports.fits import (
     advised,
     band_table,
@@ -40,14 +42,27 @@ from ..reports.fits import (
 from ..reports.parameters import parameter_table
 
 NOT_DESCRIBED = 3  # exit code
-AUTO = "auto"  # method whose model `select` chooses
+AUTO, CERTIFIED = "auto", "certified"  # methods; of auto `select` chooses the model
+_METHOD = (
+    "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
+    "of all models that predicts curves left out of its fit; the others are the papers' swarms and "
+    "optimizers of other libraries (ga and cma-es need the extra `compare`)."
+)
 
 
 def identify(
-    curves: Annotated[Path, tyro.conf.Positional],
+    curves: Annotated[tuple[Path, ...], tyro.conf.Positional],
     /,
+    columns: tuple[str, ...] = (),
+    units: tuple[str, ...] = (),
+    decimal: Annotated[
+        str | None, choice(lambda: (".", ","), usual="what the numbers show")
+    ] = None,
     model: Annotated[str | None, choice(lambda: FITS)] = None,
-    method: Annotated[str, choice(lambda: [*METHODS, AUTO])] = "certified",
+    method: Annotated[
+        str | None,
+        choice(lambda: [*METHODS, AUTO], _METHOD, "auto for one long record, otherwise certified"),
+    ] = None,
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,
     initial_torque: InitialTorque | None = None,
@@ -69,14 +84,15 @@ def identify(
     the model describes the curves; if it does not, all is written and the exit code is 3.
 
     Args:
-        curves: CSV file with the columns curve, angle_rad (or angle_deg), torque_nm, and
-            optionally role (fit or predict), weight, and time_s.
+        curves: Files of curves: CSV with the columns curve, angle_rad (or angle_deg), torque_nm,
+            and optionally role (fit or predict), weight, and time_s; or tables of a rig, whose
+            separator, decimal mark, columns and units are found where the header names them.
+        columns: Names in the header, or numbers from 1 on, of columns that are not found, as
+            angle="Winkel 1 [Grad]" torque=3: angle, torque, time, curve, role, weight.
+        units: Units that the header does not name, as angle=deg torque="0.5 Nm/V" time=ms.
+        decimal: Decimal mark of the numbers, where they leave it open: . or ,
         model: Hysteresis model to fit, jiles-atherton by default; asymmetric is the same beside a
             polynomial. The method certified has all models, the other methods only jiles-atherton.
-        method: Method of the fit: certified finds a model that is safe to simulate; auto finds the
-            simplest of all models that predicts curves left out of its fit; the others are the
-            papers' swarms and optimizers of other libraries (ga and cma-es need the extra
-            `compare`).
         objective: Quantity that a swarm or optimizer minimizes: nrmse (by default), paper (eq. 7
             of Li et al. 2022), sse, or robust (against outliers).
         normalize: Torque that divides the errors of the objective: the largest one of the family
@@ -96,23 +112,39 @@ def identify(
         out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG: a new or an
             empty one, or that of an earlier identify.
     """
-    family, corrections = _averaged(load_curves(curves), corrections, quiet=json)
+    if not curves:
+        raise InputError("there is no file of curves: give at least one")
+    family = load_curves(
+        *curves,
+        columns=named_values("--columns", columns),
+        units=named_values("--units", units),
+        decimal=decimal,
+    )
+    if not json:
+        for sentence in family.reading:
+            say(f"read {sentence}")
+    family, corrections = _averaged(family, corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
     at_least("samples", samples, 0)
-    joint_name = joint_of(curves, joint) if out or joint is not None else None
-    motions = intended_motions(curves, use, joint)
+    joint_name = joint_of(curves[0], joint) if out or joint is not None else None
+    motions = intended_motions(curves[0], use, joint)
     needed = needed_coverage(family, use, motions)
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
+    beside = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
+    if method is None:
+        method = _usual_method(family, **beside)
+        if method == AUTO and not json:
+            say("method auto, since this is one record of several cycles")
     if method == AUTO:
-        _refuse_beside_auto(model=model, objective=objective, normalize=normalize, trials=trials)
+        _refuse_beside_auto(**beside)
         run, total = partial(select, family, intended=motions), 1
     else:
         chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
         run = partial(identify_curves, family, model=model or DEFAULT_MODEL, method=chosen)
         total = chosen.trials
-    with progress(f"{method} on {curves.name}", total) as bar:
+    with progress(f"{method} on {family.source}", total) as bar:
         result = run(
             corrections=corrections,
             initial_torque=initial_torque,
@@ -126,10 +158,10 @@ def identify(
     if json:
         print(to_json(summary))
     else:
-        _print(result, curves, use, found, summary["band"])
+        _print(result, use, found, summary["band"])
     if folder and joint_name:
-        description = _description(result, curves, seed)
-        suit = _suit(_fit(result), joint_name, curves.stem, description, others, found)
+        description = _description(result, seed)
+        suit = _suit(_fit(result), joint_name, curves[0].stem, description, others, found)
         _write(folder, joint_name, _fit(result), suit, summary)
         if not json:
             say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
@@ -145,6 +177,17 @@ def _averaged(family: Curves, corrections: Corrections, quiet: bool) -> tuple[Cu
     if not quiet:
         say(f"mean of the cycles after the first: {counts}")
     return family, replace(corrections, average_cycles=False)
+
+
+def _usual_method(family: Curves, **beside: str | int | None) -> str:
+    """Returns the method where none is given: auto for a record that it can divide."""
+    if len(family.fitted()) != 1 or any(value is not None for value in beside.values()):
+        return CERTIFIED
+    try:
+        questions(family.fitted())
+    except InputError:  # too few reversals
+        return CERTIFIED
+    return AUTO
 
 
 def _refuse_beside_auto(**given: str | int | None) -> None:
@@ -175,7 +218,7 @@ def _summary(
         "needed": needed and needed.to_dict(),
         "shortfalls": fit.shortfalls,
     }
-    summary = {**fit_summary(fit, seed), "coverage": coverage}
+    summary = {**fit_summary(fit, seed), "coverage": coverage, "reading": fit.curves.reading}
     if isinstance(result, Selection):
         summary |= selection_summary(result)
     return {**summary, "uncertainty": uncertainty_summary(found)} if found else summary
@@ -183,14 +226,14 @@ def _summary(
 
 def _print(
     result: Fit | Selection,
-    curves: Path,
     use: str | None,
     found: Uncertainty | None,
     band: dict[str, float] | None,
 ) -> None:
     fit = _fit(result)
+    name = fit.curves.source
     if isinstance(result, Selection):
-        table(f"models for {curves.name}", *candidate_table(result), left=1)
+        table(f"models for {name}", *candidate_table(result), left=1)
         say(f"{result.why}\n")
     header, rows = parameter_table({"value": fit.model})
     start = fit.initial_torque
@@ -202,8 +245,8 @@ def _print(
         first, steady, cycles, _ = fit.softening
         change = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
         rows.append(["torque over the last", change])
-    table(curves.name, header, rows, left=1)
-    table("quality", *quality_table({curves.stem: {fit.method: fit}}))
+    table(name, header, rows, left=1)
+    table("quality", *quality_table({Path(name).stem: {fit.method: fit}}))
     if isinstance(result, Selection) and (bands := bands_of(result)):
         table("bands of nominal 90 % over kinds of model", *band_table(bands))
     if found:
@@ -218,7 +261,7 @@ def _print(
         say(
             f"band: along these curves the torque is within {half:.2g} N·m of the model "
             f"({half / fit.curves.peak:.1%} of the peak), at {band['level']:.0%}, if its kind is "
-            "right (--method auto compares kinds)"
+            f"right{'' if isinstance(result, Selection) else ' (--method auto compares kinds)'}"
         )
     elif fit.verdict == NOT_BEYOND:
         say(
@@ -248,9 +291,9 @@ def _fit(result: Fit | Selection) -> Fit:
     return result.fit if isinstance(result, Selection) else result
 
 
-def _description(result: Fit | Selection, curves: Path, seed: int) -> str:
+def _description(result: Fit | Selection, seed: int) -> str:
     fit = _fit(result)
-    text = f"Identified from {curves.name} by {fit.method}, seed {seed}"
+    text = f"Identified from {fit.curves.source} by {fit.method}, seed {seed}"
     if fit.interrupted:
         text += f", interrupted: the best of the {_finished(result)}"
     return f"{text}."

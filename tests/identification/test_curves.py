@@ -85,13 +85,13 @@ def test_degrees_order_and_interleaved_curves(tmp_path):
     [
         ("", "is empty"),
         (HEADER, "header but no samples"),
-        ("curve,angle,torque_nm\nA,0,0\n", "no column 'angle_rad'"),
-        ("angle_rad,torque_nm\n0,0\n", "no column 'curve'"),
+        ("curve,angle,torque_nm\nA,0,0\n", "the column 'angle' names no unit: give it, as angle"),
+        ("angle_rad,torque_nm\n0,0\n", "curve 'curves' has 1 sample"),
         (HEADER + "A,0,0\nA,nan,1\n", "line 3: angle_rad is 'nan': give a finite number"),
         (HEADER + "A,0,0\nA,1,heavy\n", "line 3: torque_nm is 'heavy'"),
         (HEADER + "A,0,0\nA,1,\n", "line 3: torque_nm is ''"),
         (HEADER + "A,0,0\n", "curve 'A' has 1 sample: a curve needs at least 2"),
-        (HEADER + "A,0,0\nA,90,5\n", "angle_rad is 90, more than a full turn.*angle_deg"),
+        (HEADER + "A,0,0\nA,90,5\n", "angle_rad is 90 rad, more than a full turn.*angle_deg"),
         (HEADER + "A,0,0\nA,1\n", "line 3: 2 cells where the header has 3"),
         (HEADER + ",0,0\n,1,1\n", "line 2: the cell 'curve' is empty"),
         (HEADER + "A,0.5,0\nA,0.5,1\n", "stays at the angle 0.5 rad"),
@@ -109,7 +109,10 @@ def test_degrees_order_and_interleaved_curves(tmp_path):
         (TIMED + "A,x,0,0\nA,0,1,1\n", "line 2: time_s is 'x'"),
         (TIMED + "A,0,0,0\nA,,1,1\n", "line 3: curve 'A' has a time at some samples only"),
         (TIMED + "A,,0,0\nA,1,1,1\n", "line 3: curve 'A' has a time at some samples only"),
-        ("curve,angle_rad,angle_deg,torque_nm\nA,0,0,0\n", "both angle_rad and angle_deg"),
+        (
+            "curve,angle_rad,angle_deg,torque_nm\nA,0,0,0\n",
+            "2 columns for the angle, 'angle_rad' and 'angle_deg'",
+        ),
     ],
 )
 def test_bad_files(tmp_path, text, message):
@@ -122,8 +125,8 @@ def test_bad_files(tmp_path, text, message):
 def test_missing_and_binary_files(tmp_path):
     with pytest.raises(InputError, match="No such file"):
         load_curves(tmp_path / "none.csv")
-    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match="not a UTF-8 text file"):
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00\x00\x81")
+    with pytest.raises(InputError, match="not a text file"):
         load_curves(tmp_path / "binary.csv")
     with pytest.raises(InputError, match="cannot read"):
         load_curves(tmp_path)

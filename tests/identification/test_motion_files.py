@@ -44,7 +44,7 @@ def test_columns_of_tasks_of_curves_and_of_degrees(tmp_path):
         ("angle_rad\n1\n1\n", "stays at the angle 1 rad"),
         ("time_s,angle_rad\n0,1\n1\n", "line 3: 1 cells where the header has 2"),
         ("time_s,angle_rad\n0,1\n1,nan\n", "line 3: angle_rad is 'nan'"),
-        ("time_s,angle_rad\n0,1\n1,90\n", "line 3: angle_rad is 90, more than a full turn"),
+        ("time_s,angle_rad\n0,1\n1,90\n", "line 3: angle_rad is 90 rad, more than a full turn"),
         ("time_s,angle_rad\n0,1\n,2\n", "line 3: time_s is ''"),
         ("time_s,angle_rad\n0.5,1\n0.4,2\n", "line 3: the time runs back from 0.5 to 0.4 s: put"),
         ("time_s,angle_rad\n0.5,1\n0.5,2\n", "line 3: the time stands still at 0.5 s"),
@@ -60,5 +60,5 @@ def test_files_that_cannot_be_read(tmp_path):
     with pytest.raises(InputError, match="cannot read the motion"):
         load_motion(tmp_path / "none.csv")
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"cannot read the motion.*not a UTF-8"):
+    with pytest.raises(InputError, match=r"cannot read the motion.*not a text file"):
         load_motion(tmp_path / "binary.csv")

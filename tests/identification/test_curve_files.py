@@ -1,0 +1,251 @@
+"""Layouts of files in which rigs, oscilloscopes and dynamometers write curves."""
+
+import hashlib
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.identification import load_curves
+
+ANGLE = np.radians([0.0, 10.5, 20.25, 12.5])
+TORQUE = np.array([0.0, 1.25, 2.5, 0.75])
+TIME = np.array([0.0, 0.01, 0.02, 0.03])
+ROWS = list(zip(TIME, np.degrees(ANGLE), TORQUE, strict=True))
+
+
+def table(row, separator="", rows=ROWS):
+    """Returns lines of numbers: time [s], angle [deg] and torque [N·m] in a form."""
+    return "\n".join(row.format(t, a, m) for t, a, m in rows) + "\n"
+
+
+def commas(text):
+    return text.replace(".", ",")
+
+
+GERMAN = commas(table("{:.2f};{:.2f};{:.3f}"))
+TABS = table("{:.2f}\t{:.2f}\t{:.3f}")
+# What is written, and the options that it needs; the numbers are invented.
+LAYOUTS = {
+    "German spreadsheet": ("Zeit [s];Winkel [Grad];Drehmoment [Nm]\n" + GERMAN, {}),
+    "in newton millimeters": (
+        "Zeit [s];Winkel [Grad];Drehmoment [Nmm]\n"
+        + commas(table("{:.2f};{:.2f};{:.1f}", rows=[(t, a, 1000 * m) for t, a, m in ROWS])),
+        {},
+    ),
+    "quoted, with decimal commas": (
+        '"Time (s)","Angle (deg)","Torque (N·m)"\n'
+        + "".join('"' + commas(f'{t:.2f}"|"{a:.2f}"|"{m:.3f}"\n') for t, a, m in ROWS).replace(
+            "|", ","
+        ),
+        {},
+    ),
+    "units in a row below": ("Time,Angle,Torque\n(s),(deg),(N-m)\n" + table("{},{},{}"), {}),
+    "oscilloscope in volts": (
+        "Model,TDS2014\nSample Interval,0.01\n\nTIME,CH1,CH2\n"
+        + table("{},{},{}", rows=[(t, a / 36, m / 0.5) for t, a, m in ROWS]),
+        {
+            "columns": {"angle": "CH1", "torque": "CH2"},
+            "units": {"angle": "36 deg/V", "torque": "0.5 Nm/V"},
+        },
+    ),
+    "USB oscilloscope in milliseconds": (
+        "Time,Channel A,Channel B\n(ms),(V),(V)\n\n"
+        + table("{},{},{}", rows=[(1000 * t, a / 36, m / 0.5) for t, a, m in ROWS]),
+        {
+            "columns": {"angle": "Channel A", "torque": "Channel B"},
+            "units": {"angle": "36deg/V", "torque": "0.5 Nm/V"},
+        },
+    ),
+    "isokinetic dynamometer": (
+        "Biodex data export\nSubject: 12\n\n   MSEC   TORQUE (N-M)   POSITION (DEG)   POS (ANAT)\n"
+        + table("  {0:.3f}  {2:.3f}  {1:.2f}  {1:.2f}"),
+        {"columns": {"time": "MSEC"}, "units": {"time": "s"}},
+    ),
+    "foot-pounds": (
+        "time_s\tposition [deg]\ttorque [ft-lbs]\n"
+        + table(
+            "{:.2f}\t{:.2f}\t{:.9f}",
+            rows=[(t, a, m / 1.3558179483314004) for t, a, m in ROWS],
+        ),
+        {},
+    ),
+    "inch-pounds": (
+        "t [s] | angle [deg] | torque [lbf·in]\n"
+        + table("{} | {} | {}", rows=[(t, a, m / 0.1129848290276167) for t, a, m in ROWS]),
+        {},
+    ),
+    "measurement program with a header of its own": (
+        "Measurement\nWriter_Version\t2\nDecimal_Separator\t.\n***End_of_Header***\n\n"
+        "Time\tAngle (deg)\tTorque (N·m)\n" + TABS,
+        {},
+    ),
+    "amplifier with a row of units and decimal commas": (
+        "Kanalliste\nSchreiber\t3\nZeit\tWinkel\tDrehmoment\ns\t°\tNm\n" + commas(TABS),
+        {},
+    ),
+    "testing machine": (
+        '"Test Run 1"\n\n"Time"\t"Angular Position"\t"Torque"\nSec\tdeg\tN-m\n' + TABS,
+        {},
+    ),
+    "columns of spaces": ("Time (s)   Angle (deg)   Torque (Nm)\n" + table("{:9} {:9} {:9}"), {}),
+    "NumPy with a commented header": ("# time angle_deg torque_nm\n" + table("{} {} {}"), {}),
+    "numbers without a header": (
+        table("{:e},{:e},{:e}"),
+        {
+            "columns": {"time": "1", "angle": "2", "torque": "3"},
+            "units": {"angle": "deg", "torque": "Nm"},
+        },
+    ),
+    "pandas with its index": (",time,angle_deg,torque_nm\n" + table("7,{},{},{}"), {}),
+    "robot bag with nanoseconds": (
+        "%time,field.header.seq,field.position0,field.effort0\n"
+        + table("{:.0f},1,{},{}", rows=[(1e9 * t + 1.7e18, np.radians(a), m) for t, a, m in ROWS]),
+        {
+            "columns": {"angle": "field.position0", "torque": "field.effort0"},
+            "units": {"time": "ns", "angle": "rad", "torque": "Nm"},
+        },
+    ),
+    "microcontroller": (
+        "millis;angle [mrad];torque [mNm];\n"
+        + table(
+            "{:.0f};{:.9f};{:.3f};",
+            rows=[(1000 * t, 1000 * np.radians(a), 1000 * m) for t, a, m in ROWS],
+        ),
+        {"columns": {"time": "millis"}, "units": {"time": "ms"}},
+    ),
+    "marks of thousands": (
+        "time;angle [deg];torque [Nmm]\n"
+        + table("{};{};{:,.2f}", rows=[(t, a, 1000 * m) for t, a, m in ROWS]),
+        {},
+    ),
+    "thousands with points": (
+        "time;angle [deg];torque [Nmm]\n"
+        + "".join(
+            f"{commas(str(t))};{commas(str(a))};"
+            + f"{1000 * m:,.2f}\n".replace(",", "'").replace(".", ",").replace("'", ".")
+            for t, a, m in ROWS
+        ),
+        {},
+    ),
+    "opposite sign": (
+        "time,angle_deg,M\n" + table("{},{},{}", rows=[(t, a, -m) for t, a, m in ROWS]),
+        {"columns": {"torque": "M"}, "units": {"torque": "-1 Nm"}},
+    ),
+    "typographic minus": (
+        "time,angle_deg,torque_nm\n" + table("{},{},−{}").replace("−-", "-"),
+        {"units": {"torque": "-1 Nm"}},
+    ),
+    "ours": ("curve,time_s,angle_deg,torque_nm\n" + table("rig,{},{},{}"), {}),
+}
+
+
+@pytest.mark.parametrize("name", LAYOUTS)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_layouts(tmp_path, name, encoding):
+    text, options = LAYOUTS[name]
+    if encoding == "cp1252":
+        text = text.replace("−", "-")
+    path = tmp_path / "rig.csv"
+    path.write_bytes(text.replace("\n", "\r\n").encode(encoding))
+    (curve,) = curves = load_curves(path, **options)
+    assert curve.name == "rig"
+    np.testing.assert_allclose(curve.angle, ANGLE, atol=1e-6)
+    np.testing.assert_allclose(curve.torque, TORQUE, atol=1e-6)
+    tolerance = 1e-6 if curve.time[0] < 1e6 else 1e-5 + 256e-9
+    np.testing.assert_allclose(curve.time - curve.time[0], TIME, atol=tolerance)
+    assert curves.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert bool(curves.reading) == (name != "ours" or encoding in ("utf-16",))
+
+
+def test_what_was_done_is_in_words(tmp_path):
+    path = tmp_path / "roh.csv"
+    text = "Prüfstand 7\nZeit [s];Winkel [Grad];Drehmoment [Nm];Temp [°C]\n"
+    path.write_text(text + GERMAN.replace("\n", ";21,5\n"), encoding="cp1252")
+    (sentence,) = load_curves(path).reading
+    assert sentence == (
+        "roh.csv: Windows-1252; text before the header left out (1 lines); semicolons between "
+        "cells; decimal commas; angle from 'Winkel [Grad]' in deg; torque from 'Drehmoment [Nm]' "
+        "in N·m; time from 'Zeit [s]' in s; 'Temp [°C]' left out; one curve, 4 samples, 0 to "
+        "0.353 rad, at most 2.5 N·m"
+    )
+
+
+def test_several_files_are_one_family(tmp_path):
+    (tmp_path / "slow.csv").write_text("angle_deg,torque_nm\n" + table("{1},{2}"))
+    (tmp_path / "fast.csv").write_text("angle_deg;torque [Nmm]\n" + table("{1};{2}"))
+    curves = load_curves(tmp_path / "slow.csv", tmp_path / "fast.csv")
+    assert curves.names == ["slow", "fast"]
+    assert curves.source == "slow.csv, fast.csv"
+    np.testing.assert_allclose(curves[1].torque, TORQUE / 1000)
+    assert curves.place("fast", 2) == "line 4 of fast.csv"
+    other = tmp_path / "b" / "slow.csv"
+    other.parent.mkdir()
+    other.write_text("curve,angle_deg,torque_nm\n" + table("A,{1},{2}") + table("slow,{1},{2}"))
+    with pytest.raises(InputError, match=r"two files are named 'slow.csv': rename one"):
+        load_curves(tmp_path / "slow.csv", tmp_path / "slow.csv")
+    other = other.rename(other.with_name("again.csv"))
+    names = load_curves(tmp_path / "slow.csv", other).names
+    assert names == ["slow slow", "again A", "again slow"]
+
+
+AMBIGUOUS = "t [s];angle [deg];torque [Nmm]\n1;0,5;1,250\n2;1,5;2,500\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("t,x,y\n0,1,2\n1,2,3\n", {}, "has the columns 't', 'x', 'y': use the header 'curve,angle"),
+        ("0,1,2\n1,2,3\n", {}, "has no header: use the header .*, or angle=2 for the second one"),
+        ("nothing\n", {}, "no line with two numbers, and begins with 'nothing'"),
+        ("angle,torque_nm\n0,0\n", {}, "'angle' names no unit: give it, as angle=deg among"),
+        ("angle [furlong],torque_nm\n0,0\n", {}, "columns 'angle .furlong.', 'torque_nm': use"),
+        (
+            "angle [furlong],torque_nm\n0,0\n",
+            {"columns": {"angle": "angle [furlong]"}},
+            "names no unit: give it",
+        ),
+        (
+            "angle_deg,torque_nm\n0,0\n",
+            {"units": {"angle": "Nm"}},
+            "a unit of torque, not of angle",
+        ),
+        (
+            "angle_deg,torque_nm\n0,0\n",
+            {"units": {"torque": "stone"}},
+            "no unit of torque: use N·m",
+        ),
+        ("angle_deg,torque_nm\n0,0\n", {"units": {"force": "N"}}, "unknown quantity with a unit"),
+        ("angle_deg,torque_nm\n0,0\n", {"columns": {"tork": "a"}}, "did you mean 'torque'"),
+        (
+            "angle_deg,torque_nm\n0,0\n",
+            {"columns": {"time": "Zeit"}},
+            "has the columns 'angle_deg'",
+        ),
+        ("angle [deg],torque [Nm]\nrad,Nm\n0,0\n", {}, "in deg by its name and in rad by the row"),
+        ("angle_deg,position_deg,torque_nm\n0,0,0\n", {}, "2 columns for the angle"),
+        ("angle_deg,torque_nm,torque_nm\n0,0,0\n", {}, "the column 'torque_nm' twice: keep one"),
+        ("angle_deg,torque_nm\n0,5,1,2\n", {}, "a comma cannot be both separator and decimal mark"),
+        ("angle [deg];torque [Nmm]\n1,250;2,500\n", {}, "line 2: '1,250' has either thousands or"),
+        ("angle [deg];torque [Nmm]\n1,25;2.5\n", {}, "line 2: '2.5' is no number with the decimal"),
+        ("angle_deg,torque_nm\n0,0\n", {"decimal": "'"}, "decimal is \"'\": give '.' or ','"),
+        ("angle_deg,torque_nm\n0,0\n", {"units": {"torque": "0 Nm/V"}}, "'0 Nm/V' is no unit"),
+    ],
+)
+def test_bad_files(tmp_path, text, options, message):
+    path = tmp_path / "rig.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as error:
+        load_curves(path, **options)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(("decimal", "peak"), [(",", 2.5e-3), (".", 2.5)])
+def test_the_decimal_mark_can_be_given(tmp_path, decimal, peak):
+    path = tmp_path / "rig.csv"
+    path.write_text("angle [deg];torque [Nmm]\n0;0\n1;1,250\n2;2,500\n")
+    assert load_curves(path, decimal=decimal).peak == pytest.approx(peak)
+
+
+def test_there_is_a_file():
+    with pytest.raises(InputError, match="no file of curves: give at least one"):
+        load_curves()
