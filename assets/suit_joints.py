@@ -99,6 +99,7 @@ class SuitJoint(Strict):
     Attributes:
         model: Any hysteresis model; the file holds its `to_dict`.
         samples: Other models that the data allow too, to randomize with.
+        left_open: What the data leave open and no sample has, as phrases.
         range: Lowest and highest angle [rad] at which the model was identified or may be used.
         start_angle: Angle at which the memory of the joint begins [rad].
         start_torque: Resistance at that angle [N·m].
@@ -120,6 +121,7 @@ class SuitJoint(Strict):
 
     model: Model
     samples: tuple[Model, ...] = ()
+    left_open: tuple[str, ...] = ()
     range: tuple[Number, Number]
     start_angle: Number
     start_torque: Number = 0.0
@@ -147,7 +149,12 @@ class SuitJoint(Strict):
 
     @classmethod
     def from_fit(
-        cls, fit: FittedModel, *, note: str = "", samples: Sequence[HysteresisModel] = ()
+        cls,
+        fit: FittedModel,
+        *,
+        note: str = "",
+        samples: Sequence[HysteresisModel] = (),
+        left_open: Sequence[str] = (),
     ) -> "SuitJoint":
         """Returns the joint of a fit, whose source is the curves of the fit.
 
@@ -157,6 +164,7 @@ class SuitJoint(Strict):
             fit: Result of `activesuit.identification.identify`.
             note: Sentence that is added to the source.
             samples: Other models that the curves allow too, as `uncertainty` draws them.
+            left_open: What the curves leave open and no sample has, as phrases.
 
         Raises:
             InputError: `fit` is no fit, or a sample is less safe than the model.
@@ -174,6 +182,7 @@ class SuitJoint(Strict):
         return cls.from_model(
             fit.model,
             samples=tuple(samples),
+            left_open=tuple(left_open),
             range=curves.angle_range,
             start_angle=curves.start_angle,
             start_torque=fitted.start_torque if isinstance(start, str) else start,

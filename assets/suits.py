@@ -59,6 +59,7 @@ class Suit(Strict):
         base: "Suit | None" = None,
         note: str = "",
         samples: Mapping[str, Sequence[HysteresisModel]] | None = None,
+        left_open: Mapping[str, Sequence[str]] | None = None,
     ) -> "Suit":
         """Returns the suit whose joints resist as the fitted models do.
 
@@ -70,6 +71,7 @@ class Suit(Strict):
                 joints move freely.
             note: Sentence that is added to the source of each fitted joint.
             samples: Other models that the curves allow too, by joint, to randomize with.
+            left_open: What the curves leave open and no sample has, by joint, as phrases.
 
         Raises:
             InputError: There is no fit, a joint is unknown, or a sample has no fit or is less safe.
@@ -78,14 +80,19 @@ class Suit(Strict):
             raise InputError(
                 f"fits is {shown(fits)}: give fits by joint, as {{'elbow_flexion': fit}}"
             )
-        samples = samples or {}
-        for joint in (*fits, *samples):
+        samples, left_open = samples or {}, left_open or {}
+        for joint in (*fits, *samples, *left_open):
             if joint not in JOINTS:
                 raise unknown_name("joint", joint, JOINTS)
             if joint not in fits:
                 raise InputError(f"samples has {joint!r}, which has no fit: leave it out")
         identified = {
-            joint: SuitJoint.from_fit(fit, note=note, samples=samples.get(joint, ()))
+            joint: SuitJoint.from_fit(
+                fit,
+                note=note,
+                samples=samples.get(joint, ()),
+                left_open=left_open.get(joint, ()),
+            )
             for joint, fit in fits.items()
         }
         fits_text = [

@@ -66,6 +66,12 @@ class Choice(NamedTuple):
     baselines: dict[str, float]
 
     @property
+    def good(self) -> list[Candidate]:
+        """The candidates that predict nearly as well as the best."""
+        most = AS_GOOD * self.candidates[0].prediction_nrmse
+        return [one for one in self.candidates if one.prediction_nrmse <= most]
+
+    @property
     def unneeded(self) -> str:
         """Why no hysteresis model is needed, as a sentence; empty if one is."""
         name = min(self.baselines, key=lambda one: self.baselines[one], default="")

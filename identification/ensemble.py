@@ -27,7 +27,7 @@ from .objective import InitialTorque
 from .prediction import predicted, torque_errors
 from .residual.noise import GRID, Noise
 from .thinning import thinned
-from .uncertainty.uncertainty import refits
+from .uncertainty.uncertainty import Uncertainty, uncertainty
 
 NEARLY = 1.3  # largest left-out error of a member, relative to the least one
 NESTED = 2  # reversals within each other, from which on a curve tests nested loops
@@ -223,18 +223,19 @@ def drawn(
     initial_torque: InitialTorque,
     samples: int,
     seed: int,
-) -> tuple[HysteresisModel, ...]:
-    """Returns models of an ensemble to randomize with, the better members more often.
+) -> list[Uncertainty]:
+    """Returns the uncertainties of the members with models to randomize with, which they share.
 
-    Each is a refit of a member to its own curves with new noise. Members share the number in
-    proportion to their weight; a model that cannot begin as the joint does is left out.
+    Each model is a refit of a member to its own curves with new noise and systematic errors.
+    Members share the number in proportion to their weight; a model that cannot begin as the joint
+    does is left out.
 
     Args:
         found: Ensemble.
         curves: Curves that it was fitted to; those with role "fit" are used.
         initial_torque: Torque with which the joint begins [N·m]; or "measured".
         samples: Number of models.
-        seed: Seed of the noise.
+        seed: Seed of all that is drawn.
 
     Raises:
         InputError: A number is below 0, or the kind of a member has no fit.
@@ -245,19 +246,18 @@ def drawn(
     start = measured.start_torque if isinstance(initial_torque, str) else initial_torque
     can_begin = [one for one in found.members if begins_safely(one.model, start, measured)]
     counts = shared([one.weight for one in can_begin], samples)
-    groups = (
-        refits(
+    return [
+        uncertainty(
             one.model,
             measured,
-            found.noise,
             initial_torque=one.initial_torque,
             fitted_start=one.fitted_start,
             samples=count,
             seed=seed + i,
         )
         for i, (one, count) in enumerate(zip(can_begin, counts, strict=True))
-    )
-    return tuple(model for group in groups for model in group)
+        if count
+    ]
 
 
 def shared(weights: Sequence[float], count: int) -> list[int]:

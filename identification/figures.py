@@ -38,7 +38,9 @@ def loops_figure(
             ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
             note = drawn_note(drawn)
             ax.set_xlabel(f"angle [rad] ({note})" if note else "angle [rad]")
-        axes[0].set_ylabel("resistance [N·m]")
+        tare = next(iter(fits[joint].values())).tare
+        less = f", {tare:.3g} N·m of the sensor taken off" if tare else ""
+        axes[0].set_ylabel(f"resistance [N·m]{less}")
     grid[0][0].legend(loc="upper left", frameon=False)
     return figure
 

@@ -1,28 +1,34 @@
 """`select`: the kind of model that predicts best, and a band over those that are nearly as good."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from ..arrays import Array
 from ..checks import check_seed
 from ..checks import workers as check_workers
 from ..errors import InputError
 from .agreement import NARROW, Agreement, agreement
-from .candidates import Candidate, choose
+from .candidates import Candidate, Choice, choose
 from .corrections import Corrections
 from .coverage import Coverage, loops_suffice, motion_coverage
-from .curves import Curve
+from .curves import Curve, Curves
 from .ensemble import LEVEL, Ensemble, drawn, ensemble
 from .fit import Fit, judged_fit
-from .fits.registry import FITS
+from .fits.registry import FITS, fit_model
 from .identify import NONE, fits_start, prepared, refuse_unknown, refuse_weights
 from .methods import DEFAULT_MODEL, check_beginning
 from .motion_files import Motion
 from .objective import InitialTorque
 from .residual.verdict import DESCRIBES, NOT_BEYOND
+from .tare import is_open
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty
+
+# Jiles-Atherton, and the same beside a polynomial, whose constant says nothing of the offset.
+ITS_OWN = (DEFAULT_MODEL, "asymmetric")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,8 +80,12 @@ class Selection:
         if self.ensemble is None:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
-        models = drawn(self.ensemble, fit.curves, fit.initial_torque, samples, seed)
-        return replace(found, samples=models)
+        members = drawn(self.ensemble, fit.curves, fit.initial_torque, samples, seed)
+        return replace(
+            found,
+            samples=tuple(model for one in members for model in one.samples),
+            left_open=tuple(dict.fromkeys(open for one in members for open in one.left_open)),
+        )
 
 
 def select(
@@ -125,6 +135,8 @@ def select(
     refuse_weights(ready.measured)
     ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
     choice = choose(ready.measured, seed=seed, workers=workers, options=ways)
+    if corrections.tare == "fit":
+        _refuse_open_offset(choice, ready.measured, ready.tare, seed, ways)
     trial = _trial(choice.chosen)
     if on_trial is not None:
         on_trial(trial)
@@ -159,6 +171,36 @@ def select(
         ensemble=members,
         agreement=alike,
     )
+
+
+def _refuse_open_offset(
+    choice: Choice, curves: Curves, tare: float, seed: int, options: Mapping[str, dict[str, Any]]
+) -> None:
+    """Refuses an offset that Jiles-Atherton finds where a model as good fits with any offset.
+
+    Args:
+        choice: Candidates, fitted to the curves less the offset.
+        curves: These curves.
+        tare: The offset [N·m].
+        seed: Seed of the fits.
+        options: Options of the candidates' fits, by model.
+
+    Raises:
+        InputError: There is such a model.
+    """
+    for rival in choice.good:
+        if rival.name in ITS_OWN:
+            continue
+
+        def error(some: Curves, name: str = rival.name) -> float:
+            return fit_model(name, some, np.random.default_rng(seed), **options[name]).loss
+
+        if is_open(curves, error):
+            raise InputError(
+                f"the offset of the torque sensor is not determined: {tare:.3g} N·m by "
+                f"{DEFAULT_MODEL}, any by {rival.name}, which predicts these curves as well: zero "
+                "the sensor, or give the tare as a number"
+            )
 
 
 def _weighed(fit: Fit, alike: Agreement | None, needed: Coverage | None) -> Fit:

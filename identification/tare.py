@@ -55,18 +55,28 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
     peak = family.peak
 
     def misses(offset: float) -> float:
-        try:
-            return error(tared(family, offset)) * tared(family, offset).peak
-        except InputError:  # nothing certified fits such curves
-            return 10 * peak
+        return _misses(tared(family, offset), error)
 
     found: Any = minimize_scalar(
         misses, bounds=(-peak / 2, peak / 2), method="bounded", options={"xatol": FINE * peak}
     )
     best = float(found.x)
-    if misses(best + peak / 4) < FLAT * float(found.fun):
+    if is_open(tared(family, best), error):
         raise InputError(
             "tare is 'fit', but the model fits these curves with any offset: leave it out, or "
             "give the offset as a number"
         )
     return best
+
+
+def is_open(curves: Curves, error: Callable[[Curves], float]) -> bool:
+    """Returns whether a model fits curves as well with another offset of a quarter of the peak."""
+    return _misses(tared(curves, curves.peak / 4), error) < FLAT * _misses(curves, error)
+
+
+def _misses(curves: Curves, error: Callable[[Curves], float]) -> float:
+    """Returns the root mean square error of a fit [N·m], or a large one where nothing fits."""
+    try:
+        return error(curves) * curves.peak
+    except InputError:  # nothing certified fits such curves
+        return 10 * curves.peak

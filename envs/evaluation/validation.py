@@ -17,7 +17,8 @@ from ...errors import InputError
 from ..belief import Belief
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
-from ..policies import make_policy
+from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
+from ..policies.build import maker_of, options_of
 from .compare import Evaluation, evaluate
 from .core import FIRST_SEED
 from .rollout import Trace
@@ -96,6 +97,8 @@ class Validation:
     """What a believed suit is worth where another one is the true one.
 
     Attributes:
+        same: Whether the believed suit is the true one, or the true one is a sample of it: then
+            there is no verdict, since a suit says nothing against itself.
         torque: Torque errors along the motions under the controller that believes.
         relief: Relief of that controller; see `Evaluation.relief`.
         difference: Its relief less that with the true model, motion by motion.
@@ -103,17 +106,23 @@ class Validation:
         share_of_bound: Its relief over that of the best known plan.
     """
 
+    same: bool
     torque: TorqueErrors
     relief: Interval | None
     difference: Interval | None
     share_of_true: Interval | None
     share_of_bound: Interval | None
 
+    @property
+    def verdict(self) -> str | None:
+        """The verdict by the torque; None of a suit about itself, or without joints."""
+        return None if self.same else self.torque.verdict
+
     def to_dict(self) -> dict[str, Any]:
         """Returns everything as plain values, the verdict first."""
         nrmse = self.torque.nrmse
         return {
-            "verdict": self.torque.verdict,
+            "verdict": self.verdict,
             "nrmse": nrmse and nrmse.to_dict(),
             **asdict(self),
         }
@@ -147,7 +156,7 @@ def validate(
     env_id: str,
     believed: Mapping[str, AnySuit],
     *,
-    policy: str = "feedforward",
+    policy: AnyPolicy = "feedforward",
     episodes: int = 20,
     seed: int = FIRST_SEED,
     on_policy: Callable[[str, list[Trace]], None] = lambda name, traces: None,
@@ -158,7 +167,8 @@ def validate(
     Args:
         env_id: Id of a registered environment.
         believed: Believed suits, by names of your choice.
-        policy: Policy that takes the option `suit`, such as "compensation".
+        policy: Policy, which believes a suit if it takes the option `suit`, such as "compensation";
+            the others are run as they are.
         episodes: Number of motions, at least 8.
         seed: Seed of the first motion.
         on_policy: Function that is called after each policy with its name and its motions.
@@ -176,11 +186,12 @@ def validate(
     at_least("episodes", episodes, FEWEST_MOTIONS)
     joints = believed_joints(env_id, believed, policy, **env_options)
     policies: dict[str, Any] = {TRUE: policy, BOUND: BOUND}
-    policies |= {_named(name): {"name": policy, "suit": suit} for name, suit in believed.items()}
+    policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
     options = {"episodes": episodes, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
     return found, {
         name: Validation(
+            same=env_options.get("suit") == believed[name],
             torque=torque_errors(joints[name], found.traces[one]),
             relief=found.relief(one),
             difference=found.relief_difference(one, TRUE),
@@ -191,8 +202,17 @@ def validate(
     }
 
 
+def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
+    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is."""
+    spec = policy_spec(policy)
+    maker = maker_of(spec.name)
+    if maker is None or "suit" not in options_of(maker):
+        return spec
+    return PolicySpec(spec.name, {**spec.options, "suit": suit})
+
+
 def believed_joints(
-    env_id: str, believed: Mapping[str, AnySuit], policy: str, **env_options: Any
+    env_id: str, believed: Mapping[str, AnySuit], policy: AnyPolicy, **env_options: Any
 ) -> dict[str, dict[str, SuitJoint]]:
     """Returns the assisted joints that each believed suit and the true one resist, as believed.
 
@@ -200,11 +220,11 @@ def believed_joints(
         InputError: The policy cannot believe a suit here, or a suit resists none of the assisted
             joints that the true one resists.
     """
-    arms = make_arms(env_id, 1, **env_options)
+    arms = make_arms(env_id, 1, **{**env_options, **needed_options(policy)})
     config, found = arms.episodes.simulation.config, {}
     needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]
     for name, suit in believed.items():
-        make_policy({"name": policy, "suit": suit}, arms)
+        make_policy(with_belief(policy, suit), arms)
         joints = resisting_joints(Belief(suit=suit).of(config))
         found[name] = {joint: joints[joint] for joint in needed if joint in joints}
         if needed and not found[name]:

@@ -50,7 +50,8 @@ class Hypothesis(NamedTuple):
 _SENTENCES: dict[Fault, Callable[[float, str], str]] = {
     "tare": lambda size, _: (
         f"a torque of {size:+.2g} N·m is in all samples, whatever the angle, which the model "
-        "cannot describe: zero the sensor, or fit it as the sensor's offset"
+        "cannot describe: it is the sensor's offset (zero the sensor, or fit it), or the rest "
+        "angle of a spring, which other models have"
     ),
     "rate": lambda size, _: (
         f"the torque grows by {size:.2g} N·m with each rad/s: the joint is viscous; measure "

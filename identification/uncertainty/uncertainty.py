@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import matmul_toeplitz
 from scipy.special import stdtrit
 
 from ...arrays import Array
@@ -24,16 +23,16 @@ from ..fits.registry import FITS, fit_model
 from ..fits.search import MARGIN
 from ..objective import CurveObjective, InitialTorque, sample_weights
 from ..prediction import torque_errors
-from ..residual.noise import GRID, Noise, estimate_noise, uneven_noise
+from ..residual.noise import Noise, estimate_noise, uneven_noise
 from ..residual.tangent import STEP, Coordinates, coordinates_of, tangent
 from ..thinning import thinned
+from .covariance import estimator_covariance
 from .likelihood import Likelihood
 from .sloppy_directions import sloppy_directions
+from .systematic import Systematic, Term, rates_of, systematic
 
 CONFIDENCE = 0.95
 FARTHEST = math.log(1e4)  # largest distance of the end of an interval; beyond, it has no end
-DEPENDENT = 1e-8  # relative size of a combination of coordinates that curves do not determine
-UNLIKELY = 1e-3  # weight of a noise that is left out
 NEAR = 1e-3  # distance from the least margin of the certificate, within which it binds
 
 
@@ -59,7 +58,12 @@ class Uncertainty:
             valid for its own parameter, not for all at once. Where the certificate binds, it is
             one-sided in the direction of the certificate's margin. Where the curves set no limit,
             an end is that of all models.
-        samples: Models as fits to noisy repetitions of the curves would give, each certified.
+        samples: Models as fits to repetitions of the curves would give, with other noise and other
+            systematic errors; each is certified.
+        offset: Offset of the torque sensor [N·m] that the curves allow beside the model, with its
+            standard deviation; None where they do not limit it.
+        left_open: Systematic errors that the curves do not limit, so that no sample has them, as
+            phrases.
         noise: Noise of the torque, for a curve of mean weight.
     """
 
@@ -71,6 +75,8 @@ class Uncertainty:
     sloppy: tuple[str, ...]
     intervals: Array
     samples: tuple[HysteresisModel, ...]
+    offset: Term | None
+    left_open: tuple[str, ...]
     noise: Noise
     _coordinates: Coordinates = field(repr=False)
     _covariance: Array = field(repr=False)
@@ -114,8 +120,8 @@ def uncertainty(
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chose that torque.
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
-            as that of the residual are fitted anew.
-        seed: Seed of the noise.
+            as that of the residual, an offset and a damping that the curves allow are fitted anew.
+        seed: Seed of all that is drawn.
 
     Raises:
         InputError: The curves are unusable or too few.
@@ -142,6 +148,7 @@ def uncertainty(
     relative = uneven.at(torque)
     noise = estimate_noise(slopes / relative[:, None], residual * scale / relative, sizes, uneven)
     covariance = estimator_covariance(slopes, noise, sizes, relative)
+    allowed = systematic(model, measured, slopes, residual * scale, scale, noise, relative)
     limit = _binding(coordinates)
     intervals = _intervals(coordinates, covariance, limit, noise)
     deviation = np.sqrt(np.diag(covariance))
@@ -159,48 +166,23 @@ def uncertainty(
             *_open_ends(coordinates, intervals),
         ),
         intervals=intervals,
-        samples=refits(
+        samples=_refits(
             model,
             measured,
             noise,
+            allowed,
             initial_torque=initial_torque,
             fitted_start=fitted_start,
             samples=samples,
             seed=seed,
         ),
+        offset=allowed.offset,
+        left_open=allowed.left_open,
         noise=noise,
         _coordinates=coordinates,
         _covariance=covariance,
         _limit=limit,
     )
-
-
-def estimator_covariance(slopes: Array, noise: Noise, sizes: Sequence[int], scale: Array) -> Array:
-    """Returns the covariance of least squares, which assume white noise, under any noise.
-
-    With the pseudo-inverse P of the slopes and the covariance V of the noise it is P V P' (White
-    1980, Econometrica 48, 817, for errors that are not alike), here averaged over the noises.
-
-    Args:
-        slopes: Derivatives of the torque with respect to the coordinates, shape (samples, p).
-        noise: Noise of the torque.
-        sizes: Number of samples of each curve.
-        scale: Relative deviation of the noise of each sample, shape (samples,).
-    """
-    inverse = np.linalg.pinv(slopes, rcond=DEPENDENT).T * scale[:, None]
-    parts = np.split(inverse, np.cumsum(sizes)[:-1])
-    found, total = np.zeros((slopes.shape[1],) * 2), 0.0
-    for weight, variance, (memory, white) in zip(noise.weight, noise.variance, GRID, strict=True):
-        if weight < UNLIKELY:
-            continue
-        total += weight
-        for part in parts:
-            spread = white * part if memory else part
-            if memory:
-                slow = memory ** np.arange(len(part))
-                spread = spread + (1 - white) * matmul_toeplitz(slow, part)
-            found += weight * variance * part.T @ spread
-    return found / total
 
 
 def _width(noise: Noise) -> float:
@@ -295,34 +277,38 @@ def _directions(
     yield from sloppy_directions(likelihood, units, unit_names)
 
 
-def refits(
+def _refits(
     model: HysteresisModel,
     curves: Sequence[Curve],
     noise: Noise,
+    allowed: Systematic,
     *,
     initial_torque: InitialTorque,
     fitted_start: bool,
     samples: int,
     seed: int,
 ) -> tuple[HysteresisModel, ...]:
-    """Returns the models that fits to noisy repetitions of a model's own curves find.
+    """Returns the models that fits to repetitions of a model's own curves find.
 
     Args:
         model: Model that makes the curves.
         curves: Curves whose motions are repeated.
         noise: Noise of the torque.
+        allowed: Systematic errors, of which each repetition has others.
         initial_torque: Torque with which every curve begins [N·m]; or "measured".
         fitted_start: Whether the fit chooses that torque.
         samples: Number of models.
-        seed: Seed of the noise.
+        seed: Seed of all that is drawn.
 
     Raises:
         InputError: The kind of model has no fit.
     """
-    return tuple(
-        _refitted(model, repetition, initial_torque, fitted_start, seed)
-        for repetition in _repetitions(model, initial_torque, curves, noise, samples, seed)
-    )
+    repetitions = _repetitions(model, initial_torque, curves, noise, allowed, samples, seed)
+    found = []
+    for repetition, damping in repetitions:
+        refit = _refitted(model, repetition, initial_torque, fitted_start, seed)
+        found.append(Viscoelastic(model=refit, damping=damping) if damping > 0 else refit)
+    return tuple(found)
 
 
 def _repetitions(
@@ -330,19 +316,31 @@ def _repetitions(
     initial_torque: InitialTorque,
     curves: Sequence[Curve],
     noise: Noise,
+    allowed: Systematic,
     samples: int,
     seed: int,
-) -> Iterator[list[Curve]]:
-    """Yields the curves of the model with noise of their own."""
+) -> Iterator[tuple[list[Curve], float]]:
+    """Yields the curves of the model with noise and an offset of their own, and a damping.
+
+    The torque of the damping is off the curves, since the joint has it beside the model.
+    """
     sizes = [curve.torque.size for curve in curves]
     ends = np.cumsum(sizes)[:-1]
     torque = torque_errors(model, initial_torque, curves)
     torque = torque + np.concatenate([curve.torque for curve in curves])
-    scale = np.sqrt(sample_weights(curves))
+    scale, rates = np.sqrt(sample_weights(curves)), rates_of(curves)
     for child in np.random.SeedSequence(seed).spawn(samples):
-        drawn = noise.draw(torque, sizes, np.random.default_rng(child)) / scale
-        parts = np.split(torque + drawn, ends)
-        yield [replace(curve, torque=part) for curve, part in zip(curves, parts, strict=True)]
+        rng = np.random.default_rng(child)
+        repeated = torque + noise.draw(torque, sizes, rng) / scale
+        if allowed.offset is not None:
+            repeated -= allowed.offset.drawn(rng)
+        damping = 0.0
+        if allowed.damping is not None and rates is not None:
+            damping = max(allowed.damping.drawn(rng), 0.0)
+            repeated -= damping * rates
+        parts = np.split(repeated, ends)
+        pairs = zip(curves, parts, strict=True)
+        yield [replace(curve, torque=part) for curve, part in pairs], damping
 
 
 def _refitted(

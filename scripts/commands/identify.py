@@ -1,5 +1,6 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,11 +21,11 @@ from ...identification.identify import NONE
 from ...identification.left_out import questions
 from ...identification.methods import DEFAULT_MODEL, METHODS, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
-from ...identification.residual.verdict import NOT, NOT_BEYOND
+from ...identification.residual.verdict import NOT, NOT_BEYOND, UNKNOWN
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
 from ..intended import intended_motions, needed_coverage
-from ..options import Force, Json, Seed, Use, choice, joints, suits
+from ..options import Force, Json, Seed, Use, choice, joints, optional_number, suits
 from ..output import RunFolder, progress, say, table, to_json
 from ..parsing import named_values
 from ..reports.fits import (
@@ -43,6 +44,12 @@ from ..reports.parameters import parameter_table
 
 NOT_DESCRIBED = 3  # exit code
 AUTO, CERTIFIED = "auto", "certified"  # methods; of auto `select` chooses the model
+MISSING = {  # by verdict: what no sample of the model has
+    NOT: "what the model does not describe in its own curves",
+    UNKNOWN: "whether the kind of model is right",
+    NOT_BEYOND: "motions unlike the curves",
+}
+SAMPLES = 20  # further models in a suit file
 _METHOD = (
     "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
     "of all models that predicts curves left out of its fit; the others are the papers' swarms and "
@@ -70,7 +77,9 @@ def identify(
     trials: int | None = None,
     seed: Seed = 0,
     workers: int = -1,
-    samples: int = 0,
+    samples: Annotated[
+        int | None, optional_number(f"{SAMPLES} with --out, otherwise 0", int)
+    ] = None,
     use: Use = None,
     joint: Annotated[str | None, choice(joints)] = None,
     base: Annotated[str | None, choice(suits)] = None,
@@ -103,9 +112,11 @@ def identify(
         trials: Number of independent runs, of which the best counts; by default 1 for certified
             and 30 for swarms and optimizers.
         workers: Number of threads; -1 uses all cores.
-        samples: Number of further models in suit.json that the curves allow too, to randomize the
-            simulation with; the uncertainty of the parameters is shown as well. With the method
-            auto they are of all models that predict nearly as well as the best.
+        samples: Number of further models in suit.json that the curves allow too, for `validate` and
+            to randomize the simulation with; the uncertainty of the parameters is shown as well.
+            They have other noise, and where the curves limit them, another offset of the sensor
+            and another damping. With the method auto they are of all models that predict nearly as
+            well as the best.
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
@@ -120,12 +131,12 @@ def identify(
         units=named_values("--units", units),
         decimal=decimal,
     )
-    if not json:
-        for sentence in family.reading:
-            say(f"read {sentence}")
+    for sentence in [] if json else family.reading:
+        say(f"read {sentence}")
     family, corrections = _averaged(family, corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    samples = (SAMPLES if out else 0) if samples is None else samples
     at_least("samples", samples, 0)
     joint_name = joint_of(curves[0], joint) if out or joint is not None else None
     motions = intended_motions(curves[0], use, joint)
@@ -133,10 +144,7 @@ def identify(
     others = None if base is None else load_suit(base)
     folder = RunFolder(out, "identify", force=force) if out else None
     beside = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
-    if method is None:
-        method = _usual_method(family, **beside)
-        if method == AUTO and not json:
-            say("method auto, since this is one record of several cycles")
+    method = method or _usual_method(family, **beside, quiet=json)
     if method == AUTO:
         _refuse_beside_auto(**beside)
         run, total = partial(select, family, intended=motions), 1
@@ -179,7 +187,7 @@ def _averaged(family: Curves, corrections: Corrections, quiet: bool) -> tuple[Cu
     return family, replace(corrections, average_cycles=False)
 
 
-def _usual_method(family: Curves, **beside: str | int | None) -> str:
+def _usual_method(family: Curves, quiet: bool, **beside: str | int | None) -> str:
     """Returns the method where none is given: auto for a record that it can divide."""
     if len(family.fitted()) != 1 or any(value is not None for value in beside.values()):
         return CERTIFIED
@@ -187,6 +195,8 @@ def _usual_method(family: Curves, **beside: str | int | None) -> str:
         questions(family.fitted())
     except InputError:  # too few reversals
         return CERTIFIED
+    if not quiet:
+        say("method auto, since this is one record of several cycles")
     return AUTO
 
 
@@ -240,7 +250,7 @@ def _print(
     begins = start if isinstance(start, str) else f"{start:.5g}"
     rows = [*rows, ["initial torque [N·m]", begins]]
     if fit.tare:
-        rows.append(["tare [N·m]", f"{fit.tare:.5g}"])
+        rows.append(["tare [N·m]", f"{fit.tare:.5g}{_deviation(fit, found)}"])
     if fit.softening:
         first, steady, cycles, _ = fit.softening
         change = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
@@ -270,6 +280,14 @@ def _print(
         )
     for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
         say(f"note: {sentence}")
+
+
+def _deviation(fit: Fit, found: Uncertainty | None) -> str:
+    """Returns how sure a tare is, where that is known."""
+    if found is None or found.offset is None:
+        return ""
+    low, high = found.offset.interval(fit.tare)
+    return f" ({low:.3g} to {high:.3g})"
 
 
 def _not_contained(fit: Fit) -> str:
@@ -313,10 +331,24 @@ def _suit(
     base: Suit | None,
     found: Uncertainty | None,
 ) -> Suit:
-    samples = {joint: found.samples if found else ()}
     return Suit.from_fits(
-        {joint: fit}, name=name, description=description, base=base, samples=samples
+        {joint: fit},
+        name=name,
+        description=description,
+        base=base,
+        samples={joint: found.samples if found else ()},
+        left_open={joint: [*_left_open(fit, found)]},
     )
+
+
+def _left_open(fit: Fit, found: Uncertainty | None) -> Iterator[str]:
+    """Yields what the curves leave open and no sample has, as phrases."""
+    if found:
+        yield from found.left_open
+    if fit.method != AUTO:
+        yield "other kinds of model"
+    if fit.verdict in MISSING:
+        yield MISSING[fit.verdict]
 
 
 def _write(folder: RunFolder, joint: str, fit: Fit, suit: Suit, summary: dict[str, Any]) -> None:

@@ -21,15 +21,17 @@ from ...envs.evaluation.validation import (
 )
 from ...envs.evaluation.validation import validate as validate_suits
 from ...envs.model import ASSISTED
-from ...errors import InputError, unknown_name
+from ...envs.policies import policy_spec
+from ...errors import InputError
 from ...identification import load_curves
 from ..arm_options import USUAL, ArmOptions
 from ..curve_joints import joint_of
-from ..options import SUIT, Env, Force, Json, SuitName, choice, gravity_option, joints, suits
+from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
 from ..output import RunFolder, conclude, progress
 from ..reports.motions import cuff_remarks, score_table
 from ..reports.validation import (
     RULE,
+    answer,
     covered_text,
     curve_table,
     matrix_figure,
@@ -41,7 +43,6 @@ from ..reports.validation import (
 from ..runs import Scene, scene
 
 GRAVITY = "microgravity"
-POLICIES = ("feedforward", "compensation")
 OTHERS = 4  # number of policies and references beside those that believe a suit
 Cells = dict[tuple[str, str], Validation]  # keys are believed and true suit
 
@@ -49,8 +50,8 @@ Cells = dict[tuple[str, str], Validation]  # keys are believed and true suit
 def validate(
     suits: Annotated[tuple[Annotated[str, choice(suits)], ...], tyro.conf.Positional],
     /,
-    plant: tuple[SuitName, ...] = (SUIT,),
-    policy: Annotated[str, choice(lambda: POLICIES)] = "feedforward",
+    plant: tuple[SuitName, ...] = (),
+    policy: Annotated[str, choice(policies)] = "feedforward",
     samples: bool = False,
     held_out: tuple[Path, ...] = (),
     joint: Annotated[str | None, choice(joints)] = None,
@@ -65,17 +66,21 @@ def validate(
 ) -> None:
     """Validate an identified suit model in closed loop.
 
-    A controller believes a suit, while the simulated arm wears the suit PLANT. First comes the
-    error of the believed torque along the motions that happened, which decides the verdict, then
-    relief beside that by the same controller with the true model of PLANT. By default there is no
-    gravity, so that only the suit's torque remains. Several suits or plants make a matrix.
+    `activesuit validate my-suit.json` tells how well a controller works that has the model of one
+    identified suit: the true suit of each motion is drawn among the model and its samples, which
+    the curves allow too (`activesuit identify` writes them). With --plant the controller believes
+    one suit and the simulated arm wears another: the error of the believed torque along the motions
+    decides the verdict, and relief stands beside that by the same controller with the true model.
+    By default there is no gravity, so that only the suit's torque remains. Several suits or plants
+    make a matrix.
 
     Args:
         suits: Suits that the controller believes: names of shipped ones, or paths of suit files.
-        plant: Suits that are simulated: names of shipped ones, or paths of suit files.
-        policy: Policy that believes.
-        samples: Wear PLANT's own model or one of its samples, which its curves allow too, drawn
-            anew for each motion; `activesuit identify --samples` writes them.
+        plant: Suits that are simulated: names of shipped ones, or paths of suit files; by default
+            the one suit that is believed, with its samples.
+        policy: Policy, with its options; one of your own as MODULE:CLASS. It believes the suits if
+            it takes the option `suit`.
+        samples: Simulate PLANT's own model or one of its samples, drawn anew for each motion.
         held_out: CSV files of measured curves: predict their torque, and simulate nothing.
         joint: Joint on which these curves were measured; by default the file name tells it
             (elbow.csv).
@@ -88,6 +93,8 @@ def validate(
         raise InputError("no suit is given: name one that the controller believes")
     once("suits", suits)
     once("plants", plant)
+    if not plant and not held_out:
+        plant, samples = _itself(suits), True
     for suit in (*suits, *plant):
         load_suit(suit)
     if held_out and samples:
@@ -101,8 +108,7 @@ def validate(
         return
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
-    if policy not in POLICIES:
-        raise unknown_name("policy that believes a suit", policy, POLICIES)
+    policy_spec(policy)
     at_least("episodes", episodes, FEWEST_MOTIONS)
     check_seed(seed)
     scenes = {
@@ -120,6 +126,20 @@ def validate(
     folder = RunFolder(out, "validate", force=force) if out else None
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
     _conclude(cells, evaluations, scenes, policy, episodes, seed, folder=folder, json=json)
+
+
+def _itself(suits: tuple[str, ...]) -> tuple[str]:
+    """Returns the one suit whose samples are the true ones."""
+    if len(suits) != 1:
+        raise InputError(f"{len(suits)} suits are given and no --plant: name the simulated suit")
+    (suit,) = suits
+    joints = load_suit(suit).joints
+    if not any(joints[name].samples for name in ASSISTED if name in joints):
+        raise InputError(
+            f"the suit {suit!r} has no samples of what its curves allow: identify it again with "
+            "--samples 20, or name the simulated suit by --plant"
+        )
+    return (suit,)
 
 
 def _simulated(
@@ -182,9 +202,13 @@ def _conclude(
         tables[f"Torque, believed less true: {title}"] = torque_table(cells[suit, true])
         tables[f"Human torque: {place}"] = score_table(scores, evaluations[true])
         found = cells[suit, true]
-        remarks += [*story(found, suit, load_suit(suit)), *_lacking(suit, true)]
+        believed = load_suit(suit)
+        if found.same:
+            remarks += answer(found, believed, policy, evaluations[true])
+        remarks += [*story(found, suit, believed), *_lacking(suit, true)]
         remarks += cuff_remarks(scores)
-    conclude(result, tables, [*remarks, RULE], folder=folder, json=json)
+    judged = any(one.verdict for one in cells.values())
+    conclude(result, tables, [*remarks, *[RULE] * judged], folder=folder, json=json)
 
 
 def _lacking(believed: str, true: str) -> Iterator[str]:

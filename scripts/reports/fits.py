@@ -202,6 +202,8 @@ def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
         "sloppy": found.sloppy,
         "noise": found.noise.deviation,
         "noise_correlation": found.noise.memory,
+        "offset": found.offset and found.offset._asdict(),
+        "left_open": found.left_open,
         "samples": [sample.to_dict() for sample in found.samples],
     }
 

@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from ...assets import Suit
-from ...envs.evaluation import Interval
+from ...envs.evaluation import Evaluation, Interval
 from ...envs.evaluation.validation import (
     LIMITS,
     NOT_VALID,
@@ -31,7 +31,7 @@ RULE = (
 )
 LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
 COLORS = "RdYlGn_r"
-NOTHING = "nothing to judge"
+NOTHING, SAME = "nothing to judge", "the same suit"
 
 
 def torque_table(found: Validation) -> Rows:
@@ -113,9 +113,11 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
     nrmse = found.torque.nrmse
     if nrmse is None:
         yield f"{believed}: {NOTHING}, as the true suit resists no assisted joint"
+    elif found.same:
+        yield f"{believed}: no verdict, since it is the true suit too; the motions cover {covered}"
     else:
         yield (
-            f"{believed}: {found.torque.verdict} for {covered}; torque error "
+            f"{believed}: {found.verdict} for {covered}; torque error "
             f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
         )
     for joint, (low, high) in found.torque.covered.items():
@@ -125,6 +127,8 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
     silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
     if silent:
         yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
+    if found.same:
+        return
     if found.relief is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
         return
@@ -134,6 +138,35 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
         f"{interval_text(found.share_of_true)} of it, and "
         f"{interval_text(found.share_of_bound)} of the best known plan's"
     )
+
+
+def answer(found: Validation, suit: Suit, policy: str, evaluation: Evaluation) -> Iterator[str]:
+    """Yields how well a controller with an identified model works, and what that leaves out.
+
+    Args:
+        found: Validation of the suit where its own model and samples are the true ones.
+        suit: The suit.
+        policy: Policy that believes it.
+        evaluation: Motions of that policy beside those of the references.
+    """
+    joints = {joint: suit.joints[joint] for joint in found.torque.covered}
+    nrmse = found.torque.nrmse
+    if nrmse is None:
+        return
+    count = max(len(entry.samples) for entry in joints.values())
+    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
+    effort, suited = (float(np.mean(one.effort)) for one in (own, evaluation.scores["suited"]))
+    relief = f"a relief of {interval_text(found.relief)}"
+    if found.relief is None:
+        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength"
+    yield (
+        f"{policy} with this model has {relief} (effort {effort:.1%}, without motors {suited:.1%} "
+        f"of strength) and a torque error of {nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}"
+        f") of the peak, where the true suit is drawn among the model and {count} others that its "
+        "curves allow"
+    )
+    left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
+    yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
 
 
 def covered_text(cells: Cells) -> str:
@@ -187,4 +220,4 @@ def _cell(found: Validation) -> str:
     if found.torque.nrmse is None:
         return NOTHING
     relief = "-" if found.relief is None else f"{found.relief.value:.2f}"
-    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{found.torque.verdict}"
+    return f"{found.torque.nrmse.value:.1%}\nrelief {relief}\n{found.verdict or SAME}"

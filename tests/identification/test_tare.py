@@ -12,12 +12,12 @@ from helpers import sweep
 OFFSET, NOISE = 1.3, 0.05
 
 
-def family(model, offset=OFFSET):
+def family(model, offset=OFFSET, noise=NOISE):
     rng = np.random.default_rng(2)
     curves = []
     for turn in (0.87, 1.22, 1.57):
         angle = sweep(0.52, turn, 0.52)
-        torque = model.response(angle) + offset + NOISE * rng.standard_normal(angle.size)
+        torque = model.response(angle) + offset + noise * rng.standard_normal(angle.size)
         curves.append(Curve(angle, torque, f"{turn}"))
     return curves
 
@@ -36,10 +36,35 @@ def test_a_fitted_offset_of_nothing_is_nothing(elbow):
     assert abs(identify(family(elbow, 0.0), corrections=Corrections(tare="fit")).tare) < 0.03
 
 
-def test_auto_takes_the_offset_of_jiles_atherton(elbow):
-    fit = select(family(elbow), corrections=Corrections(tare="fit")).fit
-    assert fit.tare == pytest.approx(OFFSET, abs=0.03)
+def test_auto_takes_the_offset_of_jiles_atherton_where_no_other_model_is_as_good(elbow):
+    fit = select(family(elbow, noise=NOISE / 20), corrections=Corrections(tare="fit")).fit
+    assert fit.tare == pytest.approx(OFFSET, abs=0.003)
     assert fit.model_name == "jiles-atherton"
+
+
+def test_auto_takes_no_offset_that_a_model_as_good_leaves_open(elbow):
+    with pytest.raises(
+        InputError, match=r"not determined: 1.3 N·m by jiles-atherton, any by duhem"
+    ):
+        select(family(elbow), corrections=Corrections(tare="fit"))
+
+
+def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
+    found = []
+    for offset in np.linspace(-1, 1, 8):
+        fit = identify(family(elbow, offset), corrections=Corrections(tare="fit"))
+        term = fit.uncertainty().offset
+        assert abs(term.value) < 0.1 * term.deviation + 1e-3 * 7  # the fit has taken it off
+        found.append(term.deviation)
+        assert abs(fit.tare - offset) < 4 * term.deviation + 1e-3 * 7
+    assert np.std(found) < 0.2 * np.mean(found)
+
+
+def test_a_spring_with_a_rest_angle_leaves_the_offset_open(elbow):
+    found = identify(family(elbow), model="bouc-wen").uncertainty()
+    assert found.offset is None
+    assert found.left_open[0] == "an offset of the torque sensor"
+    assert "the curves have no times" in found.left_open[1]
 
 
 def test_bad_input(elbow):

@@ -1,12 +1,15 @@
 """`activesuit identify`: rates, long records, and curves that it cannot take."""
 
+import io
 import json
-from contextlib import nullcontext
+import re
+from contextlib import nullcontext, redirect_stdout
+from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import curves_path
-from activesuit.hysteresis import Viscoelastic
+from activesuit.assets import curves_path, load_suit
+from activesuit.hysteresis import BoucWen, Viscoelastic
 from activesuit.identification import Curve, Curves, save_curves
 from activesuit.scripts.main import main
 from helpers import sweep
@@ -113,4 +116,114 @@ def test_a_motion_beyond_the_fitted_range_is_reported_with_both_ranges(capsys, t
     ],
 )
 def test_wrong_arguments_get_one_sentence(capsys, arguments, said):
+    assert said in fails(capsys, ELBOW, *arguments)
+
+
+DEGREE = np.pi / 180
+TRUTH = BoucWen(elastic=1.7, hysteretic=2.5, beta=2.2, gamma=1.0, n=1.3, rest_angle=40 * DEGREE)
+OFFSET = 0.35
+
+
+def laboratory(path):
+    """Writes one long record of a joint that no model is told, by a sensor with an offset.
+
+    It has semicolons, decimal commas, degrees, N·mm and lines of text before the header.
+    """
+    time = np.arange(0, 120, 0.02)
+    size = np.choose((time // 20).astype(int) % 3, [1.0, 0.6, 0.8])
+    turn = np.sin(2 * np.pi * 0.05 * time - np.pi / 2)
+    angle = 40 + 35 * size * turn + 6 * np.sin(2 * np.pi * 0.31 * time)
+    torque = TRUTH.response(angle * DEGREE, 0.0)
+    noise = 0.02 * np.abs(torque).max() * np.random.default_rng(7).standard_normal(time.size)
+    lines = [
+        "Prüfstand;7",
+        "Datum;12.03.2026",
+        "",
+        "Zeit [s];Winkel [Grad];Drehmoment [Nmm];T [°C]",
+    ]
+    for t, a, m in zip(time, angle, 1000 * (torque + OFFSET + noise), strict=True):
+        lines.append(f"{t:.2f};{a:.3f};{m:.1f};21.3".replace(".", ","))
+    path.write_text("\r\n".join(lines), encoding="cp1252")
+    return path
+
+
+@pytest.fixture(scope="module")
+def laboratory_suit(tmp_path_factory):
+    """A record of a laboratory, made a suit in one command; the folder, and what was printed."""
+    folder = tmp_path_factory.mktemp("laboratory")
+    record = laboratory(folder / "rohdaten.csv")
+    said = io.StringIO()
+    with redirect_stdout(said):
+        main(["identify", str(record), "--joint", "elbow_flexion", "--out", str(folder / "fit")])
+    return folder, " ".join(said.getvalue().split())
+
+
+def test_a_record_of_a_laboratory_becomes_a_suit_in_one_command(laboratory_suit):
+    folder, said = laboratory_suit
+    page = (Path(__file__).parents[3] / "docs/identification.md").read_text(encoding="utf-8")
+    example = re.search(
+        r"```console\n\$ activesuit identify rohdaten.*?\n(.*?)```", page, re.DOTALL
+    )
+    assert " ".join(example[1].split()) in said
+    assert "verdict: the model describes the curves" in said
+    result = json.loads((folder / "fit/result.json").read_text(encoding="utf-8"))
+    assert result["model_name"] == "bouc-wen"
+    assert result["reading"][0] in said
+    entry = load_suit(folder / "fit/suit.json").joints["elbow_flexion"]
+    angle = sweep(0.1, 1.3, 0.4, 0.9, 0.1)
+    error = entry.response(angle) - TRUTH.response(angle, entry.start_torque - OFFSET)
+    assert np.abs(error - OFFSET).max() < 0.03 * 2.2  # all but the sensor's offset
+    assert len(entry.samples) == 20
+    assert "an offset of the torque sensor" in entry.left_open
+
+
+def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit, capsys):
+    folder, _ = laboratory_suit
+    main(["validate", str(folder / "fit/suit.json"), "--episodes", "8"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "feedforward with this model has" in said
+    assert "drawn among the model and 20 others that its curves allow" in said
+    assert "not contained: an offset of the torque sensor;" in said
+    assert "no verdict, since it is the true suit too" in said
+
+
+def test_an_offset_that_is_not_determined_is_not_fitted(laboratory_suit, capsys):
+    folder, _ = laboratory_suit
+    said = fails_later(capsys, folder / "rohdaten.csv", "--tare", "fit")
+    assert "the offset of the torque sensor is not determined" in said
+    assert "any by bouc-wen" in said
+
+
+def fails_later(capsys, *arguments) -> str:
+    """Returns the error of a command that has told how it reads its file."""
+    with pytest.raises(SystemExit) as stop:
+        main(["identify", *map(str, arguments)])
+    assert stop.value.code == 2
+    return capsys.readouterr().err
+
+
+def test_several_files_with_named_columns(capsys, tmp_path, elbow):
+    for turn in (0.9, 1.2, 1.57):
+        angle = sweep(0.52, turn, 0.52)
+        rows = zip(np.degrees(angle), 1000 * elbow.response(angle), strict=True)
+        text = "phi1;M1\n" + "".join(f"{a:.4f};{m:.3f}\n" for a, m in rows)
+        (tmp_path / f"turn-{turn}.csv").write_text(text.replace(".", ","))
+    files = sorted(tmp_path.glob("turn*.csv"))
+    options = ["--columns", "angle=phi1", "torque=M1", "--units", "angle=deg", "torque=Nmm"]
+    result = json.loads(run(capsys, *files, *options, "--decimal", ",", "--json"))
+    assert result["nrmse"] < 1e-3
+    assert len(result["reading"]) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--columns", "angle"], "--columns has 'angle': give NAME=VALUE"),
+        (["--units", "angle=deg", "angle=rad"], "--units has 'angle' twice"),
+        (["--columns", "angel=2"], "unknown kind of column 'angel'"),
+        (["--units", "torque=stone"], "'stone' is no unit of torque"),
+        (["--decimal", ";"], "decimal is ';': give '.' or ','"),
+    ],
+)
+def test_wrong_descriptions_of_a_file_get_one_sentence(capsys, arguments, said):
     assert said in fails(capsys, ELBOW, *arguments)
