@@ -23,16 +23,16 @@ from ..scripts.training.request import TrainingRequest
 from ..scripts.training.seeds import finished, seeds_of
 
 LICENSE = "Apache-2.0"
-DRAWN = {"level": "randomized", "randomize": {"suits": ["mock-suit", "emu-like"]}}
 NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
     "plain-network": (
-        "A network on the encoders of the last five control periods, trained by PPO.",
-        {**DRAWN, "algo": "ppo", "history": 5, "steps": 1_000_000},
+        "A network on the encoders of the last five control periods, without any model, trained by "
+        "PPO.",
+        {"level": "randomized", "algo": "ppo", "history": 5, "steps": 1_000_000},
     ),
     "residual-network": (
         "A network that corrects compensation with the suit mock-suit, trained by PPO.",
         {
-            **DRAWN,
+            "level": "randomized",
             "algo": "ppo",
             "history": 5,
             "residual": residual_of("compensation:suit=mock-suit", 0.3),
@@ -40,12 +40,17 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
         },
     ),
     "recurrent-network": (
-        "A network with memory on the encoders, trained by recurrent PPO.",
-        {**DRAWN, "algo": "recurrent-ppo", "steps": 600_000},
+        "A network with memory on the encoders, without any model, trained by recurrent PPO.",
+        {"level": "randomized", "algo": "recurrent-ppo", "steps": 600_000},
     ),
     "student-network": (
         "A network on the encoders of ten control periods that repeats adaptive.",
-        {**DRAWN, "teacher": "adaptive:suit=mock-suit", "history": 10, "steps": 1_000_000},
+        {
+            "level": "randomized",
+            "teacher": "adaptive:suit=mock-suit",
+            "history": 10,
+            "steps": 1_000_000,
+        },
     ),
 }
 

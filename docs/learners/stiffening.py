@@ -1,7 +1,8 @@
 """A reward that prices tracking errors as adapted wearers do: with co-contraction.
 
-`activesuit train --reward stiffening:price ...` in this folder. Wearers of a training never learn to
-co-contract; those who are scored do, where errors of the last quarter second are beyond 0.03 rad.
+`activesuit train --reward stiffening:price ...` in this folder. Wearers of a training never learn
+to co-contract. Those who are scored do, where errors of the last quarter second are beyond 0.03
+rad.
 """
 
 import numpy as np
