@@ -2,7 +2,7 @@
 
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from http.client import HTTPConnection
 from ipaddress import ip_address
@@ -44,12 +44,17 @@ def check_address(host: str, port: int) -> None:
         ) from error
 
 
-def served(host: str, port: int) -> Any:
+def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
     """Starts the viewer in a thread; returns its handle, a context in which it is served.
 
     The viewer of MuJoCo 4.0 listens on all addresses and answers everyone. Here it listens on
     `host`, and each request is first judged by a `WebAccess`. Both change parts of MuJoCo that are
     not public, so they are tested before the address is printed.
+
+    Args:
+        host: Address to listen on.
+        port: Port; 0 for the first free one from 8080.
+        panels: Plugins of the viewer that draw panels.
 
     Raises:
         InputError: MuJoCo's viewer does not listen on this machine alone or answers everyone. It is
@@ -75,7 +80,7 @@ def served(host: str, port: int) -> Any:
     web_viewer._print_url_banner = partial(_announce, access)
     # The panels are about a simulation that the viewer itself would step.
     bare = app.Config(show_options=False, show_inspector=False, show_status_bar=False)
-    shown_parts, simulated_parts = plugin.split_plugins([app.App(bare)])
+    shown_parts, simulated_parts = plugin.split_plugins([app.App(bare), *panels])
     config = viewer_protocol.ViewerConfig(gfx="web", http_port=port)
 
     def show(endpoint: Any) -> None:

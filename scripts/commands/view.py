@@ -10,7 +10,6 @@ import gymnasium
 import mujoco
 
 from ...checks import check_seed
-from ...envs.arm_env import ArmEnv
 from ...envs.making import make_env
 from ...envs.model import ArmConfig, arm_spec, compose
 from ...envs.policies import Policy, make_policy, needed_options
@@ -20,11 +19,14 @@ from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
 from ..film import Quality
+from ..live import panel
 from ..options import Env, Force, Gravity, PolicyName, Seed, Suit, Trust
 from ..output import say
 from ..runs import scene
+from ..stage import Stage
 
 LARGEST = 4096  # pixels of a side of a snapshot
+BESIDE_PANEL, WHOLE = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of the browser's view
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
@@ -76,20 +78,18 @@ def view(
         return
     if web:
         check_address(host, port)
-    mode = None if web else "human"
+        with suppress(KeyboardInterrupt):
+            _serve(Stage(chosen, seed), host, port)
+        return
     made, simulated = make_env(
         chosen.env,
         **chosen.options,
         **needed_options(acting),
-        render_mode=mode,
+        render_mode="human",
         render_quality=quality,
     )
-    motion = _move(made, make_policy(acting, simulated), seed)
     with suppress(KeyboardInterrupt):
-        if web:
-            _serve(motion, simulated, host, port)
-        else:
-            _open_window(motion)
+        _open_window(_move(made, make_policy(acting, simulated), seed))
     made.close()
 
 
@@ -118,17 +118,21 @@ def _open_window(motion: Iterator[None]) -> None:
             pass
 
 
-def _serve(motion: Iterator[None], simulated: ArmEnv, host: str, port: int) -> None:
-    shown = _drawing(simulated.config)
+def _serve(stage: Stage, host: str, port: int) -> None:
+    simulated, shown = stage.env, _drawing(stage.env.config)
     drawn = mujoco.MjData(shown)
-    with served(host, port) as viewer:
+    with served(host, port, panels=[panel(stage.live)]) as viewer:
         begin = time.monotonic()
-        for step, _ in enumerate(motion):
+        for step, env in enumerate(stage.motion()):
             if not viewer.is_running():
-                return
-            drawn.qpos[:] = simulated.data.qpos
+                break
+            if env is not simulated:
+                simulated, shown = env, _drawing(env.config)
+                drawn = mujoco.MjData(shown)
+            drawn.qpos[:] = env.data.qpos
             viewer.sync(shown, drawn)
-            time.sleep(max(0.0, begin + step * simulated.control_dt - time.monotonic()))
+            time.sleep(max(0.0, begin + step * env.control_dt - time.monotonic()))
+    stage.env.close()
 
 
 def _drawing(config: ArmConfig) -> mujoco.MjModel:
@@ -141,6 +145,7 @@ def _drawing(config: ArmConfig) -> mujoco.MjModel:
     visor = spec.material("visor")  # the browser's renderer stops at a cube texture on metal
     visor.textures = [""] * len(visor.textures)
     visor.rgba = VISOR
+    spec.stat.center, spec.stat.extent = BESIDE_PANEL, WHOLE
     return spec.compile()
 
 
