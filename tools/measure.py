@@ -38,6 +38,14 @@ _MISLED = " ".join(
     law if law in ("amplification", "proportional") else f"{law}:suit=mock-suit"
     for law in _LAWS.split()
 )
+_ALONE = "train --task ArmTracking --gravity microgravity --seeds 0-2 --steps 600000"
+_SMALL = "--history 5 --hyperparameters small_exploration.yml"
+TRAININGS = {  # options of trainings, some of which name files in docs/learners
+    "alone": "--history 5",
+    "small": _SMALL,
+    "priced": f"{_SMALL} --reward stiffening:price",
+    "residual": "--residual compensation",
+}
 EXPERIMENTS = {
     "demo": "demo",
     "settings": "evaluate --table",
@@ -69,6 +77,7 @@ EXPERIMENTS = {
     "learning": (
         "benchmark learning --tasks ArmTracking --ways residual --seeds 0-4 --steps 200000"
     ),
+    **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
     "bench-hysteresis": "bench hysteresis",
@@ -143,7 +152,12 @@ def run(name: str) -> dict[str, Any]:
         done = subprocess.run([*command, "--json"], stdout=subprocess.PIPE, check=True)
         return {"result": condensed(json.loads(done.stdout))}
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([*command, "--out", f"{folder}/run"], stdout=subprocess.DEVNULL, check=True)
+        subprocess.run(
+            [*command, "--out", f"{folder}/run"],
+            stdout=subprocess.DEVNULL,
+            check=True,
+            cwd=FOLDER.parent / "learners" if words[0] == "train" else None,
+        )
         return result_of(Path(folder, "run"))
 
 

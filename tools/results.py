@@ -16,7 +16,7 @@ from ..envs.evaluation import REFERENCES
 from ..envs.model.cuffs import FORCE_LIMITS
 from ..scripts.output import markdown_table
 from .leaderboard import DOCS, RESULTS
-from .measure import kept
+from .measure import TRAININGS, kept
 
 WEIGHTLESS = "microgravity"
 CUFFS = DOCS / "cuffs.jsonl"
@@ -425,6 +425,17 @@ def hindered() -> str:
     return markdown_table([*header, *(f"{name}: success, effort" for name in names)], rows)
 
 
+def weightless() -> str:
+    """Returns a table of trainings in weightlessness, by their options."""
+    rows = []
+    for name, options in TRAININGS.items():
+        found = kept(f"weightless-{name}")["result"]
+        reliefs = [one["relief"]["value"] for one in found["best"].values()]
+        mean = f"{found['together']['value']:.2f}"
+        rows.append([f"`{options}`", mean, f"{min(reliefs):.2f} to {max(reliefs):.2f}"])
+    return markdown_table(["options", "interquartile mean", "lowest to highest"], rows)
+
+
 def learning() -> str:
     """Returns the relief that ways of training reach in each task, beside other policies."""
     found = kept("learning")["result"]
@@ -567,7 +578,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
-        **{"learning": learning, "tuned": tuned},
+        **{"learning": learning, "tuned": tuned, "weightless": weightless},
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
     "environments.md": {"speed": lambda: speed("env")},
