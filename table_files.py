@@ -79,7 +79,7 @@ def read_table(
         at, separator, header = _without_header(path, lines)
     else:
         at, separator, header = _header(path, lines, is_header, expected)
-    data = [(i, line) for i, line in lines[at:] if not line.lstrip().startswith(COMMENT)]
+    data = [one for one in lines[at:] if not one[1].lstrip().startswith(COMMENT)]
     units: Cells = []
     if data and is_header is not None:
         first = _cells(path, *data[0], separator)
