@@ -1,4 +1,4 @@
-"""`activesuit export`: writes a trained policy as an ONNX model (needs the extra `onnx`)."""
+"""`activesuit export`: writes a policy as an ONNX model, or a suit or a policy as C code."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,38 +6,113 @@ from typing import Annotated
 import numpy as np
 import tyro
 
+from ...assets.c_export import Part, suit_header
+from ...envs.model import ArmConfig, resisting_joints
+from ...envs.model.compose import suit_of_config
 from ...envs.policies import POLICIES
 from ...envs.policies.network import read_card, read_network
 from ...envs.policies.trained import folder_of
-from ...errors import InputError, shown
+from ...errors import InputError, shown, unknown_name
 from ...files import check_target, replacing
-from ..options import Force
-from ..output import say
+from ...hysteresis.c_code import BYTES, identifier
+from ..arm_options import USUAL, ArmOptions
+from ..options import Force, choice, joints
+from ..output import say, table
 
 TOLERANCE = 1e-5  # largest difference between the model's outputs and those of the network
+OF_SUITS = {"pressure", "preconditioned", "allow_uncertified"}  # options that a suit has
+JointName = Annotated[
+    str | None, choice(joints, "Joint of the suit to export.", "all joints of the suit")
+]
 
 
 def export(
-    policy: Annotated[Path, tyro.conf.Positional],
+    what: Annotated[str, tyro.conf.Positional],
     /,
     onnx: bool = False,
-    out: Path = Path("policy.onnx"),
+    c: bool = False,
+    joint: JointName = None,
+    out: Path | None = None,
     force: Force = False,
+    arm: ArmOptions = USUAL,
 ) -> None:
-    """Export a trained policy as an ONNX model, which other runtimes run.
+    """Export a policy as an ONNX model, or a suit as C code for a device.
 
-    The model has the input observation and the output action; a network with an LSTM also has the
-    input memory and the output next_memory. Its metadata says what to observe. Before the file is
-    written, the outputs for 1,000 random observations are compared with those of the network.
+    The ONNX model has the input observation and the output action; a network with an LSTM also has
+    the input memory and the output next_memory. Its metadata says what to observe. Before the file
+    is written, the outputs for 1,000 random observations are compared with those of the network.
+
+    The C code is one C99 header, whose functions compute the resistance of a suit's joints at each
+    new angle.
 
     Args:
-        policy: Name of a shipped network, or folder of a training run or of `save_policy`.
-        onnx: Whether to write an ONNX model, the one format that there is (needs the extra
-            activesuit[onnx]).
-        out: New file of the model.
+        what: Name of a shipped network, or folder of a training run or of `save_policy`, for
+            --onnx; name or file of a suit for --c.
+        onnx: Whether to write an ONNX model (needs the extra activesuit[onnx]).
+        c: Whether to write C code.
+        out: New file; by default policy.onnx, or the name of the suit with .h. Its name begins the
+            names of the C functions.
     """
-    if not onnx:
-        raise InputError("no format is given: add --onnx, which writes an ONNX model")
+    if onnx == c:
+        raise InputError(
+            f"{'two formats are' if onnx else 'no format is'} given: add either --onnx, which "
+            "writes a network as an ONNX model, or --c, which writes a suit as C code"
+        )
+    if onnx:
+        refuse({"joint": joint, **arm.given()}, set(), "an ONNX model")
+        export_network(Path(what), out or Path("policy.onnx"), force)
+        return
+    refuse(arm.given(), OF_SUITS, "a suit")
+    export_suit(what, joint, arm, out, force)
+
+
+def refuse(given: dict[str, object], known: set[str], what: str) -> None:
+    """Refuses options that change nothing in what is exported.
+
+    Raises:
+        InputError: One of them is given.
+    """
+    for name, value in given.items():
+        if value is not None and name not in known:
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(f"{option} is {shown(value)}, and {what} has none: leave it out")
+
+
+def export_suit(
+    what: str, joint: str | None, arm: ArmOptions, out: Path | None, force: bool
+) -> None:
+    """Writes the joints of a suit as C code."""
+    config = ArmConfig(**{**arm.config(what, None), "coupling": "none"})
+    suit, entries = suit_of_config(config), resisting_joints(config)
+    if suit is None or not entries:
+        raise InputError(f"the suit {shown(what)} resists no joint: name one that does")
+    if joint is not None:
+        if joint not in entries:
+            raise unknown_name("joint of this suit", joint, entries)
+        entries = {joint: entries[joint]}
+    out = out or Path(f"{Path(what).stem}.h")
+    about = [f"Resistance of the suit {suit.name}, by joint. {suit.description}"]
+    text, parts = suit_header(
+        entries, identifier(out.stem), about, allow_uncertified=config.allow_uncertified
+    )
+    write_header(text, parts, out, force)
+
+
+def write_header(text: str, parts: list[Part], out: Path, force: bool) -> None:
+    """Writes a header, and prints the memory that its parts need."""
+    with replacing(out, force=force) as scratch:
+        scratch.write_text(text, encoding="ascii")
+    columns = [(kind, i) for i in range(2) for kind in BYTES]
+    header = [f"{('state', 'tables')[i]}\n{kind}" for kind, i in columns]
+    rows = [
+        [part.name, part.what, *(str(part.bytes(kind)[i]) for kind, i in columns)] for part in parts
+    ]
+    table("memory on the device [bytes]", ["part", "model", *header], rows)
+    say(f"wrote {out}")
+
+
+def export_network(policy: Path, out: Path, force: bool) -> None:
+    """Writes a network as an ONNX model."""
     if not policy.is_dir() and str(policy).partition(":")[0] in POLICIES:
         raise InputError(
             f"the policy {shown(str(policy))} is no network: give the folder of a training run"
