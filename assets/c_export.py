@@ -13,6 +13,16 @@ from .suit_joints import SuitJoint
 
 GOLDEN_STEP = 0.1  # s, between two golden values of a viscoelastic model
 GOLDEN = (1.0, 0.2, 0.7, 0.5, 0.9, 0.0, 0.4)  # places of the golden values in the joint's range
+INTRODUCTION = (
+    f"Made by ActiveSuit {__version__}: C99, without allocation and without global variables. "
+    "Numbers are double, or float where ACTIVESUIT_FLOAT is defined before the header is included. "
+    "Angles are in rad, torques in N m, times in s. Do not compile with -ffast-math."
+)
+"""The paragraph that every header has."""
+STEP = (
+    "A step returns the resistance to the motion: the suit's torque on the joint is its negative. "
+    "The step for an angle that is not finite returns NaN and changes nothing."
+)
 
 
 @dataclass(frozen=True)
@@ -61,7 +71,7 @@ def suit_header(
             start = joint.model.start(joint.start_angle, joint.start_torque)
             require_certificate(joint.model, start, name)
         before = header.constants
-        header.add(comment(_about(name, joint)))
+        header.add(comment([*joint_comment(name, joint), "", *_golden(joint)]))
         state = header.model(f"as_{name}", joint.model, joint.begun())
         parts.append(Part(name, kind_of(joint.model), state, header.constants - before))
     first = next(iter(joints))
@@ -73,19 +83,7 @@ def suit_header(
             f"  torque = {prefix}_{first}_step(&state, angle{dt});",
         )
     )
-    return header.text([*about, *introduction(), "", usage]), parts
-
-
-def introduction() -> list[str]:
-    """Returns the paragraphs that every header has."""
-    return [
-        f"Made by ActiveSuit {__version__}: C99, without allocation and without global variables. "
-        "Numbers are double, or float where ACTIVESUIT_FLOAT is defined before the header is "
-        "included.",
-        "Angles are in rad, torques in N m, times in s. A step returns the resistance to the "
-        "motion: the suit's torque on the joint is its negative. The step for an angle that is not "
-        "finite returns NaN and changes nothing. Do not compile with -ffast-math.",
-    ]
+    return header.text([*about, INTRODUCTION, STEP, "", usage]), parts
 
 
 def kind_of(model: HysteresisModel) -> str:
@@ -94,7 +92,8 @@ def kind_of(model: HysteresisModel) -> str:
     return f"{model.name} {kind_of(inner)}" if inner is not None else model.name
 
 
-def _about(name: str, joint: SuitJoint) -> list[str]:
+def joint_comment(name: str, joint: SuitJoint) -> list[str]:
+    """Returns the paragraphs about a joint: source, certificate, parameters."""
     low, high = joint.range
     path = ", ".join(f"{angle:g}" for angle in joint.start_path)
     begins = f"{joint.start_torque:g} N m at {joint.start_angle:g} rad"
@@ -104,8 +103,6 @@ def _about(name: str, joint: SuitJoint) -> list[str]:
         f"It begins with {begins}" + (f", and then goes to {path} rad." if path else "."),
         "",
         "\n".join(parameters(joint.model)),
-        "",
-        *_golden(joint),
     ]
 
 

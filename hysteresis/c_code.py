@@ -77,7 +77,7 @@ class Header:
         numbers = list(map(float, values))
         self.constants += len(numbers)
         rows = [
-            ", ".join(_literal(value) for value in numbers[i : i + PER_LINE])
+            ", ".join(literal(value) for value in numbers[i : i + PER_LINE])
             for i in range(0, len(numbers), PER_LINE)
         ]
         lines = ",\n".join(f"    {row}" for row in rows)
@@ -234,7 +234,12 @@ def _numbers(model: Wrapper) -> list[float]:
     return [float(number) for value in own for number in np.ravel(value)]
 
 
-def _literal(value: float) -> str:
+def literal(value: float) -> str:
+    """Returns a number in C.
+
+    Raises:
+        InputError: It is not finite, or too large for 32 bits.
+    """
     if not abs(value) <= LARGEST:
         raise InputError(
             f"the model has the number {value:g}, and C code for 32-bit numbers needs at most "
