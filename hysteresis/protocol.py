@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Any, ClassVar, NamedTuple
 
@@ -131,6 +132,11 @@ class HysteresisModel(ABC):
     def units(self) -> dict[str, str]:
         """Units of the parameters in `to_dict`, by name; a pure number has no entry."""
         return {}
+
+    @property
+    def c_source(self) -> Path:
+        """File with the kernel `commit` in C99, beside the kernels; see `c_code`."""
+        return Path(str(self.kernels.__file__)).with_suffix(".c")
 
     def config(self) -> dict[str, Any]:
         """Returns the parameters as MJCF has them: a number, a text or a list for each key."""

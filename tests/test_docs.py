@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import pytest
 from activesuit.scripts.main import COMMANDS, command_of
 from activesuit.scripts.parsing import parsed
+from c_programs import compiler
 from helpers import shorten_tasks
 
 ROOT = Path(__file__).parent.parent
@@ -61,6 +62,8 @@ def test_the_loops_page_prints_what_it_says(folder, capsys):
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_draw_their_pictures(name, folder):
     assert (FIGURES / f"{name}.png").exists()
+    if name == "device":
+        compiler()
     script = (FIGURES / f"{name}.py").read_text(encoding="utf-8")
     coarser = script.replace("spacing=0.025, wrist_angles=33", "spacing=0.05, wrist_angles=9")
     exec(compile(coarser, f"{name}.py", "exec"), {"__name__": "__main__"})

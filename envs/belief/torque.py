@@ -81,12 +81,16 @@ class BelievedSuit:
 
     Attributes:
         size: Number of values in the memory of an arm.
+        joints: Assisted joints that resist, by name.
+        dead_band: Greatest change of an angle that counts as no motion [rad].
+        dt: Time from one angle to the next [s].
     """
 
     def __init__(
         self, joints: Mapping[str, SuitJoint | JointBelief], count: float, dt: float
     ) -> None:
-        self._dead, self._dt = DEAD_BAND * count, dt
+        self.dead_band, self.dt = DEAD_BAND * count, dt
+        self.joints = {name: joints[name] for name in ASSISTED if name in joints}
         self._entries: dict[int, JointBelief] = {}
         self._viscoelastic: dict[int, Viscoelastic] = {}
         for i, name in enumerate(ASSISTED):
@@ -127,7 +131,7 @@ class BelievedSuit:
             lead: Time until the motors have answered [s].
         """
         followed, soon = memory[:, : len(ASSISTED)], angle + lead * rate
-        moved = np.abs(angle - followed) > self._dead
+        moved = np.abs(angle - followed) > self.dead_band
         followed[moved] = angle[moved]
         torque = np.zeros_like(soon)
         for i, entry in self._entries.items():
@@ -137,9 +141,9 @@ class BelievedSuit:
             element = memory[:, self._elements[i] : self._elements[i] + 2]
             torque[:, i] += model.damping * rate[:, i]
             if model.relaxation_stiffness > 0:
-                moved = (angle[:, i] - element[:, 0]) / self._dt
+                moved = (angle[:, i] - element[:, 0]) / self.dt
                 element[:, 0] = angle[:, i]
-                element[:, 1] = _relaxed(model, element[:, 1], moved, self._dt)
+                element[:, 1] = _relaxed(model, element[:, 1], moved, self.dt)
                 torque[:, i] += _relaxed(model, element[:, 1], rate[:, i], lead)
         return torque
 
@@ -159,6 +163,9 @@ class BelievedWeight:
     Args:
         model: Model of the believed arm; with cuffs, the exoskeleton's joints are taken at the
             same angles as the arm's.
+
+    Attributes:
+        torque: The torque as a function of the four angles.
     """
 
     def __init__(self, model: mujoco.MjModel) -> None:
@@ -174,12 +181,12 @@ class BelievedWeight:
             mujoco.mj_rne(model, data, 0, torque)
             return np.sum([torque[chain] for chain in places], axis=0)[assisted]
 
-        self._torque = Trigonometric(static_torque, len(JOINTS), 1)
+        self.torque = Trigonometric(static_torque, len(JOINTS), 1)
 
     def __sub__(self, other: "BelievedWeight") -> "BelievedWeight":
         """Returns the difference of the static torques of two models."""
         rest = copy.copy(self)
-        rest._torque = self._torque - other._torque
+        rest.torque = self.torque - other.torque
         return rest
 
     def __call__(self, angle: Array) -> Array:
@@ -188,7 +195,7 @@ class BelievedWeight:
         Args:
             angle: Angles of the four joints [rad], shape (n, 4).
         """
-        return self._torque(angle)
+        return self.torque(angle)
 
 
 def chains(model: mujoco.MjModel) -> list[NDArray[np.int64]]:

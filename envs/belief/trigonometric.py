@@ -22,6 +22,10 @@ class Trigonometric:
         function: Function from a pose [rad], shape (joints,), to numbers, any shape.
         joints: Number of joints.
         degree: Highest degree of the sine and cosine of one joint.
+
+    Attributes:
+        coefficients: Coefficients of the products, shape (products, numbers). The products of the
+            first joints come first, and joint j multiplies them by 1, sin(k angle), cos(k angle).
     """
 
     def __init__(self, function: Callable[[Array], Array], joints: int, degree: int) -> None:
@@ -31,13 +35,13 @@ class Trigonometric:
         products = np.empty((len(poses), len(poses)))
         for pose, row in zip(poses, products, strict=True):
             _multiply(pose, degree, -1, row)
-        self._coefficients = np.linalg.solve(products, values.reshape(len(poses), -1))
+        self.coefficients = np.linalg.solve(products, values.reshape(len(poses), -1))
         self._degree, self._shape = degree, values.shape[1:]
 
     def __sub__(self, other: "Trigonometric") -> "Trigonometric":
         """Returns the difference of two functions of the same joints and degree."""
         rest = copy.copy(self)
-        rest._coefficients = self._coefficients - other._coefficients
+        rest.coefficients = self.coefficients - other.coefficients
         return rest
 
     def __call__(self, angle: Array, slope: int = -1) -> Array:
@@ -47,8 +51,8 @@ class Trigonometric:
             angle: Angles [rad], shape (n, joints).
             slope: Joint with respect to whose angle to differentiate; -1 is none.
         """
-        found = np.zeros((len(angle), self._coefficients.shape[1]))
-        _sum(np.ascontiguousarray(angle), self._degree, slope, self._coefficients, found)
+        found = np.zeros((len(angle), self.coefficients.shape[1]))
+        _sum(np.ascontiguousarray(angle), self._degree, slope, self.coefficients, found)
         return found.reshape(len(angle), *self._shape)
 
 

@@ -105,7 +105,7 @@ class Adaptive(ModelBased):
         soon = seen["angle"] + self.lead * rate
         own = self._whole(soon) - self._weight(soon)
         corrected = (self._theta * self._terms(seen, self.lead)).sum(axis=-1)
-        return corrected + own + self._friction(rate[:, self.assisted])
+        return corrected + own + self.friction(rate[:, self.assisted])
 
     def _observe(
         self, terms: Array, momentum: Array, known: Array, rate: Array, given: Array
@@ -139,8 +139,8 @@ class Adaptive(ModelBased):
     def _terms(self, seen: Seen, lead: float) -> Array:
         """Returns the regressors after a time [s], shape (n, 2, 4)."""
         angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
-        assert self._suit is not None
-        resistance = self._suit.follow(self._memory, angle, rate, lead)
+        assert self.suit is not None
+        resistance = self.suit.follow(self._memory, angle, rate, lead)
         weight = self._weight(seen["angle"] + lead * seen["rate"])
         here = angle + lead * rate
         return np.stack([resistance, here, np.ones_like(here), weight], axis=-1)

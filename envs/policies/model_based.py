@@ -4,13 +4,13 @@ Each is a sum of terms, and all terms are at the angle plus the lead times the r
 where the joint will be when the motors have answered; friction is at the measured rate.
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Array
 from ...checks import within
-from ..belief import LEAD, BelievedSuit
+from ..belief import LEAD, BelievedSuit, BelievedWeight
 from ..model import Exo
 from ..plant import Plant
 from ..provenance import Quantity
@@ -32,9 +32,27 @@ _SHARE = Quantity(
 )
 PROVENANCE: tuple[Quantity, ...] = (_TURNING, _SHARE)
 SHARE = _SHARE.value
+TURNING = _TURNING.value
 LONGEST_LEAD = 0.2  # s
 
-Weight = Callable[[Array], Array]
+
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """The friction of the motors, as a function from rates [rad/s], (n, 2), to torques [N·m].
+
+    Attributes:
+        share: Share of the friction that is meant.
+        coulomb: Coulomb friction of each motor [N·m], shape (2,).
+        viscous: Viscous friction of each motor [N·m·s/rad], shape (2,).
+    """
+
+    share: float
+    coulomb: Array
+    viscous: Array
+
+    def __call__(self, rate: Array) -> Array:
+        """Returns the torque that overcomes it [N·m], shape (n, 2)."""
+        return self.share * (self.coulomb * np.tanh(rate / TURNING) + self.viscous * rate)
 
 
 class ModelBased(TorquePolicy):
@@ -42,11 +60,16 @@ class ModelBased(TorquePolicy):
 
     Args:
         plant: What the policy may know of the arms.
-        weight: Function from angles [rad], shape (n, 4), to the torque that carries what shall be
-            carried [N·m], shape (n, 2); None carries nothing.
+        weight: Weight that is carried; None carries nothing.
         suit: Follower of the suit whose torque is cancelled; None cancels none.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
         lead: Time by which the motors answer late [s], 0 to 0.2.
+
+    Attributes:
+        config: Arm that the policy believes in, if `make_policy` has made it.
+        weight: Weight that is carried, or None.
+        suit: Follower of the suit, or None.
+        friction: Friction that is cancelled.
 
     Raises:
         InputError: The lead or the share is out of its range.
@@ -56,41 +79,42 @@ class ModelBased(TorquePolicy):
         self,
         plant: Plant,
         *,
-        weight: Weight | None = None,
+        weight: BelievedWeight | None = None,
         suit: BelievedSuit | None = None,
         friction: float = 0.0,
         lead: float = LEAD,
     ) -> None:
         super().__init__(plant)
         within("lead", lead, 0, LONGEST_LEAD, " s")
-        self._weight, self._suit, self.lead = weight, suit, lead
+        self.config = plant.config
+        self.weight, self.suit, self.lead = weight, suit, lead
         within("friction", friction, 0, 1)
-        self._friction = friction_of(plant.config.exo, friction)
+        self.friction = friction_of(plant.config.exo, friction)
 
     def begin(self, seen: Seen) -> None:
         """Begins the suit's memory in the state in which the true suit begins."""
-        if self._suit is not None:
-            self._memory = self._suit.begin(seen["angle"][:, self.assisted])
+        if self.suit is not None:
+            self._memory = self.suit.begin(seen["angle"][:, self.assisted])
 
     def torque(self, seen: Seen) -> Array:
         """Returns the sum of the torques [N·m], shape (n, 2)."""
         angle, rate = seen["angle"], seen["rate"]
         torque = np.zeros((len(angle), len(self.peak)))
-        if self._weight is not None:
-            torque += self._weight(angle + self.lead * rate)
-        if self._suit is not None:
+        if self.weight is not None:
+            torque += self.weight(angle + self.lead * rate)
+        if self.suit is not None:
             torque += self.suit_torque(seen)
-        return torque + self._friction(rate[:, self.assisted])
+        return torque + self.friction(rate[:, self.assisted])
 
     def suit_torque(self, seen: Seen) -> Array:
         """Moves the suit's memory on; returns its believed resistance soon [N·m], (n, 2)."""
-        assert self._suit is not None
+        assert self.suit is not None
         angle, rate = seen["angle"][:, self.assisted], seen["rate"][:, self.assisted]
-        return self._suit.follow(self._memory, angle, rate, self.lead)
+        return self.suit.follow(self._memory, angle, rate, self.lead)
 
 
-def friction_of(exo: Exo, share: float, *, viscous: bool = True) -> Callable[[Array], Array]:
-    """Returns a function from rates [rad/s], (n, 2), to the motors' friction [N·m].
+def friction_of(exo: Exo, share: float, *, viscous: bool = True) -> Friction:
+    """Returns the friction of the motors.
 
     Args:
         exo: Exoskeleton whose motors they are.
@@ -100,8 +124,4 @@ def friction_of(exo: Exo, share: float, *, viscous: bool = True) -> Callable[[Ar
     """
     coulomb = np.array([motor.coulomb for motor in exo.motors.values()])
     by_rate = np.array([motor.viscous if viscous else 0.0 for motor in exo.motors.values()])
-
-    def against(rate: Array) -> Array:
-        return share * (coulomb * np.tanh(rate / _TURNING.value) + by_rate * rate)
-
-    return against
+    return Friction(share, coulomb, by_rate)

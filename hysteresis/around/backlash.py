@@ -53,6 +53,7 @@ class Backlash(Wrapper):
 
     name = "backlash"
     least: ClassVar = MappingProxyType({"gap": 0.0})
+    c_state: ClassVar[int] = 2
 
     gap: float
 

@@ -48,6 +48,7 @@ class Viscoelastic(Wrapper):
     least: ClassVar = MappingProxyType(
         {"damping": 0.0, "relaxation_stiffness": 0.0, "relaxation_time": 0.0}
     )
+    c_state: ClassVar[int] = 2
 
     damping: float = 0.0
     relaxation_stiffness: float = 0.0

@@ -1,9 +1,11 @@
 """`Wrapper`, the base class of models that are built around another model."""
 
+import sys
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 from ...arrays import Array
 from ..protocol import HysteresisModel, State
@@ -16,6 +18,9 @@ class Wrapper(HysteresisModel):
     Attributes:
         model: Inner model.
     """
+
+    c_state: ClassVar[int] = 0
+    """How many numbers the class adds to the state in C."""
 
     model: HysteresisModel
 
@@ -33,6 +38,11 @@ class Wrapper(HysteresisModel):
     def memory_size(self) -> int:
         """How many numbers the memory holds, which is that of the inner model."""
         return self.model.memory_size
+
+    @property
+    def c_source(self) -> Path:
+        """File with what this class adds to the inner model in C99, beside the class."""
+        return Path(str(sys.modules[type(self).__module__].__file__)).with_suffix(".c")
 
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""

@@ -15,10 +15,9 @@ from ...errors import InputError, unknown_name
 from ..around import Asymmetric, Backlash, Clipped, Viscoelastic
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ..certificate import UncertifiedModelError
-from ..jiles_atherton import PARAMETERS, JilesAtherton, nearest_certified
-from ..protocol import HysteresisModel, State, follow
+from ..protocol import HysteresisModel, follow
 from ..registry import MODELS
+from ..safety import require_certificate
 from ._faults import (
     ANGLE_RANGE,
     GAP,
@@ -97,7 +96,7 @@ def attach(
         _reference(spec, target) if start_angle is None else start_angle, start_torque
     )
     if not allow_uncertified:
-        _require_certificate(model, start, joint)
+        require_certificate(model, start, joint)
     is_empty = isinstance(start_path, Sequence) and not start_path
     path = () if is_empty else numbers("start_path", start_path, "rad")
     follow(model, start, path)
@@ -215,7 +214,7 @@ def replace_model(
         torque if start_torque is None else start_torque,
     )
     if not allow_uncertified:
-        _require_certificate(model, start, joint)
+        require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
     bare, *around, play = _parts(model)
     if play.size:
@@ -355,27 +354,3 @@ def _reference(spec: mujoco.MjSpec, joint: mujoco.MjsJoint) -> float:
     """Returns the joint's reference position, which its qpos has after a reset."""
     in_degrees = spec.compiler.degree and joint.type == mujoco.mjtJoint.mjJNT_HINGE
     return math.radians(joint.ref) if in_degrees else joint.ref
-
-
-def _require_certificate(model: HysteresisModel, start: State, joint: str) -> None:
-    certificate = model.certificate()
-    if not (certificate.certified and certificate.dissipative):
-        near, hint = None, "use other parameters"
-        if isinstance(model, JilesAtherton):
-            near, change = nearest_certified(model)
-            values = ", ".join(f"{name}={getattr(near, name):.6g}" for name in PARAMETERS)
-            hint = f"use the nearest certified model ({100 * change:.2g} % off): {values}"
-        raise UncertifiedModelError(
-            f"{joint}: the certificate margin is {certificate.margin:.3g} (above 0 needed) and "
-            f"dissipative is {certificate.dissipative}; {hint}, or allow_uncertified=True "
-            "(--allow-uncertified)",
-            margin=certificate.margin,
-            nearest=near,
-        )
-    if not model.start_is_certified(start):
-        raise UncertifiedModelError(
-            f"the start of joint {joint!r} at {start.angle:.4g} rad, {start.torque:.4g} N·m lies "
-            f"outside the certificate, within {certificate.memory_bound:.3g} N·m of the torque at "
-            "rest: start nearer to it, or allow_uncertified=True",
-            margin=certificate.margin,
-        )

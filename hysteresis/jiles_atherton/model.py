@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -127,6 +128,13 @@ class JilesAtherton(HysteresisModel):
             p, self.Ms, self.a * scale, self.alpha * scale, self.c, self.k * scale, form, clamp
         )
         return read_only(p)
+
+    @property
+    def c_source(self) -> Path:
+        """File with the kernel `commit` in C99; other forms and clamps have one of their own."""
+        if kernels.is_exact(self._parameters):
+            return super().c_source
+        return super().c_source.with_name("other_forms.c")
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
         """Proves, where it can be proved, that no motion meets the pole (docs/theory.md, "Safety").

@@ -159,7 +159,12 @@ def test_numbers_that_32_bits_cannot_have(capsys, tmp_path):
 
 
 def test_mistakes(capsys, tmp_path, run):
-    assert "no format is given: add --onnx" in fails(capsys, run)
+    assert "no format is given: add either --onnx" in fails(capsys, run)
+    assert "two formats are given: add either --onnx" in fails(capsys, run, "--onnx", "--c")
+    message = fails(capsys, run, "--onnx", "--payload", 2)
+    assert "--payload is 2.0, and an ONNX model has none: leave it out" in message
+    message = fails(capsys, run, "--onnx", "--joint", "elbow_flexion")
+    assert "--joint is 'elbow_flexion', and an ONNX model has none" in message
     assert "required" in fails(capsys, "--onnx")
     assert "has no readable policy.json" in fails(capsys, tmp_path, "--onnx")
     assert "has no readable policy.json" in fails(capsys, tmp_path / "nosuch", "--onnx")

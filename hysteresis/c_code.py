@@ -1,0 +1,248 @@
+"""C99 code of models, for controllers without an operating system.
+
+Each model has its kernel `commit` in C beside its kernels in Python, and each model around another
+has its step. `Header` puts them into one header with the numbers of a model. In these files
+
+    as_, AS_             begin every name, and become the name of the header
+    as_NAME_commit       takes the parameters p, their number, the memory s and the angle, as the
+                         kernel of Python does, without the energies; NAME is the folder of a file
+                         kernels.c, or else the name of the file
+    LAYER_, INNER_       begin the names of a model around another, and of the model inside
+    #include "FILE"      is replaced by that file, which a header has once
+"""
+
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InputError, one_line, shown
+from .around import Viscoelastic, Wrapper, viscoelastic_kernels
+from .protocol import HysteresisModel, State
+
+WIDTH = 100  # columns
+PER_LINE = 4  # numbers in a line of a table
+LARGEST = 3e38  # about the largest number of 32 bits
+BYTES = {"float": 4, "double": 8}
+"""Bytes of a number by the type of the numbers."""
+
+
+@dataclass
+class Header:
+    """A C99 header that grows by models and other code.
+
+    Args:
+        prefix: Name with which all names of the header begin, of letters, digits and underscores.
+
+    Attributes:
+        constants: Number of the numbers in its constant tables.
+    """
+
+    prefix: str
+    constants: int = 0
+    _code: list[str] = field(default_factory=list)
+    _included: set[Path] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self.include(Path(__file__).with_suffix(".h"))
+
+    def include(self, path: Path) -> None:
+        """Adds the code of a file, and before it what it includes, each file once.
+
+        Raises:
+            InputError: There is no such file.
+        """
+        path = path.resolve()
+        if path not in self._included:
+            self._included.add(path)
+            self.add(self._read(path))
+
+    def add(self, code: str) -> None:
+        """Adds code, in which `as_` and `AS_` stand for the prefix."""
+        code = re.sub(r"\bas_", f"{self.prefix}_", code)
+        self._code.append(re.sub(r"\bAS_", f"{self.prefix.upper()}_", code).strip())
+
+    def table(self, name: str, values: Iterable[float]) -> None:
+        """Adds a constant array.
+
+        Raises:
+            InputError: A number is not finite, or too large for 32 bits.
+        """
+        numbers = list(map(float, values))
+        self.constants += len(numbers)
+        rows = [
+            ", ".join(literal(value) for value in numbers[i : i + PER_LINE])
+            for i in range(0, len(numbers), PER_LINE)
+        ]
+        lines = ",\n".join(f"    {row}" for row in rows)
+        self.add(f"static const as_real {name}[{len(numbers)}] = {{\n{lines}}};")
+
+    def model(self, name: str, model: HysteresisModel, state: State) -> int:
+        """Adds a model: the type `NAME_state` and the functions `NAME_init` and `NAME_step`.
+
+        Args:
+            name: Name of the functions, which begins with `as_`.
+            model: The model.
+            state: State in which `NAME_init` begins.
+
+        Returns:
+            The number of the numbers in the state.
+
+        Raises:
+            InputError: The model has no C code, or a number that is too large for 32 bits.
+        """
+        return self._layer(name, model, state.memory.tolist())
+
+    def _layer(self, name: str, model: HysteresisModel, memory: Sequence[float]) -> int:
+        source = model.c_source
+        if not source.is_file():
+            raise InputError(
+                f"model {model.name!r} has no C code: write {source.name} beside its "
+                f"{'class' if isinstance(model, Wrapper) else 'kernels'}, as activesuit/hysteresis/"
+                "c_code.py describes it"
+            )
+        if not isinstance(model, Wrapper):
+            self.include(source)
+            return self._kernels(name, model, memory)
+        inner = f"{name}_{identifier(model.model.name)}"
+        size = model.model.memory_size
+        state = self._layer(inner, model.model, memory[:size])
+        self.table(f"{name}_p", _numbers(model))
+        if size < len(memory):
+            self.table(f"{name}_start", memory[size:])
+        code = self._read(source).replace("LAYER_", f"{name}_").replace("INNER_", f"{inner}_")
+        self.add(code)
+        return state + model.c_state
+
+    def _kernels(self, name: str, model: HysteresisModel, memory: Sequence[float]) -> int:
+        path = model.c_source
+        kernel = path.parent.name if path.stem == "kernels" else path.stem
+        start = list(np.trim_zeros(np.array(memory), "b")) or [0.0]  # zeros need no table
+        self.table(f"{name}_p", model.parameter_vector)
+        self.table(f"{name}_start", start)
+        self.add(
+            f"""
+typedef struct {{
+    as_real memory[{len(memory)}];
+}} {name}_state;
+
+static inline void {name}_init({name}_state *s)
+{{
+    for (int i = 0; i < {len(memory)}; i++)
+        s->memory[i] = i < {len(start)} ? {name}_start[i] : 0;
+}}
+
+static inline as_real {name}_step({name}_state *s, as_real angle)
+{{
+    return as_{kernel}_commit({name}_p, {len(model.parameter_vector)}, s->memory, angle);
+}}"""
+        )
+        return len(memory)
+
+    def _read(self, path: Path) -> str:
+        code = path.read_text(encoding="ascii")
+        for name in re.findall(r'^#include "(.+)"\n', code, re.MULTILINE):
+            self.include(path.parent / name)
+        return re.sub(r'^#include "(.+)"\n', "", code, flags=re.MULTILINE)
+
+    def text(self, about: Sequence[str]) -> str:
+        """Returns the header.
+
+        Args:
+            about: Paragraphs of the comment with which it begins; see `comment`.
+        """
+        guard = f"{self.prefix.upper()}_H"
+        parts = [comment(about), f"#ifndef {guard}\n#define {guard}", *self._code, "#endif"]
+        return "\n\n".join(parts) + "\n"
+
+
+def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Array:
+    """Returns the torques that `NAME_step` computes, by the kernels of Python.
+
+    Args:
+        model: The model.
+        state: State in which the motion begins.
+        angle: Angle of each step [rad], shape (n,).
+        dt: Time of a step [s], which only a viscoelastic model uses.
+
+    Returns:
+        Resistance [N·m], shape (n,).
+
+    Raises:
+        PoleError: The motion meets the pole of an uncertified model.
+    """
+    torque = np.empty(len(angle))
+    for i, to in enumerate(angle):
+        state, torque[i] = model.step(state, to)
+    if isinstance(model, Viscoelastic):
+        element = np.empty(len(angle))
+        viscoelastic_kernels.follow(model.begun(), dt * np.arange(len(angle)), angle, element)
+        torque += element + model.damping * np.diff(angle, prepend=angle[:1]) / dt
+    return torque
+
+
+def identifier(name: str) -> str:
+    """Returns a name with an underscore for each character that no name in C may have.
+
+    Raises:
+        InputError: No letter is at its beginning.
+    """
+    found = re.sub(r"[^A-Za-z0-9_]", "_", name)
+    if not re.match("[A-Za-z]", found):
+        raise InputError(
+            f"the name is {shown(name)}: begin it with a letter from a to z, since the names of "
+            "the C functions begin with it"
+        )
+    return found
+
+
+def comment(paragraphs: Sequence[str]) -> str:
+    """Returns a comment in C; a paragraph that begins with spaces keeps its lines."""
+    lines = []
+    for paragraph in paragraphs:
+        kept = paragraph.startswith(" ")
+        lines += paragraph.split("\n") if kept else textwrap.wrap(paragraph, WIDTH - 4) or [""]
+    safe = (one_line(line.replace("·", " ")).replace("*/", "* /") for line in lines)
+    safe = (line.replace("/*", "/ *").encode("ascii", "backslashreplace") for line in safe)
+    return "/*" + "\n".join(f" * {line.decode()}".rstrip() for line in safe)[2:] + "\n */"
+
+
+def parameters(model: HysteresisModel) -> list[str]:
+    """Returns the parameters of a model with their units, one a line, those inside it last."""
+    lines = [f"  {model.name}"]
+    for name, value in model.to_dict().items():
+        if name not in ("model", "hysteresis"):
+            unit = model.units.get(name)
+            lines += textwrap.wrap(
+                f"    {name} = {value}" + (f"  [{unit}]" if unit else ""),
+                WIDTH - 4,
+                subsequent_indent="      ",
+            )
+    return lines + (parameters(model.model) if isinstance(model, Wrapper) else [])
+
+
+def _numbers(model: Wrapper) -> list[float]:
+    """Returns the parameters that a model adds to the one inside, end to end."""
+    content: dict[str, Any] = model.to_dict()
+    own = (value for name, value in content.items() if name not in ("model", "hysteresis"))
+    return [float(number) for value in own for number in np.ravel(value)]
+
+
+def literal(value: float) -> str:
+    """Returns a number in C.
+
+    Raises:
+        InputError: It is not finite, or too large for 32 bits.
+    """
+    if not abs(value) <= LARGEST:
+        raise InputError(
+            f"the model has the number {value:g}, and C code for 32-bit numbers needs at most "
+            f"{LARGEST:g}: choose another unit or a smaller number"
+        )
+    return f"{'-' if math.copysign(1, value) < 0 else ''}AS_({abs(value)!r})"

@@ -1,0 +1,277 @@
+"""The C code of every model, compiled and compared with the kernels of Python."""
+
+import subprocess
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import (
+    MODELS,
+    TABLE_2,
+    Asymmetric,
+    Backlash,
+    BoucWen,
+    Clipped,
+    HysteresisModel,
+    JilesAtherton,
+    Viscoelastic,
+)
+from activesuit.hysteresis.around import Wrapper
+from activesuit.hysteresis.around import viscoelastic_kernels as kernels
+from activesuit.hysteresis.c_code import Header, comment, identifier, parameters, stepped
+from activesuit.hysteresis.references import EXAMPLES
+from c_programs import answers, compiled
+from maxwell_slip import MaxwellSlip
+
+SAMPLES, DT = 10_000, 0.01
+# Largest difference from Python over the peak. Other forms than "bulk" take steps whose own error
+# is 1e-9 in double and 1e-6 in float.
+TOLERANCE = {"double": 1e-12, "float": 5e-5}
+OTHER_FORMS = {"double": 1e-11, "float": 3e-4}
+POLYNOMIAL = (0.3, -0.5, 0.8)
+
+
+@dataclass(frozen=True)
+class Case:
+    model: HysteresisModel
+    low: float
+    high: float
+    torque: float = 0.0
+
+    def start(self):
+        """Angle and torque at which the bare model inside begins at its lowest angle."""
+        angle, torque, model = self.low, self.torque, self.model
+        if isinstance(model, Viscoelastic):
+            model = model.model
+        gap = model.gap if isinstance(model, Backlash) else 0.0
+        model = model.model if gap else model
+        if isinstance(model, Asymmetric):
+            torque += float(model.elastic(angle))
+        return angle + np.copysign(gap / 2, torque) * (abs(torque) > 1e-9), torque
+
+
+def around(model, low, high):
+    """Every way in which other models can be around one."""
+    clipped = Clipped(model=model, angle_range=(low, low + 0.8 * (high - low)))
+    bent = Asymmetric(model=clipped, polynomial=POLYNOMIAL)
+    play = Backlash(model=bent, gap=0.05)
+    rate = {"damping": 0.2, "relaxation_stiffness": 3.0, "relaxation_time": 0.15}
+    return {
+        "clipped": clipped,
+        "asymmetric": Asymmetric(model=model, polynomial=POLYNOMIAL),
+        "asymmetric clipped": bent,
+        "backlash": Backlash(model=model, gap=0.05),
+        "backlash clipped": Backlash(model=clipped, gap=0.05),
+        "backlash asymmetric clipped": play,
+        "viscoelastic": Viscoelastic(model=model, **rate),
+        "viscoelastic backlash asymmetric clipped": Viscoelastic(model=play, **rate),
+        "dashpot clipped": Viscoelastic(model=clipped, damping=0.4),
+    }
+
+
+def cases():
+    found = {}
+    for name, examples in EXAMPLES.items():
+        for one in examples:
+            found[one.name] = Case(one.model, one.low, one.high, one.start_torque)
+        one = examples[0]
+        if not isinstance(one.model, Wrapper):
+            for kind, model in around(one.model, one.low, one.high).items():
+                found[f"{kind} {name}"] = Case(model, one.low, one.high, one.start_torque)
+    active = {"angle_unit": "deg", "allow_active": True}
+    for form, c in (("bulk", 0.2), ("original", 0.2), ("derivative", 0.3), ("jiles-1992", 0.1)):
+        for clamp in ("none", "jiles", "irreversible"):
+            model = JilesAtherton(
+                Ms=12, a=40, alpha=1.0, c=c, k=20, form=form, clamp=clamp, **active
+            )
+            found[f"J-A {form} {clamp}"] = Case(model, -2, 2)
+    for n, beta, gamma in ((3.5, 4, -3), (1, 3, -5), (20, 1, 0), (2, 2, -2), (1.2, 1, 1)):
+        model = BoucWen(elastic=2, hysteretic=5, beta=beta, gamma=gamma, n=n, rest_angle=0.1)
+        found[f"bouc-wen {n} {beta} {gamma}"] = Case(model, -1, 1)
+    decay = BoucWen(elastic=2, hysteretic=5, beta=3, gamma=1, n=4)
+    found["bouc-wen from far"] = Case(decay, 0, 1, 1e6)
+    return found
+
+
+CASES = cases()
+OTHER = ("J-A bulk jiles", "J-A bulk irr", "J-A original", "J-A derivative", "J-A jiles-1992")
+
+
+def motion(low, high, seed=0):
+    """Angles that turn at random places at random speeds, with minor loops, stops and jumps."""
+    rng, angle = np.random.default_rng(seed), [low]
+    while len(angle) < SAMPLES:
+        width = (high - low) * rng.choice([1.0, 0.1, 0.01])
+        turn = np.clip(angle[-1] + rng.uniform(-width, width), low, high)
+        angle += [*np.linspace(angle[-1], turn, rng.integers(2, 120))[1:]]
+        angle += [angle[-1]] * int(rng.integers(0, 2))
+    return np.array(angle[:SAMPLES])
+
+
+def spiral(low, high):
+    """More nested turns than a Preisach model remembers, inwards and outwards again."""
+    way = (high - low) / 2 * 0.97 ** np.arange(120) * (-1.0) ** np.arange(120)
+    return (low + high) / 2 + np.concatenate([way, way[::-1]])
+
+
+PROGRAM = """#include <stdio.h>
+#include "all.h"
+#define RUN(NAME, STEP) {{ NAME##_state s; NAME##_init(&s); put(sizeof s / sizeof(all_real)); \\
+    for (long i = 0; i < {samples}; i++) {{ \\
+        all_real angle = (all_real)get(); put((double)(STEP)); }} }}
+static double get(void) {{ double x = 0; return fread(&x, sizeof x, 1, stdin) == 1 ? x : 0; }}
+static void put(double x) {{ fwrite(&x, sizeof x, 1, stdout); }}
+int main(void)
+{{
+{runs}
+    return 0;
+}}
+"""
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """Results of C and Python of each case: torques by type, and numbers in the state."""
+    folder = tmp_path_factory.mktemp("c")
+    header, runs, motions, expected, sizes = Header("all"), [], [], {}, {}
+    for number, (name, case) in enumerate(CASES.items()):
+        angle, torque = case.start()
+        state = case.model.start(angle, torque)
+        sizes[name] = header.model(f"as_m{number}", case.model, state)
+        angles = motion(case.low, case.high, number)
+        angles[-240:] = spiral(case.low, case.high)
+        motions.append(angles)
+        expected[name] = torques(case, angles, angle, torque)
+        dt = ", (all_real)0.01" if isinstance(case.model, Viscoelastic) else ""
+        runs.append(f"    RUN(all_m{number}, all_m{number}_step(&s, angle{dt}))")
+    (folder / "all.h").write_text(header.text(["All models."]), encoding="ascii")
+    source = PROGRAM.format(samples=SAMPLES, runs="\n".join(runs))
+    found = {}
+    for kind in ("double", "float"):
+        printed = answers(compiled(folder, source, kind), *motions)
+        found[kind] = dict(zip(CASES, printed.reshape(len(CASES), -1), strict=True))
+    return found, expected, sizes
+
+
+def torques(case, angles, angle, torque):
+    """The torques of Python, in one call of the kernels."""
+    model = case.model
+    slow = model.response(np.concatenate([[angle], angles]), torque)[1:]
+    if isinstance(model, Viscoelastic):
+        slow += model.damping * np.diff(angles, prepend=angles[0]) / DT
+        element = np.empty(angles.size)
+        kernels.follow(model.begun(), DT * np.arange(angles.size), angles, element)
+        slow += element
+    return slow
+
+
+def test_every_model_and_every_class_around_is_compared():
+    used = {type(case.model) for case in CASES.values()}
+    assert used == {type(one.model) for examples in EXAMPLES.values() for one in examples}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_of_the_registry_has_c_code(name):
+    for example in EXAMPLES[name]:
+        assert example.model.c_source.is_file()
+
+
+@pytest.mark.parametrize("kind", TOLERANCE)
+@pytest.mark.parametrize("name", CASES)
+def test_c_computes_what_python_computes(everything, name, kind):
+    found, expected, sizes = everything
+    size, *torque = found[kind][name]
+    allowed = OTHER_FORMS if name.startswith(OTHER) else TOLERANCE
+    peak = np.abs(expected[name]).max()
+    assert np.abs(np.array(torque) - expected[name]).max() <= allowed[kind] * peak
+    assert size == sizes[name]
+
+
+def test_two_headers_in_one_file(tmp_path):
+    model = TABLE_2["elbow-sa-pso"]
+    for prefix, angle in (("one", 0.5), ("two", 0.6)):
+        header = Header(prefix)
+        header.model("as_elbow", model, model.start(angle))
+        (tmp_path / f"{prefix}.h").write_text(header.text([prefix]))
+    program = """#include <stdio.h>
+#include "one.h"
+#include "two.h"
+#include "one.h"
+int main(void)
+{
+    one_elbow_state a; two_elbow_state b;
+    one_elbow_init(&a); two_elbow_init(&b);
+    double torque[2] = {one_elbow_step(&a, 1), two_elbow_step(&b, 1)};
+    return fwrite(torque, sizeof torque, 1, stdout) != 1;
+}
+"""
+    found = answers(compiled(tmp_path, program))
+    expected = [model.step(model.start(angle), 1.0)[1] for angle in (0.5, 0.6)]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_an_angle_that_is_not_finite_changes_nothing(tmp_path):
+    names = ["clipped jiles-atherton", "viscoelastic backlash asymmetric clipped preisach"]
+    names += [name for name, examples in EXAMPLES.items() for name in [examples[0].name]]
+    header, runs, at = Header("all"), [], "(all_real)0.8"
+    for number, name in enumerate(names):
+        case = CASES[name]
+        header.model(f"as_m{number}", case.model, case.model.start(*case.start()))
+        dt = ", 1" if isinstance(case.model, Viscoelastic) else ""
+        step = f"all_m{number}_step(&s, %s{dt})"
+        again = f"!isfinite({step % at})" if dt else f"torque != {step % at}"
+        runs.append(
+            f"""{{ all_m{number}_state s; all_m{number}_init(&s);
+            const all_real torque = {step % at};
+            failed |= !isfinite(torque) || !isnan({step % "(all_real)NAN"}) || {again}; }}"""
+        )
+    (tmp_path / "all.h").write_text(header.text(["All."]))
+    runs = "\n".join(runs)
+    program = f'#include "all.h"\nint main(void) {{ int failed = 0; {runs} return failed; }}\n'
+    for kind in TOLERANCE:
+        assert subprocess.run([compiled(tmp_path, program, kind)], check=False).returncode == 0
+
+
+def test_golden_values_are_those_of_the_steps():
+    case = CASES["viscoelastic backlash asymmetric clipped dahl"]
+    angle, torque = case.start()
+    angles = motion(case.low, case.high)[:500]
+    found = stepped(case.model, case.model.start(angle, torque), angles, DT)
+    np.testing.assert_array_equal(found, torques(case, angles, angle, torque))
+
+
+def test_a_model_without_c_code_is_refused():
+    model = MaxwellSlip(elastic=2.0, spring=20.0, limit=3.0)
+    for one in (model, Clipped(model=model, angle_range=(0, 1))):
+        with pytest.raises(InputError, match=r"has no C code: write maxwell_slip\.c beside"):
+            Header("x").model("as_joint", one, model.start(0.5))
+
+
+def test_a_number_that_32_bits_cannot_hold_is_refused():
+    model = BoucWen(elastic=1e39, hysteretic=1, beta=1, gamma=0, n=1)
+    with pytest.raises(InputError, match=r"has the number 1e\+39, and C code for 32-bit"):
+        Header("x").model("as_joint", model, model.start(0.0))
+
+
+def test_names():
+    assert identifier("my-suit 2.v") == "my_suit_2_v"
+    for name in ("2nd", "_x", "", "été"):
+        with pytest.raises(InputError, match="begin it with a letter from a to z"):
+            identifier(name)
+
+
+def test_comments_end_where_they_should(tmp_path):
+    text = comment(["ends */ int x = y; /* begins ??/ and \x1b bell \\", " kept: N·m θ\n  here *"])
+    assert text.isascii()
+    assert text.count("*/") == text.count("/*") == 1
+    compiled(tmp_path, text + "\nint main(void) { return 0; }\n")
+
+
+def test_parameters_are_listed_with_their_units():
+    lines = parameters(CASES["backlash asymmetric clipped dahl"].model)
+    assert "    gap = 0.05  [rad]" in lines
+    assert "    stiffness = 9.0  [N·m/rad]" in lines
+    assert [line.strip() for line in lines if line[2] != " "] == [
+        *("backlash", "asymmetric", "clipped", "dahl")
+    ]
