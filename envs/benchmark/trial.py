@@ -58,11 +58,11 @@ class _Found(NamedTuple):
 
 
 def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
-    options = trial.setting.options | {"coupling": suite.coupling, "threads": 1}
+    options = suite.environment(trial.setting)
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
     name = trial.policy.name
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
-    found = run(trial.label, given, env, seeds, **options).score
+    found = run(trial.label, given, env, seeds, threads=1, **options).score
     return _Found(
         _rounded(found.effort),
         _rounded(found.assisted_effort),

@@ -181,7 +181,7 @@ def _scenes(
     if not table:
         yield of_task(suit=suit, gravity=gravity)
         return
-    if suit is not None or gravity is not None or arm.coupling is not None:
+    if {"suit", "gravity", "coupling"} & arm.given(suit=suit, gravity=gravity).keys():
         raise InputError("--table has its own suits, places and couplings: leave yours out")
     for coupling, suit_name, place in itertools.product(COUPLINGS, SUITS, PLACES):
         chosen = of_task(suit=suit_name, gravity=place)
@@ -193,6 +193,6 @@ def _check(chosen: Scene) -> None:
     named_policies(chosen.policies)
     for policy in chosen.policies:
         needed = {} if policy in BOUNDS else needed_options(policy)
-        arms = make_arms(chosen.env, 1, **chosen.options, **needed)
+        arms = make_arms(chosen.env, 1, **{**chosen.options, **needed})
         if policy not in BOUNDS:
             make_policy(policy, arms)

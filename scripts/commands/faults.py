@@ -9,6 +9,7 @@ from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.surprises import Surprise, surprises
+from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import (
     Env,
@@ -80,6 +81,8 @@ def faults(
         policies=policies,
         trusted=trust,
     )
+    if "faults" in chosen.options:
+        raise InputError("--set gives faults, and this command has its own: leave it out")
     folder = RunFolder(out, "faults", force=force) if out else None
     tried = {**FAULTS, **(ON_CUFFS if chosen.options.get("coupling") == "cuffs" else {})}
     found = surprises(

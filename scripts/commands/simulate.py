@@ -60,7 +60,8 @@ def simulate(
     (acting,) = chosen.policies
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(acting), render_mode=mode)
+    options = {**chosen.options, **needed_options(acting)}
+    arms = make_arms(chosen.env, 1, **options, render_mode=mode)
     actor = make_policy(acting, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []

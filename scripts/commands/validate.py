@@ -40,7 +40,8 @@ from ..reports.validation import (
     story,
     torque_table,
 )
-from ..runs import Scene, scene
+from ..runs import Scene, refuse_observed, scene
+from ..settings import joined
 
 GRAVITY = "microgravity"
 OTHERS = 4  # number of policies and references beside those that believe a suit
@@ -116,11 +117,18 @@ def validate(
         for true in plant
     }
     for chosen in scenes.values():
+        refuse_observed(chosen.options, [policy])
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
     if samples:
-        drawn = {"randomize": {"suit": "samples"}}
+        drawn = {"suit": "samples"}
         scenes = {
-            true: replace(chosen, options={**chosen.options, **drawn})
+            true: replace(
+                chosen,
+                options={
+                    **chosen.options,
+                    "randomize": joined(drawn, chosen.options.get("randomize", {}), "randomize."),
+                },
+            )
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, "validate", force=force) if out else None
