@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ...errors import InputError
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.core import run
+from ..evaluation.reasons import Frequent, most_frequent
 from .results import Result
 from .suite import Suite, Trial
 
@@ -33,7 +34,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         found = _run(suite, trial, episodes)
     except InputError as error:
         nothing = (math.inf,) * episodes
-        found = _Found(nothing, nothing, nothing, (False,) * episodes)
+        found = _Found(nothing, nothing, nothing, (False,) * episodes, ())
         failed = str(error)
     return Result(
         task=trial.setting.task,
@@ -47,6 +48,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         assisted_effort=found.assisted_effort,
         tracking=found.tracking,
         success=found.success,
+        why=found.why,
     )
 
 
@@ -55,6 +57,7 @@ class _Found(NamedTuple):
     assisted_effort: tuple[float, ...]
     tracking: tuple[float, ...]
     success: tuple[bool, ...]
+    why: tuple[Frequent, ...]
 
 
 def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
@@ -68,6 +71,7 @@ def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
         _rounded(found.assisted_effort),
         _rounded(found.tracking),
         found.success,
+        most_frequent(found.why),
     )
 
 

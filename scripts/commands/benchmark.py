@@ -22,6 +22,7 @@ from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
 from ..reports.leaderboard import difference_rows, level_rows, page, profile_figure, task_rows
+from ..reports.why import benchmark_remarks
 from ..runs import refuse_observed
 from ..settings import settings
 
@@ -131,6 +132,8 @@ def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
         rows = task_rows(standings, level)
         if len(rows[0]) <= WIDEST:
             table(f"{level}: success and relief by task", *rows, left=1)
+    for remark in benchmark_remarks(found):
+        say(remark)
     contract = str(standings.protocol.get("contract"))
     if contract not in {known.contract for known in SUITES.values()}:
         say(

@@ -30,6 +30,7 @@ from ..reports.motions import (
     units_table,
     write_scores,
 )
+from ..reports.why import why_remarks
 from ..runs import Scene, scene
 
 USUAL_POLICIES = (
@@ -128,7 +129,12 @@ def evaluate(
         else:
             tables["Cost per motion"] = effort_table(scores)
             tables["Units of effort, medians"] = units_table(scores)
-            remarks += [*story(found), *cuff_remarks(scores), *guard_remarks(scores)]
+            remarks += [
+                *why_remarks(scores),
+                *story(found),
+                *cuff_remarks(scores),
+                *guard_remarks(scores),
+            ]
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)

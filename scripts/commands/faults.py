@@ -23,6 +23,7 @@ from ..options import (
     Trust,
 )
 from ..output import Rows, RunFolder, conclude, markdown_table
+from ..reports.why import why_remarks
 from ..runs import scene
 
 SINCE = 3.0  # s
@@ -99,7 +100,8 @@ def faults(
         folder.text("faults.md", "".join(markdown_table(*one) + "\n" for one in tables.values()))
     result = {"env": chosen.env, **chosen.options, "episodes": episodes, "seed": seed}
     result["surprises"] = [one.to_dict() for one in found]
-    conclude(result, tables, folder=folder, json=json)
+    remarks = [f"{one.fault}: {sentence}" for one in found for sentence in why_remarks([one.score])]
+    conclude(result, tables, remarks, folder=folder, json=json)
 
 
 def fault_table(found: Sequence[Surprise]) -> Rows:

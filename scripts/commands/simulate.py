@@ -20,6 +20,7 @@ from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
+from ..reports.why import why_remarks
 from ..runs import scene
 
 
@@ -86,6 +87,8 @@ def simulate(
         print(to_json(result.to_dict()))
         return
     table(f"Human torque: {chosen.place}, seed {seed}", *score_table([result]))
+    for remark in why_remarks([result]):
+        say(remark)
     table("Effort", *effort_table([result]))
     for remark in cuff_remarks([result]):
         say(remark)

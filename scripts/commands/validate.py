@@ -40,6 +40,7 @@ from ..reports.validation import (
     story,
     torque_table,
 )
+from ..reports.why import why_remarks
 from ..runs import Scene, refuse_observed, scene
 from ..settings import joined
 
@@ -214,7 +215,7 @@ def _conclude(
         if found.same:
             remarks += answer(found, believed, policy, evaluations[true])
         remarks += [*story(found, suit, believed), *_lacking(suit, true)]
-        remarks += cuff_remarks(scores)
+        remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
     conclude(result, tables, [*remarks, *[RULE] * judged], folder=folder, json=json)
 

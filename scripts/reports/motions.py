@@ -216,8 +216,12 @@ def units_table(scores: Sequence[Score]) -> Rows:
     rows = []
     for score in scores:
         above, *rest = (_median(values) for values in _units(score))
-        rows.append([score.policy, f"{100 * above:.0f}", *(f"{value:.4g}" for value in rest)])
+        rows.append([score.policy, f"{100 * above:.0f}", *map(_known, rest)])
     return header, rows
+
+
+def _known(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"
 
 
 def _median(values: Sequence[float]) -> float:
