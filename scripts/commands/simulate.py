@@ -10,6 +10,7 @@ from ...envs.evaluation import Trace, rollout, score
 from ...envs.figures import (
     cuff_forces_figure,
     motion_loops_figure,
+    strain_figure,
     torques_figure,
     trajectory_figure,
 )
@@ -102,6 +103,7 @@ def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]
         "trajectory": trajectory_figure,
         "torques": torques_figure,
         "motion-loops": motion_loops_figure,
+        "strain": strain_figure,
     }
     if trace.cuff_force is not None:
         figures["cuff-forces"] = cuff_forces_figure
