@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..arrays import Array
 from ..assets import JOINTS
 from .evaluation import Trace
 from .evaluation.branching import Fork
@@ -27,6 +28,7 @@ COLORS = {
 }
 OTHERS = ("#8c564b", "#9467bd", "#17becf")
 JOINT_COLORS = ("#0072b2", "#d55e00")
+HEAT = "motor load\n[% of continuous]"
 SHOWN = 0.5  # [s], time that is shown before the branches
 STYLES = {"oracle": "--", "gravity": "-.", "best-known-plan": "--", "unsuited": ":", "suited": ":"}
 
@@ -99,6 +101,58 @@ def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
         ax.grid(alpha=0.25)
     grid[0][0].set_ylabel("suit resistance, minus suit torque [N·m]")
     grid[1][0].set_ylabel("human torque [N·m]")
+    handles, labels = grid[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
+    return figure
+
+
+def strain_figure(traces: Mapping[str, Trace]) -> Figure:
+    """Draws what the wearer and the motors bear at the assisted joints, one line per policy.
+
+    That is effort over time, the strength of the weaker muscles, the fatigued part of the more
+    fatigued ones where muscles tire, and the motors' heat where there are motors.
+    """
+    drawn: dict[str, dict[str, Array | None]] = {
+        "effort [% of strength]": {
+            name: 100 * one.effort[:, ASSISTED_COLUMNS] for name, one in traces.items()
+        },
+        "strength [N·m]": {
+            name: one.strength.min(axis=1)[:, ASSISTED_COLUMNS] for name, one in traces.items()
+        },
+        "fatigued [%]": {
+            name: None
+            if one.fatigue is None
+            else 100 * one.fatigue.max(axis=1)[:, ASSISTED_COLUMNS]
+            for name, one in traces.items()
+        },
+        HEAT: {
+            name: None if one.motor_load is None else 100 * one.motor_load
+            for name, one in traces.items()
+        },
+    }
+    rows = {
+        label: series
+        for label, series in drawn.items()
+        if any(one is not None for one in series.values())
+    }
+    figure = Figure(figsize=(11, 2.3 * len(rows) + 0.6), layout="constrained")
+    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True)
+    colors = _colors(traces)
+    for axes, (label, series) in zip(grid, rows.items(), strict=True):
+        axes[0].set_ylabel(label)
+        for i, ax in enumerate(axes):
+            for name, values in series.items():
+                if values is not None:
+                    style = {"color": colors[name], "lw": 1.2, "ls": _style(name)}
+                    ax.plot(traces[name].time, values[:, i], label=name, **style)
+            if label == HEAT:
+                ax.axhline(100, color="0.3", lw=0.8, ls=":")  # a motor is hot
+            ax.set_ylim(0, 1.05 * ax.get_ylim()[1])
+            ax.grid(alpha=0.25)
+    for ax, joint in zip(grid[0], ASSISTED, strict=True):
+        ax.set_title(joint.replace("_", " "), loc="left")
+    for ax in grid[-1]:
+        ax.set_xlabel("time [s]")
     handles, labels = grid[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
     return figure

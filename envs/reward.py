@@ -25,6 +25,7 @@ from .simulation.measurements import ANGLE, ASSIST, CUFFS, EFFORT, LOAD, RATE, T
 from .simulation.plan import Plan
 from .simulation.structs import SAVED, Bools, Episode, Whole
 from .tasks import Task
+from .tasks.task import Limit
 
 TERMS = ("effort", "tracking", "smoothness")
 ERROR_SCALE = 0.1  # rad
@@ -40,12 +41,6 @@ CUFF, HEAT, WRONG_WAY, CHATTER, STOPS, STRAIN, HAND, TILT, SLOWNESS, JOINT = ran
 WIDTH = JOINT + len(JOINTS)  # columns of costs; the last are sums of squared errors by joint
 TERM, COST = 0, len(TERMS)  # columns at which terms and costs begin
 PERIODS, CLIPPED, DIVERGED, ENDED, SUMS = range(COST + WIDTH, COST + WIDTH + 5)
-ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
-TOLERANCES = {
-    "tracking": "worst_joint",
-    **{name: name for name in ("effort", "hand_error", "tilt", "slowness")},
-}
-"""Costs that a task limits, by the fields of the task."""
 SLOW = 0.01  # [m/s], greatest speed of a hand that need not be quick
 NEAR = 0.001  # [rad], distance from the end of its range at which a joint is at its stop
 LIMITS = np.array(list(FORCE_LIMITS.values()))  # N
@@ -264,11 +259,8 @@ def judge_hand(rows: Whole, arms: Frozen[tuple[Array, Episode, Array, Watch, Arr
             last[row, j] = sensordata[row, watch.hand[j]]
 
 
-def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
-    """Returns whether an episode is a success so far.
-
-    The arm is not lost, tracking, effort and the hand are within the task's tolerances, cuffs press
-    no more than a person should bear, and the motors stay within their continuous torque.
+def failed(costs: Array, periods: int, task: Task, *, ended: bool) -> tuple[Limit, ...]:
+    """Returns the limits of success that an episode does not meet so far, in the task's order.
 
     Args:
         costs: Costs of one row, shape (14,).
@@ -276,7 +268,10 @@ def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
         task: The task.
         ended: Whether the arm is lost.
     """
-    terms = cost_terms(costs, periods)
-    allowed = {"cuff_force": 1.0, "heat": 1.0 + ROUNDING}
-    allowed |= {cost: getattr(task, name) for name, cost in TOLERANCES.items()}
-    return not ended and all(terms[name] <= most for name, most in allowed.items())
+    terms = {**cost_terms(costs, periods), "lost": float(ended)}
+    return tuple(limit for limit in task.limits if not terms[limit.name] <= limit.value)
+
+
+def is_success(costs: Array, periods: int, task: Task, *, ended: bool) -> bool:
+    """Returns whether an episode is a success so far: it meets every limit; see `failed`."""
+    return not failed(costs, periods, task, ended=ended)

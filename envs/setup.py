@@ -76,14 +76,12 @@ class Setup:
             InputError: An option is unknown, or its value cannot be used.
         """
         refuse_old_names(options, {"taught": "learned_torque"})
-        names = {one.name for one in fields(cls)} - {"arm"}
-        of_arm = {one.name for one in fields(ArmConfig)}
         for name in options:
-            if name not in names | of_arm | {"level"}:
-                raise unknown_name("option", name, names | of_arm | {"level"})
+            if name not in OPTIONS:
+                raise unknown_name("option", name, OPTIONS)
         found = {"gravity": task.place} | with_level(options)
-        arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & of_arm})
-        own = {name: found[name] for name in found.keys() & names if found[name] is not None}
+        arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & OF_ARM})
+        own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
         own = {**USUAL, "fatigue": task.fatigue, **own}
         _check_period(own["control_dt"], arm.timestep)
         setup = cls(
@@ -110,6 +108,10 @@ class Setup:
         setup.control.periods(setup.control_dt)
         return setup
 
+
+OF_ARM = frozenset(one.name for one in fields(ArmConfig))
+OPTIONS = OF_ARM | {one.name for one in fields(Setup)} - {"arm"} | {"level"}
+"""Names of the options of an environment, and of those that are options of its arm."""
 
 USUAL: dict[str, Any] = {
     "sensors": ("encoders",),

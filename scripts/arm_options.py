@@ -1,23 +1,36 @@
 """The wearer, the coupling and the load, as command line options that several commands share."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Collection
+from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
+
+import tyro
 
 from ..envs.model import ArmConfig
 from ..envs.model.config import COUPLINGS, SIDES
 from ..envs.person.anthropometry import SEXES
+from ..errors import InputError, shown
 from .options import GRAVITY, SUIT, choice, optional_number
+from .settings import joined, settings
 
 _USUAL = ArmConfig()
 _NESTED = {  # options whose place in `ArmConfig` is deeper
     **{name: ("wearer", name) for name in ("stature", "mass", "sex", "strength")},
     "payload": ("payload", "mass"),
 }
+_GROUPS = ("wearer", "payload")
+
+# Each `--set` takes several values, and may be there several times.
+Settings = Annotated[
+    tuple[tuple[str, ...], ...],
+    tyro.conf.UseAppendAction,
+    tyro.conf.arg(metavar="NAME=VALUE ..."),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ArmOptions:
-    """Wearer, coupling and load.
+    """Wearer, coupling, load, and any option of the environment.
 
     A training run brings its own: then leave these options out.
 
@@ -35,6 +48,8 @@ class ArmOptions:
         payload: Mass of the load at the hand [kg].
         tilt: Angles of the torso, forward and to the right [rad].
         allow_uncertified: Accept a suit whose torque could become infinite in some motion.
+        set: Any options of the environment, by their names in Python, with a dot before the field
+            of a nested one: fatigue=true sensing.rate_cutoff=10 max_episode_steps=500.
     """
 
     # None where the option is not given; `runs.scene` finds what it is then.
@@ -49,45 +64,75 @@ class ArmOptions:
     payload: Annotated[float | None, optional_number(f"{_USUAL.payload.mass}")] = None
     tilt: Annotated[tuple[float, float] | None, optional_number("0.0 0.0", count=2)] = None
     allow_uncertified: bool = False
+    set: Settings = ()
 
-    def given(self) -> dict[str, Any]:
-        """Returns the options that are given, by their names."""
-        return {
-            name: list(value) if name == "tilt" else value
-            for name, value in asdict(self).items()
+    def given(self, **flags: Any) -> dict[str, Any]:
+        """Returns the options that are given by flags and by `--set`, as `flat_options` does.
+
+        Args:
+            **flags: Flags of the command beside these; None where one is not given.
+
+        Raises:
+            InputError: See `settings` and `joined`.
+        """
+        mine = {name: value for name, value in asdict(self).items() if name != "set"}
+        if mine["tilt"] is not None:
+            mine["tilt"] = list(mine["tilt"])
+        present = {
+            name: value
+            for name, value in {**mine, **flags}.items()
             if value is not None and value is not False
         }
+        others = settings([one for together in self.set for one in together])
+        return joined(present, flat_options(others))
 
     def config(self, suit: str | None, gravity: str | None) -> dict[str, Any]:
         """Returns the fields of `ArmConfig` where no training run is involved, as plain values."""
-        return nested_options(
-            {**USUAL_OPTIONS, **self.given(), **_present(suit=suit, gravity=gravity)}
-        )
+        return nested_options({**USUAL_OPTIONS, **self.given(suit=suit, gravity=gravity)})
+
+    def split(self, names: Collection[str]) -> tuple[dict[str, Any], "ArmOptions"]:
+        """Returns what `--set` gives of some options of the environment, and the options without.
+
+        Raises:
+            InputError: See `settings`.
+        """
+        given = [one for together in self.set for one in together]
+        mine = [one for one in given if one.partition("=")[0].split(".")[0] in names]
+        others = tuple(one for one in given if one not in mine)
+        return settings(mine), replace(self, set=(others,))
 
 
 def flat_options(config: dict[str, Any]) -> dict[str, Any]:
-    """Returns the options of the command line that make the given fields of `ArmConfig`."""
-    flat = {name: value for name, value in config.items() if name not in ("wearer", "payload")}
-    for name, (group, inner) in _NESTED.items():
-        if inner in config.get(group, {}):
-            flat[name] = config[group][inner]
+    """Returns options of an environment by the names of flags, where there are such.
+
+    Other fields of wearer and payload have their place as their name, such as "payload.inertia".
+
+    Raises:
+        InputError: Wearer or payload is no dict of fields.
+    """
+    flags = {place: name for name, place in _NESTED.items()}
+    flat = {name: value for name, value in config.items() if name not in _GROUPS}
+    for group in _GROUPS:
+        fields = config.get(group, {})
+        if not isinstance(fields, dict):
+            raise InputError(f"{group} is {shown(fields)}: give its fields, as in {group}.mass=3")
+        for inner, value in fields.items():
+            flat[flags.get((group, inner), f"{group}.{inner}")] = value
     return flat
 
 
 def nested_options(flat: dict[str, Any]) -> dict[str, Any]:
-    """Returns the fields of `ArmConfig` that options of the command line make."""
+    """Returns the options of an environment from what `flat_options` returns."""
     config: dict[str, Any] = {}
     for name, value in flat.items():
+        group, _, inner = name.partition(".")
         if name in _NESTED:
             group, inner = _NESTED[name]
+        if inner:
             config.setdefault(group, {})[inner] = value
         else:
             config[name] = value
     return config
-
-
-def _present(**options: Any) -> dict[str, Any]:
-    return {name: value for name, value in options.items() if value is not None}
 
 
 USUAL = ArmOptions()

@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ..assets import load_suit
+from ..envs.evaluation import BOUNDS
 from ..envs.levels import with_level
 from ..envs.making import OURS
-from ..envs.policies import POLICIES, PolicySpec, policy_spec
+from ..envs.policies import POLICIES, PolicySpec, needed_options, policy_spec
 from ..envs.policies.build import is_saved
 from ..envs.policies.network import CARD
 from ..envs.policies.trained import OBSERVATION, environment_of
+from ..envs.setup import OF_ARM
 from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
 from ..errors import InputError, shown, unknown_name
@@ -22,6 +24,7 @@ from .options import ENV, GRAVITY
 from .own_files import is_own
 
 COMMAND = "this command"
+FLAGS = ("env", *USUAL_OPTIONS)
 OUR_MODULE = "activesuit:"  # prefix of an id, for Gymnasium's worker processes
 
 
@@ -31,13 +34,18 @@ class Scene:
 
     Attributes:
         env: Id of the environment, with the module that registers it if it is not ours.
-        options: Fields of `ArmConfig` as plain values.
+        options: Options of the environment as plain values.
         policies: Policies that were given; those in trusted files are read.
     """
 
     env: str
     options: dict[str, Any]
     policies: tuple[PolicySpec | str, ...] = ()
+
+    @property
+    def arm(self) -> dict[str, Any]:
+        """Those of the options that are fields of `ArmConfig`."""
+        return {name: value for name, value in self.options.items() if name in OF_ARM}
 
     @property
     def place(self) -> str:
@@ -62,10 +70,12 @@ def scene(
 ) -> Scene:
     """Returns what to simulate.
 
-    An option is the one given, else that of the training runs, else the usual one.
+    An option is the one given, else that of the training runs, else the usual one. What is given of
+    the arm must be as in the training runs; sensing, faults and others may differ from it, as the
+    level may.
 
     Args:
-        arm: Options of wearer, coupling and load.
+        arm: Options of wearer, coupling and load, and those of `--set`.
         env: Id of the environment; None if it is not given.
         task: Name of a task, or file of a motion; None if it is not given.
         level: Name of a level; None if it is not given.
@@ -81,18 +91,20 @@ def scene(
 
     Raises:
         InputError: An option differs from that of a training run, or two runs differ; or a run
-            from another machine was trained in an environment of a module that is not ours.
+            from another machine was trained in an environment of a module that is not ours; or
+            options of the observation are given, which follows from the policies.
     """
     env, beside = _task(env and env.removeprefix(OUR_MODULE), task)
-    given = {"env": env, "suit": suit, "gravity": gravity, **arm.given()}
-    given = {name: value for name, value in given.items() if value is not None}
+    given = arm.given(env=env, level=level, suit=suit, gravity=gravity)
+    level = given.pop("level", None)
     found: dict[str, Any] = {}
     of = ""
     for folder in [*_runs_among(policies), *([str(run)] if run else [])]:
         options = run_options(folder)
         if not trusted:
             _check_module(options["env"], env, folder)
-        _check_same(given, options, COMMAND, folder)
+        same = given if run is not None and folder == str(run) else _of_arm(given)
+        _check_same(same, options, COMMAND, folder)
         if found:
             _check_same(found, options, f"the run in {of!r}", folder)
         found, of = options, folder
@@ -100,10 +112,37 @@ def scene(
     usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **(usual or {})}
     of_level = {} if level is None else _of_level(level, given)  # a run is tried at any level
     flat = {**usual, **found, **of_level, **given}
+    flat |= {name: {**found[name], **given[name]} for name in given if _fields(name, given, found)}
     flat.pop("env", None)
     beside |= {} if level is None else {"level": level}
-    read = (policy_spec(one, trust=True) if trusted and is_saved(one) else one for one in policies)
-    return Scene(env=chosen, options={**nested_options(flat), **beside}, policies=tuple(read))
+    read = tuple(
+        policy_spec(one, trust=True) if trusted and is_saved(one) else one for one in policies
+    )
+    refuse_observed(given, read)
+    return Scene(env=chosen, options={**nested_options(flat), **beside}, policies=read)
+
+
+def refuse_observed(options: Mapping[str, Any], policies: Sequence[PolicySpec | str]) -> None:
+    """Refuses options of the observation where it follows from the policies.
+
+    Raises:
+        InputError: No policy takes what there is, and such an option is given.
+    """
+    given = [name for name in OBSERVATION if name in options]
+    if given and policies and all(one in BOUNDS or needed_options(one) for one in policies):
+        raise InputError(
+            f"--set gives {given[0]}, and what a policy observes follows from the policy: leave it "
+            "out, or name a class of your own without sensors, which takes what there is"
+        )
+
+
+def _fields(name: str, *both: Mapping[str, Any]) -> bool:
+    return all(isinstance(one.get(name), dict) for one in both)
+
+
+def _of_arm(given: Mapping[str, Any]) -> dict[str, Any]:
+    names = {"env", *USUAL_OPTIONS, *OF_ARM}
+    return {name: value for name, value in given.items() if name.partition(".")[0] in names}
 
 
 def _task(env: str | None, task: str | None) -> tuple[str | None, dict[str, Any]]:
@@ -138,15 +177,9 @@ def run_options(folder: str) -> dict[str, Any]:
         InputError: The folder is not a training run, or an option is unknown or cannot be used.
     """
     beside = ("level", *OBSERVATION)
-    found = environment_of(folder)
-    arm = {name: value for name, value in found.items() if name not in beside}
-    flat = flat_options(arm)
-    if nested_options(flat) != arm:
-        raise InputError(
-            f"{str(Path(folder) / CARD)!r} has options of wearer or payload that no training "
-            "has: restore it"
-        )
-    return {**USUAL_OPTIONS, **flat, "env": flat["env"].removeprefix(OUR_MODULE)}
+    found = {name: value for name, value in environment_of(folder).items() if name not in beside}
+    env = found["env"].removeprefix(OUR_MODULE)
+    return {**USUAL_OPTIONS, **flat_options(found), "env": env}
 
 
 def _runs_among(policies: Sequence[str]) -> list[str]:
@@ -166,15 +199,21 @@ def _check_module(trained_on: str, given: str | None, folder: str) -> None:
 def _check_same(
     options: Mapping[str, Any], trained: Mapping[str, Any], whose: str, folder: str
 ) -> None:
-    for name, value in options.items():
+    for name in options if whose == COMMAND else {**options, **trained}:
+        value: Any = options.get(name)
+        other: Any = trained.get(name)
         same = _same_suit if name == "suit" else operator.eq
-        if not same(value, trained[name]):
-            option = f"--{name.replace('_', '-')}"
+        if not same(value, other):
+            option = f"--{name.replace('_', '-')}" if name in FLAGS else f"--set {name}"
             raise InputError(
-                f"{whose} has {option} {shown(value)}, and the run in {folder!r} was trained with "
-                f"{shown(trained[name])}: "
+                f"{whose} has {option} {_shown(name, options)}, and the run in {folder!r} was "
+                f"trained with {_shown(name, trained)}: "
                 + (f"leave {option} out" if whose == COMMAND else "give runs of the same options")
             )
+
+
+def _shown(name: str, options: Mapping[str, Any]) -> str:
+    return shown(options[name]) if name in options else "the usual one"
 
 
 def _same_suit(one: str, other: str) -> bool:

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
+from ..evaluation.reasons import Frequent
 from ..levels import LEVELS
 from ..tasks import TASKS
 
@@ -37,6 +38,7 @@ class Result:
         assisted_effort: The same of the two joints that can have a motor, likewise.
         tracking: Tracking error [rad], likewise.
         success: Whether the motion went well.
+        why: Limits of success that motions exceeded, the most frequent one first.
         failed: Why the policy could not act; None if it could.
         protocol: How the result came about.
     """
@@ -52,6 +54,7 @@ class Result:
     success: tuple[bool, ...]
     failed: str | None
     protocol: dict[str, Any]
+    why: tuple[Frequent, ...] = ()
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
@@ -106,6 +109,7 @@ class _Saved(BaseModel):
     success: tuple[bool, ...]
     failed: str | None
     protocol: dict[str, Any]
+    why: tuple[Frequent, ...] = ()  # results of before have none
 
 
 def lines(results: Iterable[Result]) -> str:

@@ -2,8 +2,8 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import PurePath
 from typing import Any, Literal, NamedTuple
@@ -103,9 +103,12 @@ class Suite:
         believed: Names or files of suits that controllers believe in.
         episodes: Number of motions of each policy, at least 8.
         coupling: Connection of the exoskeleton to the arm.
+        options: Other options of the environment, in all settings; results with some are compared
+            with each other only.
 
     Raises:
-        InputError: A name is unknown, or there are too few motions.
+        InputError: A name is unknown, there are too few motions, or an option is one of the
+            settings.
     """
 
     name: str
@@ -115,8 +118,15 @@ class Suite:
     believed: tuple[str, ...] = BELIEVED
     episodes: int = 20
     coupling: Literal["rigid", "cuffs"] = "rigid"
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        for name in ("suit", "level", "coupling", "reward"):
+            if name in self.options:
+                raise InputError(
+                    f"{name} is given as an option of the environment, and the suite decides it: "
+                    "leave it out; name believed suits, levels or another suite"
+                )
         for what, names, known in (("task", self.tasks, TASKS), ("level", self.levels, LEVELS)):
             for name in names:
                 if name not in known:
@@ -127,6 +137,10 @@ class Suite:
         for suit in self.believed:
             load_suit(suit)
         at_least("episodes", self.episodes, FEWEST_MOTIONS)
+
+    def environment(self, setting: Setting) -> dict[str, Any]:
+        """Returns the options of the environment in a setting."""
+        return {**setting.options, "coupling": self.coupling, **self.options}
 
     @property
     def settings(self) -> list[Setting]:
@@ -178,9 +192,14 @@ class Suite:
             "wearer": asdict(VoluntaryControl()),
             "sensing": asdict(Sensing()),
             "seed": FIRST_SEED,
+            **self._own,
         }
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    @property
+    def _own(self) -> dict[str, Any]:
+        return {"options": dict(self.options)} if self.options else {}
 
     def protocol(self, policy: PolicySpec) -> dict[str, Any]:
         """Returns how a result came about: version, contract, seeds, motions and packages."""
@@ -189,6 +208,7 @@ class Suite:
             "contract": self.contract,
             "first_seed": FIRST_SEED,
             "episodes": self.episodes_of(policy),
+            **self._own,
             "activesuit": __version__,
             "mujoco": mujoco.__version__,
             "numpy": np.__version__,
@@ -226,6 +246,7 @@ def suite(
     levels: tuple[str, ...] = (),
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
+    options: Mapping[str, Any] | None = None,
     trust: bool = False,
 ) -> Suite:
     """Returns a suite, with what is given instead of its own.
@@ -244,7 +265,8 @@ def suite(
     once("policies", names)
     labels = dict(zip(names, specs, strict=True))
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
-    given = {field: value for field, value in changes.items() if value}
+    changes["options"] = dict(options or {})
+    given = {name: value for name, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from ...errors import InputError
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.core import run
+from ..evaluation.reasons import Frequent, most_frequent
 from .results import Result
 from .suite import Suite, Trial
 
@@ -33,7 +34,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         found = _run(suite, trial, episodes)
     except InputError as error:
         nothing = (math.inf,) * episodes
-        found = _Found(nothing, nothing, nothing, (False,) * episodes)
+        found = _Found(nothing, nothing, nothing, (False,) * episodes, ())
         failed = str(error)
     return Result(
         task=trial.setting.task,
@@ -47,6 +48,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         assisted_effort=found.assisted_effort,
         tracking=found.tracking,
         success=found.success,
+        why=found.why,
     )
 
 
@@ -55,19 +57,21 @@ class _Found(NamedTuple):
     assisted_effort: tuple[float, ...]
     tracking: tuple[float, ...]
     success: tuple[bool, ...]
+    why: tuple[Frequent, ...]
 
 
 def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
-    options = trial.setting.options | {"coupling": suite.coupling, "threads": 1}
+    options = suite.environment(trial.setting)
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
     name = trial.policy.name
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
-    found = run(trial.label, given, env, seeds, **options).score
+    found = run(trial.label, given, env, seeds, threads=1, **options).score
     return _Found(
         _rounded(found.effort),
         _rounded(found.assisted_effort),
         _rounded(found.tracking),
         found.success,
+        most_frequent(found.why),
     )
 
 

@@ -8,18 +8,24 @@ from gymnasium.vector import AutoresetMode
 
 from ...arrays import Array
 from ...errors import InputError
+from ..person import strength_limits
 from ..policies.base import Policy
 from ..policies.guard import Guard
-from ..reward import cost_terms, is_success
+from ..reward import cost_terms
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
 from ..tasks import Task
+from ..tasks.task import ROUNDING, Limit
 from ..vector_env import ArmVectorEnv
+from .reasons import Reason, reasons
 
 SERIES = (
     *("angle", "rate", "target_angle", "human_torque", "suit_torque", "assist_torque"),
     "effort",
 )
+
+
+FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +49,15 @@ class Trace:
         costs: Cost terms of the episode, as `info["cost_terms"]` at its end.
         guarded: Number of control periods in which the policy's guard lessened a torque; None where
             it has none.
-        success: Whether the episode went well, as `info["is_success"]` at its end.
+        why: Limits of success that the episode exceeded; none if it went well.
+        limits: Limits of success of its task.
+        strength: Torque that the extensors and the flexors of each joint could give at rest in that
+            posture, fatigued as they are [N·m], shape (n, 2, 4).
+        fatigue: Fatigued part of the extensors and the flexors of each joint, shape (n, 2, 4); None
+            where muscles do not tire.
+        motor_load: Root mean square of the motors' torque over the continuous one, which is their
+            heat, shape (n, 2); a motor at 1 is hot and gives no more. None without motors.
+        peak_torque: Peak torque of the motors [N·m], shape (2,); None without motors.
         terminated: Whether the episode ended by failure.
         periods: Number of control periods of the whole motion, however early the episode ended.
     """
@@ -62,9 +76,35 @@ class Trace:
     rewards: Array
     costs: dict[str, float]
     guarded: int | None
-    success: bool
+    why: tuple[Reason, ...]
+    limits: tuple[Limit, ...]
+    strength: Array
+    fatigue: Array | None
+    motor_load: Array | None
+    peak_torque: Array | None
     terminated: bool
     periods: int
+
+    @property
+    def success(self) -> bool:
+        """Whether the episode went well, as `info["is_success"]` at its end."""
+        return not self.why
+
+    @property
+    def hot_from(self) -> tuple[float, ...]:
+        """Time at which each motor was hot for the first time [s]; infinite where never."""
+        if self.motor_load is None:
+            return ()
+        hot = self.motor_load >= 1 - ROUNDING
+        return tuple(float(self.time[one.argmax()]) if one.any() else np.inf for one in hot.T)
+
+    @property
+    def saturated(self) -> tuple[float, ...]:
+        """Share of time in which each motor gave its peak torque."""
+        if self.peak_torque is None:
+            return ()
+        full = np.abs(self.assist_torque) >= FULL * self.peak_torque
+        return tuple(map(float, full.mean(axis=0)))
 
 
 def rollout(
@@ -98,35 +138,36 @@ def rollout(
         )
     observation, _ = arms.reset(seed=list(seeds), options=dict(learned or {}))
     policy.reset()
-    measured, rewards = [], []
+    measured, rewards, courses = [], [], []
     guarded = np.zeros(len(seeds), np.int64)
     ends = np.zeros(len(seeds), np.int64)  # control periods of finished episodes
     failed = np.zeros(len(seeds), np.bool_)
-    costs = np.zeros_like(arms.episodes.costs)
     while (ends == 0).any():
         on_step(len(rewards))
         observation, reward, terminated, truncated, _ = arms.step(policy.act(observation))
         measured.append(arms.measured())
         rewards.append(reward)
+        courses.append(arms.episodes.costs.copy())
         ended = (ends == 0) & (terminated | truncated)
         ends[ended], failed[ended] = len(rewards), terminated[ended]
-        costs[ended] = arms.episodes.costs[ended]
         if isinstance(policy, Guard):
             guarded[ended] = policy.acted[ended]
-    series, returns = np.array(measured), np.array(rewards)
-    limits = arms.episodes.simulation.state.episode.limit
-    wearers = arms.episodes.simulation.state.conditions.wearer
+    series, returns, costs = np.array(measured), np.array(rewards), np.array(courses)
+    simulation = arms.episodes.simulation
+    limits, wearers = simulation.state.episode.limit, simulation.state.conditions.wearer
     return [
         _trace(
             series[:end, row],
             returns[:end, row],
-            costs[row],
+            costs[:end, row],
+            strength=simulation.state.muscles.strength[row],
             guarded=int(guarded[row]) if isinstance(policy, Guard) else None,
             terminated=bool(failed[row]),
             periods=int(limits[row]),
             task=arms.episodes.task,
-            arm=arms.episodes.simulation.arm_of(int(wearers[row])),
-            cuffs=arms.has_cuffs,
+            arm=simulation.arm_of(int(wearers[row])),
+            peak_torque=simulation.addresses.peak_torque if arms.episodes.motors else None,
+            has=frozenset(simulation.columns),
         )
         for row, end in enumerate(ends.tolist())
     ]
@@ -137,24 +178,37 @@ def _trace(
     rewards: Array,
     costs: Array,
     *,
+    strength: Array,
     guarded: int | None,
     terminated: bool,
     periods: int,
     task: Task,
     arm: Arm,
-    cuffs: bool,
+    peak_torque: Array | None,
+    has: frozenset[str],
 ) -> Trace:
-    force = measured[:, COLUMNS["cuff_force"]].reshape(len(measured), 3, 3)
+    force, fatigue, load = (
+        measured[:, COLUMNS[name]].reshape(len(measured), *shape) if name in has else None
+        for name, shape in (("cuff_force", (3, 3)), ("fatigue", (2, 4)), ("motor_load", (2,)))
+    )
+    angle = measured[:, COLUMNS["angle"]]
+    low, high = strength_limits(strength, angle, np.zeros_like(angle))
+    left = np.stack([-low, high], axis=1)
     return Trace(
         time=measured[:, COLUMNS["time"].start],
         **{name: measured[:, COLUMNS[name]] for name in SERIES},
-        hand=arm.in_world(measured[:, COLUMNS["angle"]]),
-        cuff_force=force if cuffs else None,
+        hand=arm.in_world(angle),
+        cuff_force=force,
+        strength=left if fatigue is None else left * (1 - fatigue),
+        fatigue=fatigue,
+        motor_load=load,
+        peak_torque=peak_torque,
         assist_energy=float(measured[-1, COLUMNS["assist_energy"].start]),
         rewards=rewards,
-        costs=cost_terms(costs, len(rewards)),
+        costs=cost_terms(costs[-1], len(rewards)),
         guarded=guarded,
-        success=is_success(costs, len(rewards), task, ended=terminated),
+        why=reasons(measured, costs, task, lost=terminated),
+        limits=task.limits,
         terminated=terminated,
         periods=periods,
     )

@@ -12,7 +12,8 @@ from ..model import ASSISTED
 from ..model.cuffs import CUFFS
 from ..person import EffortMetrics, effort_metrics, endurance_time, spectral_arc_length
 from ..reward import COSTS
-from ..tasks.task import SUSTAINED
+from ..tasks.task import SUSTAINED, Limit
+from .reasons import Reason
 from .rollout import Trace
 
 Values = tuple[float, ...]
@@ -42,7 +43,16 @@ class Score:
             `envs.person.endurance_time` has it; infinite where none tires.
         smoothness: SPARC of the hand's speed, negative, nearer zero if smoother.
         completion: Time of the motion where it went well [s]; NaN where not.
-        success: Whether the motion went well (see `envs.reward.is_success`).
+        success: Whether the motion went well: it exceeded no limit of success.
+        why: Limits of success that the motion exceeded, each with value, limit, unit and time.
+        limits: Limits of success of the task.
+        hot_from: Time at which the motor of a joint was hot for the first time and gave no more
+            than its continuous torque [s], by joint; infinite where never.
+        saturated: Share of time in which it gave its peak torque, by joint.
+        fatigue: Fatigued part of the muscles of a joint at the end of the motion, of the more
+            fatigued of extensors and flexors, by joint; empty where muscles do not tire.
+        strength_left: Least strength of the weaker of a joint's muscles in the motion [N·m], at
+            rest in its postures and as fatigued as they are, by joint.
         costs: Cost terms of the motion, by name.
         load: Mean over motions of the wearer's `EffortMetrics`, by joint.
         cuff_peak: Greatest force over all motions [N] by limb segment; None without cuffs.
@@ -68,6 +78,12 @@ class Score:
     smoothness: Values
     completion: Values
     success: tuple[bool, ...]
+    why: tuple[tuple[Reason, ...], ...]
+    limits: tuple[Limit, ...]
+    hot_from: dict[str, Values]
+    saturated: dict[str, Values]
+    fatigue: dict[str, Values]
+    strength_left: dict[str, Values]
     costs: dict[str, Values]
     load: dict[str, dict[str, float]]
     cuff_peak: dict[str, float] | None
@@ -83,8 +99,29 @@ class Score:
         return {joint: root_mean_square(values) for joint, values in self.torque.items()}
 
     def to_dict(self) -> dict[str, Any]:
-        """Returns the score as plain values."""
-        return asdict(self)
+        """Returns the score as plain values, with the units of its numbers under "units"."""
+        return {**asdict(self), "units": UNITS}
+
+
+UNITS: dict[str, Any] = {
+    **dict.fromkeys(("effort", "assisted_effort", "unadapted_effort", "above_limit"), "1"),
+    **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigue"), "1"),
+    **dict.fromkeys(("torque", "peak", "strength_left"), "N·m"),
+    **dict.fromkeys(("tracking", "tracking_rmse", "unadapted_tracking"), "rad"),
+    **dict.fromkeys(("endurance", "completion", "hot_from"), "s"),
+    **{"cuff_peak": "N", "assist_energy": "J"},
+    "costs": {
+        **dict.fromkeys(("cuff_force", "heat", "chatter", "effort", "slowness"), "1"),
+        **{"wrong_way_work": "J", "range_stops": "s", "hand_error": "m"},
+        **dict.fromkeys(("tilt", "tracking", "worst_joint"), "rad"),
+    },
+    "load": {
+        **{"impulse": "N·m·s", "positive_work": "J", "negative_work": "J", "work_cost": "J"},
+        **{"torque_cost": "(N·m)^1.36·s", "spectral_arc_length": "1"},
+        "log_dimensionless_jerk": "1",
+    },
+}
+"""Units of the numbers of a score, "1" for a ratio; limits and reasons have theirs beside them."""
 
 
 def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ()) -> Score:
@@ -120,6 +157,15 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
             float(trace.time[-1]) if trace.success else float("nan") for trace in traces
         ),
         success=tuple(trace.success for trace in traces),
+        why=tuple(trace.why for trace in traces),
+        limits=traces[0].limits,
+        hot_from=_each(ASSISTED, [trace.hot_from for trace in traces]),
+        saturated=_each(ASSISTED, [trace.saturated for trace in traces]),
+        fatigue=_each(
+            JOINTS,
+            [() if one.fatigue is None else one.fatigue[-1].max(axis=0) for one in traces],
+        ),
+        strength_left=_each(JOINTS, [one.strength.min(axis=(0, 1)) for one in traces]),
         costs={name: tuple(trace.costs[name] for trace in traces) for name in COSTS},
         load=_load(traces),
         cuff_peak=_cuff_peak(traces),
@@ -184,6 +230,12 @@ def _cuff_peak(traces: Sequence[Trace]) -> dict[str, float] | None:
 def root_mean_square(values: Array | Values) -> float:
     """Returns the root mean square of some values."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _each(joints: Sequence[str], rows: Sequence[Sequence[float] | Array]) -> dict[str, Values]:
+    """Returns the values of all motions by joint; nothing if a motion has none."""
+    columns = zip(*rows, strict=True)
+    return {joint: tuple(map(float, one)) for joint, one in zip(joints, columns, strict=False)}
 
 
 def _by_joint(values: Array) -> dict[str, float]:

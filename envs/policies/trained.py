@@ -14,6 +14,7 @@ from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig
 from ..model.config import NO_SUIT
 from ..plant import Plant
+from ..setup import OF_ARM, OPTIONS
 from .network import CARD, Card, Network, contract_of, observed, read_card
 
 SHIPPED = Path(__file__).parents[2] / "assets" / "policies"
@@ -23,7 +24,7 @@ ARM = (
     *("suit", "pressure", "gravity", "wearer", "coupling", "payload", "side", "tilt"),
     *("preconditioned", "allow_uncertified"),
 )
-_ENVIRONMENT = ("env", "level", *OBSERVATION, *ARM)
+_ENVIRONMENT = {"env", "max_episode_steps"} | OPTIONS - {"reward", "randomize"}
 
 
 def shipped_policies() -> dict[str, str]:
@@ -54,7 +55,7 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(found.get("belief"), dict):
         check_portable(found["belief"].get("suit"))
     try:
-        ArmConfig.from_dict({name: found[name] for name in ARM if name in found})
+        ArmConfig.from_dict({name: found[name] for name in OF_ARM & found.keys()})
     except InputError as error:
         raise InputError(f"{str(path)!r}: {error}") from error
     return found

@@ -20,7 +20,41 @@ FARTHEST = 10.0  # m and rad, of tolerances
 # (Schmidt 2001), to which co-contraction adds some 0.05; a shoulder bears 0.30 for 144 s (Frey-Law
 # et al. 2012).
 SUSTAINED, LOADED = 0.20, 0.30
+ROUNDING = 1e-3  # excess of a motor's load that its protection, once a period, does not prevent
 STEADY = 0.03  # [rad], error of a joint that moves the hand by 2 cm, as far as the arm reaches
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit of success.
+
+    Attributes:
+        name: Name of the cost of an episode that it limits, as in `envs.reward.COSTS`; or "lost",
+            which is 1 if the arm is lost, at a pole of the suit's torque, or diverged.
+        value: Greatest cost with which an episode succeeds.
+        unit: Unit of both, "1" for a ratio.
+    """
+
+    name: str
+    value: float
+    unit: str
+
+
+TOLERANCES = {
+    "tracking": ("worst_joint", "rad"),
+    "effort": ("effort", "1"),
+    "hand_error": ("hand_error", "m"),
+    "tilt": ("tilt", "rad"),
+    "slowness": ("slowness", "1"),
+}
+"""Costs that a task limits and their units, by the fields of the task."""
+
+EVERYWHERE = (
+    Limit("lost", 0.0, "1"),
+    Limit("cuff_force", 1.0, "1"),  # over what a person should bear
+    Limit("heat", 1.0 + ROUNDING, "1"),  # greatest load of a motor over its continuous torque
+)
+"""Limits of success in every task."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,6 +132,12 @@ class Task:
     def watches(self) -> bool:
         """Whether success depends on where the hand is."""
         return min(self.hand_error, self.tilt, self.slowness) < FARTHEST
+
+    @property
+    def limits(self) -> tuple[Limit, ...]:
+        """Limits of success: an episode succeeds where no cost is above its limit."""
+        own = (Limit(cost, getattr(self, name), unit) for name, (cost, unit) in TOLERANCES.items())
+        return (*EVERYWHERE, *(one for one in own if one.value < FARTHEST))
 
     @property
     def about(self) -> str:

@@ -25,6 +25,7 @@ from ..film import FILMS, FPS, Fps, Picture, Quality, film_writer, filmed, strid
 from ..options import Force, PolicyName, Seed, Suit, Trust, env_option, gravity_option
 from ..output import progress, say
 from ..runs import scene
+from ..settings import LIMIT
 
 PERIOD = 6.0  # s
 CYCLES = 2  # the last one is filmed, when the suit's memory has become periodic
@@ -89,6 +90,8 @@ def animate(
         **needed_options(acting),
     }
     if chosen.env == REACH:
+        if LIMIT in options:
+            raise InputError(f"--set gives {LIMIT}, and {REACH} has its own length: add --env")
         arms = ArmVectorEnv(1, _Reaching(name="Reaching", duration=CYCLES * PERIOD), **options)
     else:
         arms = make_arms(chosen.env, 1, **options)

@@ -15,12 +15,16 @@ from ...envs.policies import make_policy, needed_options
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
+from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
 from ..options import Force, Json, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
 from ..reports.leaderboard import difference_rows, level_rows, page, profile_figure, task_rows
+from ..reports.why import benchmark_remarks
+from ..runs import refuse_observed
+from ..settings import settings
 
 What = Literal["run", "table", "compare"]
 TRIALS = "trials"
@@ -39,6 +43,7 @@ def benchmark(
     levels: tuple[Annotated[str, choice(level_names)], ...] = (),
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
+    set: Settings = (),
     workers: int = -1,
     backend: Backend = "loky",
     out: Path | None = None,
@@ -62,6 +67,8 @@ def benchmark(
         believed: Suits that controllers believe in, instead of those of the suite (run).
         episodes: Number of motions of each policy, at least 8; by default that of the suite
             (run).
+        set: Any options of the environment, by their names in Python: fatigue=true
+            sensing.rate_cutoff=10 (run). Their results have a contract of their own.
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -78,10 +85,12 @@ def benchmark(
             levels=levels,
             believed=believed,
             episodes=episodes,
+            options=settings([one for together in set for one in together]),
             trust=trust,
         )
         check_backend(backend, workers)
-        if policies or believed:
+        refuse_observed(chosen.options, [*chosen.policies.values()])
+        if policies or believed or set:
             _check(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
@@ -103,7 +112,7 @@ def _check(chosen: Suite) -> None:
     """Reports mistakes in policies and suits before anything has run."""
     for trial in replace(chosen, tasks=chosen.tasks[:1]).trials:
         if trial.label not in FIXED:
-            options = {**trial.setting.options, **needed_options(trial.policy)}
+            options = {**chosen.environment(trial.setting), **needed_options(trial.policy)}
             arms = make_arms(f"ActiveSuit/{trial.setting.task}-v0", 1, **options)
             make_policy(trial.policy, arms)
             arms.close()
@@ -123,6 +132,8 @@ def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
         rows = task_rows(standings, level)
         if len(rows[0]) <= WIDEST:
             table(f"{level}: success and relief by task", *rows, left=1)
+    for remark in benchmark_remarks(found):
+        say(remark)
     contract = str(standings.protocol.get("contract"))
     if contract not in {known.contract for known in SUITES.values()}:
         say(
@@ -173,6 +184,7 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
                 "believed": chosen.believed,
                 "episodes": chosen.episodes,
                 "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
+                **({"options": chosen.options} if chosen.options else {}),
             }
         )
     )

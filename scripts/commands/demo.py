@@ -21,6 +21,7 @@ from ..output import Rows, RunFolder, markdown_table, progress, say, table, tell
 from ..reports.fits import fit_summary, quality_table, write_trials
 from ..reports.motions import score_table, story, write_scores, write_trace
 from ..reports.parameters import parameter_table
+from ..reports.why import why_remarks
 
 COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
@@ -168,7 +169,7 @@ def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[st
     for gravity, evaluation in found.items():
         scores = list(evaluation.scores.values())
         table(f"{ENV}, {gravity}, {episodes} motions", *score_table(scores, evaluation))
-        for sentence in story(evaluation):
+        for sentence in (*why_remarks(scores), *story(evaluation)):
             say(sentence)
         write_scores(folder, f"motions-{gravity}.csv", scores, FIRST_SEED + seed)
         for policy, trace in traces[gravity].items():
@@ -250,6 +251,7 @@ def _report(fit_tables: dict[str, Rows], found: dict[str, Evaluation], pictured:
             "learn. Unsuited and suited are without an exoskeleton; none has one whose motors are "
             "off; the best known plan knows the true suit and the whole motion, and is the bound.",
             markdown_table(*score_table(list(evaluation.scores.values()), evaluation)),
+            *(f"- {one}" for one in why_remarks(list(evaluation.scores.values()))),
         ]
         for name in ("trajectory", "torques", "motion-loops"):
             parts.append(f"![{name}]({name}-{gravity}.png)")

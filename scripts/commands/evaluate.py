@@ -30,6 +30,7 @@ from ..reports.motions import (
     units_table,
     write_scores,
 )
+from ..reports.why import why_remarks
 from ..runs import Scene, scene
 
 USUAL_POLICIES = (
@@ -128,7 +129,12 @@ def evaluate(
         else:
             tables["Cost per motion"] = effort_table(scores)
             tables["Units of effort, medians"] = units_table(scores)
-            remarks += [*story(found), *cuff_remarks(scores), *guard_remarks(scores)]
+            remarks += [
+                *why_remarks(scores),
+                *story(found),
+                *cuff_remarks(scores),
+                *guard_remarks(scores),
+            ]
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
@@ -181,7 +187,7 @@ def _scenes(
     if not table:
         yield of_task(suit=suit, gravity=gravity)
         return
-    if suit is not None or gravity is not None or arm.coupling is not None:
+    if {"suit", "gravity", "coupling"} & arm.given(suit=suit, gravity=gravity).keys():
         raise InputError("--table has its own suits, places and couplings: leave yours out")
     for coupling, suit_name, place in itertools.product(COUPLINGS, SUITS, PLACES):
         chosen = of_task(suit=suit_name, gravity=place)
@@ -193,6 +199,6 @@ def _check(chosen: Scene) -> None:
     named_policies(chosen.policies)
     for policy in chosen.policies:
         needed = {} if policy in BOUNDS else needed_options(policy)
-        arms = make_arms(chosen.env, 1, **chosen.options, **needed)
+        arms = make_arms(chosen.env, 1, **{**chosen.options, **needed})
         if policy not in BOUNDS:
             make_policy(policy, arms)

@@ -9,6 +9,7 @@ from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.surprises import Surprise, surprises
+from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import (
     Env,
@@ -22,6 +23,7 @@ from ..options import (
     Trust,
 )
 from ..output import Rows, RunFolder, conclude, markdown_table
+from ..reports.why import why_remarks
 from ..runs import scene
 
 SINCE = 3.0  # s
@@ -80,6 +82,8 @@ def faults(
         policies=policies,
         trusted=trust,
     )
+    if "faults" in chosen.options:
+        raise InputError("--set gives faults, and this command has its own: leave it out")
     folder = RunFolder(out, "faults", force=force) if out else None
     tried = {**FAULTS, **(ON_CUFFS if chosen.options.get("coupling") == "cuffs" else {})}
     found = surprises(
@@ -96,7 +100,8 @@ def faults(
         folder.text("faults.md", "".join(markdown_table(*one) + "\n" for one in tables.values()))
     result = {"env": chosen.env, **chosen.options, "episodes": episodes, "seed": seed}
     result["surprises"] = [one.to_dict() for one in found]
-    conclude(result, tables, folder=folder, json=json)
+    remarks = [f"{one.fault}: {sentence}" for one in found for sentence in why_remarks([one.score])]
+    conclude(result, tables, remarks, folder=folder, json=json)
 
 
 def fault_table(found: Sequence[Surprise]) -> Rows:

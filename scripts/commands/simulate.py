@@ -10,6 +10,7 @@ from ...envs.evaluation import Trace, rollout, score
 from ...envs.figures import (
     cuff_forces_figure,
     motion_loops_figure,
+    strain_figure,
     torques_figure,
     trajectory_figure,
 )
@@ -20,6 +21,7 @@ from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
+from ..reports.why import why_remarks
 from ..runs import scene
 
 
@@ -60,7 +62,8 @@ def simulate(
     (acting,) = chosen.policies
     write = film_writer(video) if video else None
     mode = "rgb_array" if video else None
-    arms = make_arms(chosen.env, 1, **chosen.options, **needed_options(acting), render_mode=mode)
+    options = {**chosen.options, **needed_options(acting)}
+    arms = make_arms(chosen.env, 1, **options, render_mode=mode)
     actor = make_policy(acting, arms)
     folder = RunFolder(out, "simulate", force=force)
     frames: list[Picture] = []
@@ -85,6 +88,8 @@ def simulate(
         print(to_json(result.to_dict()))
         return
     table(f"Human torque: {chosen.place}, seed {seed}", *score_table([result]))
+    for remark in why_remarks([result]):
+        say(remark)
     table("Effort", *effort_table([result]))
     for remark in cuff_remarks([result]):
         say(remark)
@@ -98,6 +103,7 @@ def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]
         "trajectory": trajectory_figure,
         "torques": torques_figure,
         "motion-loops": motion_loops_figure,
+        "strain": strain_figure,
     }
     if trace.cuff_force is not None:
         figures["cuff-forces"] = cuff_forces_figure

@@ -10,7 +10,7 @@ from ...checks import at_least, check_seed
 from ...envs.policies.build import residual_of
 from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
-from ...envs.policies.trained import portable
+from ...envs.policies.trained import OBSERVATION, portable
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
@@ -20,6 +20,7 @@ from ..options import suits as suit_names
 from ..options import tasks as task_names
 from ..output import say
 from ..runs import scene
+from ..settings import joined
 from ..training.evaluations import MOTIONS
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
@@ -115,13 +116,16 @@ def train(
         raise InputError("--seed and --seeds are given: give one of them")
     given: dict[str, Any] = {"algo": algo, "seed": seed, "rows": rows, "steps": steps}
     given |= {"level": level, "history": history, "sensors": list(sensors) or None}
-    given |= {"normalize": normalize or None, "belief": belief and {"suit": portable(belief)}}
+    given |= {"normalize": normalize or None, "belief": belief and {"suit": belief}}
     given |= {"reward": reward, "motions": motions, "patience": patience}
     drawn = {"suit": "samples" if samples else None, "suits": list(suits) or None}
     given |= {"randomize": {name: one for name, one in drawn.items() if one} or None}
     given |= {"residual": _residual(residual, residual_scale)}
+    others, arm = arm.split((*OBSERVATION, "level", "reward", "randomize"))
+    present = {name: value for name, value in given.items() if value is not None}
+    present = joined(present, others)
     request = TrainingRequest(
-        given={name: value for name, value in given.items() if value is not None},
+        given=_portable(present),
         file=hyperparameters_file,
         scene=partial(scene, arm, env=env, task=task, suit=suit, gravity=gravity, trusted=trust),
         resume=resume,
@@ -142,6 +146,14 @@ def train(
         raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
     chosen = seeds_of(seeds)
     train_all(request.seed, chosen, out, workers, steps=steps, resume=resume, force=force)
+
+
+def _portable(given: dict[str, Any]) -> dict[str, Any]:
+    """Returns options in which a file of a believed suit is its content."""
+    belief = given.get("belief")
+    if not isinstance(belief, dict) or not isinstance(belief.get("suit"), str):
+        return given
+    return {**given, "belief": {**belief, "suit": portable(belief["suit"])}}
 
 
 def _residual(given: str | None, scale: float | None) -> Residual | None:

@@ -40,7 +40,9 @@ from ..reports.validation import (
     story,
     torque_table,
 )
-from ..runs import Scene, scene
+from ..reports.why import why_remarks
+from ..runs import Scene, refuse_observed, scene
+from ..settings import joined
 
 GRAVITY = "microgravity"
 OTHERS = 4  # number of policies and references beside those that believe a suit
@@ -116,11 +118,18 @@ def validate(
         for true in plant
     }
     for chosen in scenes.values():
+        refuse_observed(chosen.options, [policy])
         believed_joints(chosen.env, {suit: suit for suit in suits}, policy, **chosen.options)
     if samples:
-        drawn = {"randomize": {"suit": "samples"}}
+        drawn = {"suit": "samples"}
         scenes = {
-            true: replace(chosen, options={**chosen.options, **drawn})
+            true: replace(
+                chosen,
+                options={
+                    **chosen.options,
+                    "randomize": joined(drawn, chosen.options.get("randomize", {}), "randomize."),
+                },
+            )
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, "validate", force=force) if out else None
@@ -206,7 +215,7 @@ def _conclude(
         if found.same:
             remarks += answer(found, believed, policy, evaluations[true])
         remarks += [*story(found, suit, believed), *_lacking(suit, true)]
-        remarks += cuff_remarks(scores)
+        remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
     conclude(result, tables, [*remarks, *[RULE] * judged], folder=folder, json=json)
 

@@ -74,7 +74,7 @@ def view(
         if web:
             raise InputError("both web and snapshot are given: use one of them")
         renderer = Renderer(camera=camera, width=width, height=height, quality=quality)
-        _take_picture(ArmConfig.from_dict(chosen.options), snapshot, renderer, pose, force)
+        _take_picture(ArmConfig.from_dict(chosen.arm), snapshot, renderer, pose, force)
         return
     if web:
         check_address(host, port)
@@ -83,8 +83,7 @@ def view(
         return
     made, simulated = make_env(
         chosen.env,
-        **chosen.options,
-        **needed_options(acting),
+        **{**chosen.options, **needed_options(acting)},
         render_mode="human",
         render_quality=quality,
     )

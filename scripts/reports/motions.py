@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...assets import JOINTS
 from ...envs.evaluation import REFERENCES, Evaluation, Interval, Score, Trace
 from ...envs.model import ASSISTED
@@ -193,7 +194,11 @@ def guard_remarks(scores: Sequence[Score]) -> list[str]:
 
 
 def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
-    """Writes a trace as CSV: time [s], angles [rad] and torques [N·m] by joint."""
+    """Writes a trace as CSV: time [s], angles [rad], torques and strength [N·m], and shares.
+
+    Effort, fatigue and the load of a motor are shares of strength, of the muscles, and of the
+    continuous torque. Fatigue is there where muscles tire, the load where there are motors.
+    """
     header = ["time_s"]
     columns = [trace.time[:, None]]
     for label, joints, values in (
@@ -202,11 +207,22 @@ def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
         ("human_torque_nm", JOINTS, trace.human_torque),
         ("suit_torque_nm", JOINTS, trace.suit_torque),
         ("assist_torque_nm", ASSISTED, trace.assist_torque),
+        ("effort", JOINTS, trace.effort),
+        ("extensor_strength_nm", JOINTS, trace.strength[:, 0]),
+        ("flexor_strength_nm", JOINTS, trace.strength[:, 1]),
+        *_fatigue(trace),
+        *([] if trace.motor_load is None else [("motor_load", ASSISTED, trace.motor_load)]),
     ):
         header += [f"{joint}_{label}" for joint in joints]
         columns.append(values)
     rows = zip(*(column for block in columns for column in block.T), strict=True)
     folder.csv(name, header, ([f"{value:.6g}" for value in row] for row in rows))
+
+
+def _fatigue(trace: Trace) -> Iterator[tuple[str, tuple[str, ...], Array]]:
+    if trace.fatigue is not None:
+        for way, name in enumerate(("extensor", "flexor")):
+            yield f"{name}_fatigue", JOINTS, trace.fatigue[:, way]
 
 
 def units_table(scores: Sequence[Score]) -> Rows:
@@ -216,8 +232,12 @@ def units_table(scores: Sequence[Score]) -> Rows:
     rows = []
     for score in scores:
         above, *rest = (_median(values) for values in _units(score))
-        rows.append([score.policy, f"{100 * above:.0f}", *(f"{value:.4g}" for value in rest)])
+        rows.append([score.policy, f"{100 * above:.0f}", *map(_known, rest)])
     return header, rows
+
+
+def _known(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.4g}"
 
 
 def _median(values: Sequence[float]) -> float:

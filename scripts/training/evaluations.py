@@ -11,7 +11,7 @@ from ...assets import JOINTS
 from ...envs.evaluation.core import REFERENCES, run
 from ...envs.evaluation.relief import relief as each_relief
 from ...envs.evaluation.relief import relief_interval
-from ...envs.evaluation.rollout import Trace
+from ...envs.evaluation.rollout import FULL, Trace
 from ...envs.evaluation.wearers import ArmLost
 from ...envs.model import ASSISTED
 from ...envs.plant import Plant
@@ -25,7 +25,6 @@ EVALUATIONS = "evaluations.json"
 FIRST = 20_000  # first seed; those from 10,000 are left for scores after the training
 MOTIONS = 8  # usual number, which is the least that an interval takes
 BETTER = 0.005  # relief by which an evaluation must be better to count
-FULL = 0.999  # share of the peak torque from which a motor counts as saturated
 
 
 class Evaluations:

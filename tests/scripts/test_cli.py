@@ -233,7 +233,7 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
     rows = (tmp_path / "trace.csv").read_text().splitlines()
     assert len(rows) == 1001
     assert rows[0].startswith("time_s,shoulder_abduction_angle_rad")
-    for figure in ("trajectory", "torques", "motion-loops"):
+    for figure in ("trajectory", "torques", "motion-loops", "strain"):
         assert (tmp_path / f"{figure}.png").stat().st_size > 10_000
         assert (tmp_path / f"{figure}.svg").read_text().rstrip().endswith("</svg>")
 

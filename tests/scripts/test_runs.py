@@ -86,6 +86,11 @@ def run_folder(path, **config):
     return str(path)
 
 
+def set_(*given):
+    """Options of which each argument is one `--set`."""
+    return ArmOptions(set=tuple(tuple(one.split()) for one in given))
+
+
 def fails(capsys, *arguments) -> str:
     with pytest.raises(SystemExit) as stop:
         main([str(argument) for argument in arguments])
@@ -177,10 +182,27 @@ def test_runs_of_different_options_are_not_compared(tmp_path):
         scene(ArmOptions(), policies=(one, same, other))
 
 
-def test_options_that_no_training_has(tmp_path):
-    run = run_folder(tmp_path / "run", payload={"mass": 2.0, "inertia": [0.1, 0.1, 0.1]})
-    with pytest.raises(InputError, match="options of wearer or payload that no training has"):
-        scene(ArmOptions(), policies=(run,))
+def test_options_of_a_run_that_have_no_flag_hold(tmp_path):
+    load = {"mass": 2.0, "inertia": [0.1, 0.1, 0.1]}
+    more = {"payload": load, "exo": {"elbow": {"peak_torque": 30.0}}, "fatigue": True}
+    run = run_folder(tmp_path / "run", **more, sensing={"rate_cutoff": 10.0, "emg_noise": 0.0})
+    found = scene(ArmOptions(), policies=(run,)).options
+    assert {name: found[name] for name in more} == more
+    with pytest.raises(InputError, match=r"--set exo .*30.0.*: leave --set exo out"):
+        scene(set_("exo.elbow.peak_torque=20"), policies=(run,))
+    with pytest.raises(InputError, match=r"--set payload.inertia .*: leave"):
+        scene(set_("payload.inertia=[1,1,1]"), policies=(run,))
+    other = set_("fatigue=false sensing.rate_cutoff=5", "max_episode_steps=50")
+    found = scene(other, policies=(run,)).options  # may differ, as the level may
+    assert not found["fatigue"] and found["max_episode_steps"] == 50
+    assert found["sensing"] == {"rate_cutoff": 5, "emg_noise": 0.0}
+    with pytest.raises(InputError, match=r"--set fatigue False, .*: leave --set fatigue out"):
+        scene(set_("fatigue=false"), run=Path(run))  # a run that goes on stays as it is
+    plain = run_folder(tmp_path / "plain", payload=load)
+    with pytest.raises(
+        InputError, match=r"run in .*run' has --set exo .* the usual one: give runs"
+    ):
+        scene(ArmOptions(), policies=(run, plain))
 
 
 def test_a_policy_of_save_policy_is_a_run(tmp_path):

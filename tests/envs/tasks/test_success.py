@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.reward import TOLERANCES, is_success
+from activesuit.envs.reward import is_success
 from activesuit.envs.tasks import TASKS
-from activesuit.envs.tasks.task import FARTHEST
+from activesuit.envs.tasks.task import FARTHEST, TOLERANCES
 from arms import physics, state
 
 LOOSE = dict.fromkeys(TOLERANCES, 5.0)

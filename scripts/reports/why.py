@@ -1,0 +1,92 @@
+"""Sentences about why motions did not go well: which limit was exceeded, by how much and when."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ...envs.benchmark import Result
+from ...envs.evaluation import Score
+from ...envs.evaluation.reasons import Frequent, most_frequent
+
+LEAST = 0.01  # share of time at the peak torque that is worth a word
+# Words for a limit, the factor of its numbers, and their unit.
+_WORDS = {
+    "worst_joint": ("{part}", 1e3, "mrad"),
+    "effort": ("effort", 100, "%"),
+    "hand_error": ("hand", 1e3, "mm"),
+    "tilt": ("tilt of the hand", 1e3, "mrad"),
+    "slowness": ("hand too slow by", 100, "%"),
+    "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears"),
+    "heat": ("load of the {part} motor", 100, "% of continuous"),
+}
+
+
+def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
+    """Yields a sentence for each policy some of whose motions failed, frequent reasons first."""
+    for one in scores:
+        failed = one.success.count(False)
+        if failed:
+            of = f" in {failed} of {len(one.success)} motions" if len(one.success) > 1 else ""
+            parts = [_size(why) + _count(why, failed) for why in most_frequent(one.why)]
+            yield f"{one.policy} failed{of}: {'; '.join([*parts, *_hot(one)])}"
+
+
+def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
+    """Yields a sentence for each level and policy some of whose motions failed.
+
+    Each limit is shown as in the task in which most motions exceeded it.
+    """
+    for level, policy in dict.fromkeys((one.level, one.policy) for one in results):
+        mine = [one for one in results if (one.level, one.policy) == (level, policy)]
+        motions = [success for one in mine for success in one.success]
+        found: dict[str, list[tuple[Frequent, str]]] = {}
+        for one in mine:
+            for why in one.why:
+                found.setdefault(why.name, []).append((why, one.task))
+        parts = []
+        for same in sorted(found.values(), key=lambda same: -_total(same)):
+            why, task = max(same, key=lambda pair: pair[0].motions)
+            most = f", most in {task}" if len({one.task for one in mine}) > 1 else ""
+            parts.append(f"{_size(why)} ({_motions(_total(same))}{most})")
+        if parts:
+            failed = f"{motions.count(False)} of {len(motions)} motions"
+            yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
+
+
+def _total(same: Sequence[tuple[Frequent, str]]) -> int:
+    return sum(why.motions for why, _ in same)
+
+
+def _count(why: Frequent, failed: int) -> str:
+    return f" ({_motions(why.motions)})" if why.motions < failed else ""
+
+
+def _motions(count: int) -> str:
+    return "1 motion" if count == 1 else f"{count} motions"
+
+
+def _size(why: Frequent) -> str:
+    """Returns by how much a limit was exceeded, and when: the medians of these motions."""
+    part = (why.part or "").removesuffix("_flexion").replace("_", " ")
+    if why.name == "lost":
+        return f"arm lost at {why.time_s:.1f} s ({part})"
+    words, factor, unit = _WORDS[why.name]
+    size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
+    return f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+
+
+def _hot(score: Score) -> Iterator[str]:
+    """Yields motors that were hot, or gave their peak torque, in motions that failed."""
+    bad = ~np.array(score.success)
+    for joint, times in score.hot_from.items():
+        hot = np.array(times)[bad]
+        name = joint.removesuffix("_flexion")
+        if np.isfinite(hot).any():
+            yield f"{name} motor hot from {np.median(hot[np.isfinite(hot)]):.1f} s"
+        full = np.array(score.saturated[joint])[bad]
+        if full.max() >= LEAST:
+            yield f"{name} motor at its peak in {100 * np.median(full):.0f} % of the time"

@@ -1,0 +1,83 @@
+"""Sentences about why motions did not go well."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+from activesuit.envs.benchmark import Result
+from activesuit.envs.benchmark.results import lines, read_results
+from activesuit.envs.evaluation.reasons import Reason, most_frequent
+from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
+from activesuit.scripts.main import main
+from activesuit.scripts.reports.why import benchmark_remarks, why_remarks
+
+HAND = Reason("hand_error", 0.065, 0.03, "m", 10.5, None)
+EFFORT = Reason("effort", 0.229, 0.15, "1", 54.0, "shoulder_flexion")
+
+
+def scored(*why, hot=(), full=()) -> Any:
+    success = tuple(not one for one in why)
+    joint = "shoulder_flexion"
+    given = {"policy": "mine", "why": why, "success": success}
+    hot = {joint: hot} if hot else {}
+    return SimpleNamespace(**given, hot_from=hot, saturated={joint: full or (0.0,) * len(why)})
+
+
+def test_one_motion():
+    (said,) = why_remarks([scored((HAND, EFFORT), hot=(10.52,), full=(0.25,))])
+    assert said == (
+        "mine failed: hand 65 mm of 30 from 10.5 s; effort 22.9 % of 15 from 54.0 s; shoulder "
+        "motor hot from 10.5 s; shoulder motor at its peak in 25 % of the time"
+    )
+    assert list(why_remarks([scored((), hot=(3.0,))])) == []
+
+
+def test_the_most_frequent_reason_comes_first_and_successes_do_not_count():
+    hot = (float("inf"), 1.0, float("inf"))
+    (said,) = why_remarks([scored((EFFORT, HAND), (), (HAND,), hot=hot)])
+    assert said == (
+        "mine failed in 2 of 3 motions: hand 65 mm of 30 from 10.5 s; "
+        "effort 22.9 % of 15 from 54.0 s (1 motion)"
+    )
+
+
+def test_every_limit_has_words():
+    for name in (*(one.name for one in EVERYWHERE), *(cost for cost, _ in TOLERANCES.values())):
+        reason = Reason(name, 1.25, 1.0, "1", 2.0, "elbow_flexion")
+        (said,) = why_remarks([scored((reason,))])
+        assert said.startswith("mine failed: ") and "2.0 s" in said
+        assert ("arm lost at 2.0 s (elbow)" in said) == (name == "lost")
+
+
+def test_a_benchmark_names_the_task_and_keeps_the_reasons(tmp_path):
+    values = (0.2, 0.2)
+    one = Result(
+        task="Scoop",
+        level="shift",
+        believed="mock-suit",
+        policy="mine",
+        options={},
+        failed=None,
+        protocol={"contract": "a"},
+        effort=values,
+        assisted_effort=values,
+        tracking=values,
+        success=(False, True),
+        why=most_frequent([(HAND,), ()]),
+    )
+    other = replace(one, task="Hammer", success=(False, False), why=most_frequent([(HAND,)] * 2))
+    (said,) = benchmark_remarks([one, other])
+    assert said == (
+        "mine at shift failed in 3 of 4 motions: hand 65 mm of 30 from 10.5 s (3 motions, most in "
+        "Hammer)"
+    )
+    file = tmp_path / "results.jsonl"
+    file.write_text(lines([one, other]))
+    assert read_results([file]) == [one, other]
+
+
+def test_simulate_says_why(tmp_path, capsys, undrawn):
+    env = ["--env", "ActiveSuit/ElbowFlexion-v0", "--set", "max_episode_steps=100"]
+    main(["simulate", *env, "--policy", "none", "--payload", "5", "--out", str(tmp_path)])
+    out = capsys.readouterr().out
+    assert "none failed: " in out and " % of 20 from " in out
