@@ -46,6 +46,7 @@ class Trace:
         success: Whether the episode went well, as `info["is_success"]` at its end.
         terminated: Whether the episode ended by failure.
         periods: Number of control periods of the whole motion, however early the episode ended.
+        arm: The wearer's arm.
     """
 
     time: Array
@@ -65,6 +66,7 @@ class Trace:
     success: bool
     terminated: bool
     periods: int
+    arm: Arm
 
 
 def rollout(
@@ -157,4 +159,5 @@ def _trace(
         success=is_success(costs, len(rewards), task, ended=terminated),
         terminated=terminated,
         periods=periods,
+        arm=arm,
     )

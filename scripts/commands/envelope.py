@@ -37,8 +37,8 @@ def envelope(
         measured: Bend the joints of the suit only within the ranges of its file, for which its
             models were identified; without, these extrapolate.
         spacing: Distance of neighboring hand positions, 0.004 to 0.1 [m].
-        out: Folder for result.json, points.csv and the figures: a new or an empty one, or that of
-            an earlier envelope.
+        out: Folder for result.json, points.csv, report.html and the figures: a new or an empty one,
+            or that of an earlier envelope.
     """
     options = arm.config(suit, gravity)
     config = ArmConfig.from_dict(options)
@@ -69,7 +69,12 @@ def envelope(
     }
     remarks = list(_write(folder, found)) if folder else []
     place = f"{config.gravity}, {options['suit']}"
-    conclude(result, {f"Work envelope: {place}": _table(found)}, remarks, folder=folder, json=json)
+    conclude(
+        *(result, {f"Work envelope: {place}": _table(found)}, remarks),
+        folder=folder,
+        json=json,
+        settings={**options, "measured": measured, "spacing": spacing},
+    )
 
 
 def _row(one: Envelope) -> dict[str, Any]:
