@@ -100,7 +100,7 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
         write_loops(folder, (row for one in certified for row in loop_rows(*one, None)))
         write_report(
             *(folder, "demo", f"{ENV}, {PLANT}"),
-            answer=[f"{gravity}: {' '.join(story(one))}" for gravity, one in scores.items()],
+            answer=[f"{place}: {said}" for place, one in scores.items() for said in story(one)],
             tables={gravity: _scores(one) for gravity, one in scores.items()} | fit_tables,
             settings=_config(trials, episodes, seed),
             motions=motions,

@@ -26,7 +26,7 @@ def report(run: Annotated[Path, tyro.conf.Positional], /, force: Force = False) 
     if command not in SUBJECTS:
         raise InputError(
             f"{str(run)!r} holds a run of {command}, which has no report: give a folder of "
-            f"{', '.join(sorted(SUBJECTS))}"
+            f"{', '.join(subject.command for subject in SUBJECTS.values())}"
         )
     page = report_page(run)
     folder = RunFolder(run, command, force=force)

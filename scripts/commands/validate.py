@@ -105,7 +105,8 @@ def validate(
     if held_out:
         result, tables, remarks = _predicted(suits, held_out, joint)
         folder = RunFolder(out, "validate", force=force) if out else None
-        conclude(result, tables, remarks, folder=folder, json=json)
+        given = {"suits": suits, "held_out": held_out, "joint": joint}
+        conclude(result, tables, remarks, folder=folder, json=json, settings=given)
         return
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ..text import visible
 
-# They can be told apart on white and on nearly black, also by most who see few colors.
+# They differ on white and on nearly black, also for most people who see few colors.
 COLORS = (
     *("#2f86d0", "#d55e00", "#0f9d73", "#b565a7", "#d08700", "#3aa6c9", "#a0674b", "#7a6ad8"),
 )

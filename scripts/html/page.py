@@ -190,6 +190,8 @@ class _Renderer:
         )
 
     def _table(self, table: Table) -> str:
+        if not table.rows:
+            return ""
         caption = text(table.title)
         rows = table.rows[:MOST_ROWS]
         left = [not _numeric([row[i] for row in rows if i < len(row)])

@@ -29,10 +29,12 @@ class Subject(NamedTuple):
     """What a report is about.
 
     Attributes:
+        command: Command, as it is typed.
         heading: Title of the page.
         sections: Function that yields sections with figures from the files of the run.
     """
 
+    command: str
     heading: str
     sections: Blocks
 
@@ -140,19 +142,19 @@ def _profiles(folder: Path, contents: Contents) -> Iterator[Section]:
 
 # By the name in the record of the run folder.
 SUBJECTS = {
-    "demo": Subject("From measured loops to a compensated arm motion", _demo),
-    "identify": Subject("Identified model", _loops),
-    "rig": Subject("Measured on the simulated rig", _loops),
-    "simulate": Subject("Simulated motion", _motions),
-    "evaluate": Subject("Policies compared", _motions),
-    "validate": Subject("Validation of a suit model", _motions),
-    "benchmark": Subject("Benchmark of controllers", _profiles),
-    "benchmark-table": Subject("Benchmark of controllers", _profiles),
-    "train": Subject("Trained policy", _learning),
-    "envelope": Subject("Work envelope", _envelope),
-    "knowledge": Subject("What it buys to know the suit", _none),
-    "faults": Subject("When a sensor or a motor fails", _none),
-    "branch": Subject("What would have happened", _none),
-    "tasks": Subject("Difficulty of the tasks", _none),
-    "benchmark learning": Subject("Ways of training compared", _none),
+    "demo": Subject("demo", "From measured loops to a compensated arm motion", _demo),
+    "identify": Subject("identify", "Identified model", _loops),
+    "rig": Subject("measure rig", "Measured on the simulated rig", _loops),
+    "simulate": Subject("simulate", "Simulated motion", _motions),
+    "evaluate": Subject("evaluate", "Policies compared", _motions),
+    "validate": Subject("validate", "Validation of a suit model", _motions),
+    "benchmark": Subject("benchmark run", "Benchmark of controllers", _profiles),
+    "benchmark-table": Subject("benchmark table", "Benchmark of controllers", _profiles),
+    "train": Subject("train", "Trained policy", _learning),
+    "envelope": Subject("evaluate envelope", "Work envelope", _envelope),
+    "knowledge": Subject("evaluate knowledge", "What it buys to know the suit", _none),
+    "faults": Subject("evaluate faults", "When a sensor or a motor fails", _none),
+    "branch": Subject("evaluate branch", "What would have happened", _none),
+    "tasks": Subject("tasks --table", "Difficulty of the tasks", _none),
+    "benchmark learning": Subject("benchmark learning", "Ways of training compared", _none),
 }

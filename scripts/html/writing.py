@@ -60,7 +60,7 @@ def report_page(folder: Path) -> str:
         _origin(folder, found),
     ]
     version = found.versions.get("activesuit", "")
-    lead = f"{found.title} · activesuit {found.command} · version {version}"
+    lead = f"{found.title} · activesuit {subject.command} · version {version}"
     return build(folder, subject.heading, lead, sections)
 
 

@@ -8,7 +8,7 @@ from ..html.writing import write_report
 from ..output import Rows, RunFolder
 from .evaluations import value
 
-COLUMNS = {  # of the table of evaluations, by what `physical` returns
+COLUMNS = {  # what `physical` returns, as columns of the table
     "success": ("success", "{:.0%}"),
     "effort": ("effort\n[% of strength]", "{:.1%}"),
     "tracking": ("tracking error\n[rad]", "{:.3f}"),
