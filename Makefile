@@ -42,7 +42,7 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/core: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e .
+	$(PIP) -e '.[report]'
 	touch $@
 
 .venv/train: pyproject.toml constraints.txt | .venv/bin/python
@@ -54,5 +54,5 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,onnx,compare,cluster,video,dev]'
+	$(PIP) -e '.[train,onnx,compare,cluster,report,video,dev]'
 	touch $@

@@ -38,6 +38,7 @@ class RunFolder:
 
     Attributes:
         path: Path of the folder.
+        command: Name of the command that writes.
         own: Whether this command has written into it before.
 
     Raises:
@@ -46,7 +47,7 @@ class RunFolder:
     """
 
     def __init__(self, path: Path, command: str = "", *, force: bool = False) -> None:
-        self.path = path
+        self.path, self.command = path, command
         self._force = force or not command
         self._record = None
         if path.is_symlink():

@@ -34,6 +34,7 @@ GROUPS = {
         "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
         "animate": "Draw an assisted motion and its torque-angle loops as an animation.",
         "tasks": "List the tasks, or measure how difficult each is.",
+        "report": "Make report.html of a run again, from the files of its folder.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",

@@ -60,6 +60,7 @@ class Trace:
         peak_torque: Peak torque of the motors [N·m], shape (2,); None without motors.
         terminated: Whether the episode ended by failure.
         periods: Number of control periods of the whole motion, however early the episode ended.
+        arm: The wearer's arm.
     """
 
     time: Array
@@ -84,6 +85,7 @@ class Trace:
     peak_torque: Array | None
     terminated: bool
     periods: int
+    arm: Arm
 
     @property
     def success(self) -> bool:
@@ -211,4 +213,5 @@ def _trace(
         limits=task.limits,
         terminated=terminated,
         periods=periods,
+        arm=arm,
     )

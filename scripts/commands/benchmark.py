@@ -17,11 +17,19 @@ from ...files import write_text
 from ...json_files import read_json
 from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
+from ..html.writing import write_report
 from ..options import Force, Json, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
-from ..reports.leaderboard import difference_rows, level_rows, page, profile_figure, task_rows
+from ..reports.leaderboard import (
+    best_policies,
+    difference_rows,
+    level_rows,
+    page,
+    profile_figure,
+    task_rows,
+)
 from ..reports.why import benchmark_remarks
 from ..runs import refuse_observed
 from ..settings import settings
@@ -72,8 +80,8 @@ def benchmark(
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
-        out: Folder for results.jsonl, tables.md and the figure of profiles: a new or an empty one,
-            or that of the same benchmark, which goes on.
+        out: Folder for results.jsonl, tables.md, report.html and the figure of profiles: a new or
+            an empty one, or that of the same benchmark, which goes on.
     """
     if what == "run":
         if results:
@@ -96,14 +104,14 @@ def benchmark(
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
         folder.text(RESULTS, lines(found))
-        _report(found, folder, json)
+        _report(found, folder, json, {**_config(chosen), "backend": backend})
         return
     found = read_results(results)
     folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
-        _report(found, folder, json)
+        _report(found, folder, json, {"results": results})
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
 
@@ -118,11 +126,24 @@ def _check(chosen: Suite) -> None:
             arms.close()
 
 
-def _report(found: list[Result], folder: RunFolder | None, json: bool) -> None:
+def _report(
+    found: list[Result], folder: RunFolder | None, json: bool, settings: dict[str, Any]
+) -> None:
     standings = Standings(found)
     if folder:
         folder.text("tables.md", page(standings, "# Controllers compared", "profiles.png"))
         folder.figure("profiles", profile_figure(standings))
+        tables = {f"{one}: all tasks": level_rows(standings, one) for one in standings.levels}
+        tables |= {
+            f"{one}: success and relief by task": task_rows(standings, one)
+            for one in standings.levels
+        }
+        write_report(
+            *(folder, folder.command, f"{standings.count} trials"),
+            answer=best_policies(standings),
+            tables=tables,
+            settings={**settings, **standings.protocol},
+        )
     if json:
         print("[" + ",\n".join(one.to_json() for one in found) + "]")
         return
@@ -174,20 +195,7 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """
     folder = RunFolder(out, "benchmark", force=force)
     folder.subfolder(TRIALS)
-    wanted: dict[str, Any] = loads(
-        to_json(
-            {
-                "suite": chosen.name,
-                "contract": chosen.contract,
-                "tasks": chosen.tasks,
-                "levels": chosen.levels,
-                "believed": chosen.believed,
-                "episodes": chosen.episodes,
-                "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
-                **({"options": chosen.options} if chosen.options else {}),
-            }
-        )
-    )
+    wanted = _config(chosen)
     path = folder / "config.json"
     present = read_json(path, "configuration of the benchmark") if path.exists() else None
     if present is None:
@@ -201,6 +209,24 @@ def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
             f"{shown(wanted.get(name))}: choose another --out, or go on with its own options"
         )
     return folder
+
+
+def _config(chosen: Suite) -> dict[str, Any]:
+    """Returns what config.json holds."""
+    return loads(
+        to_json(
+            {
+                "suite": chosen.name,
+                "contract": chosen.contract,
+                "tasks": chosen.tasks,
+                "levels": chosen.levels,
+                "believed": chosen.believed,
+                "episodes": chosen.episodes,
+                "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
+                **({"options": chosen.options} if chosen.options else {}),
+            }
+        )
+    )
 
 
 def _run(folder: RunFolder, chosen: Suite, backend: Backend, workers: int) -> list[Result]:

@@ -16,6 +16,9 @@ from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError
 from ...identification import Certified, Curves, Fit, Search, Trial, identify, load_curves
 from ...identification.figures import convergence_figure, loops_figure
+from ..html.loops import loop_rows, write_loops
+from ..html.motions import kept_motion
+from ..html.writing import write_report
 from ..options import Force, Seed
 from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
 from ..reports.fits import fit_summary, quality_table, write_trials
@@ -48,8 +51,8 @@ def demo(
     earlier demo are replaced when all of the new ones are there; Ctrl-C before that keeps both.
 
     Args:
-        out: Folder for the configuration, tables, suit file, figures and report.md: a new or an
-            empty one, or that of an earlier demo.
+        out: Folder for the configuration, tables, suit file, figures, report.md and report.html: a
+            new or an empty one, or that of an earlier demo.
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
         episodes: Number of simulated motions of each policy.
     """
@@ -63,7 +66,7 @@ def demo(
         kept = _free_name(folder)
         with folder.together(kept) as new:
             _run(new, folder / kept, trials, episodes, seed)
-    say(f"report, figures, suit and data: {out}/report.md")
+    say(f"report, figures, suit and data: {out}/report.html")
 
 
 def _free_name(folder: RunFolder) -> str:
@@ -81,8 +84,7 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
             _identify(curves, fits, trials, seed)
     finally:
         if any(fits.values()) or folder.path == place:
-            config = {"trials": trials, "episodes": episodes, "seed": seed}
-            _write_fits(folder, fits, config)
+            _write_fits(folder, fits, _config(trials, episodes, seed))
     suit = folder.claim("suit.json")
     _identified_suit(fits).save(suit)
     kept = (
@@ -92,9 +94,18 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
     )
     with telling(lambda: kept):
         fit_tables = _show_fits(folder, curves, fits)
-        scores = _compare(folder, suit, episodes, seed)
+        scores, motions = _compare(folder, suit, episodes, seed)
         pictured = _picture(folder, seed)
         folder.text("report.md", _report(fit_tables, scores, pictured))
+        certified = ((CURVES[name], methods["certified"]) for name, methods in fits.items())
+        write_loops(folder, (row for one in certified for row in loop_rows(*one, None)))
+        write_report(
+            *(folder, "demo", f"{ENV}, {PLANT}"),
+            answer=[f"{place}: {said}" for place, one in scores.items() for said in story(one)],
+            tables={gravity: _scores(one) for gravity, one in scores.items()} | fit_tables,
+            settings=_config(trials, episodes, seed),
+            motions=motions,
+        )
 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
@@ -128,9 +139,13 @@ def _kept_fits(place: Path, fits: Fits) -> str:
     )
 
 
-def _write_fits(folder: RunFolder, fits: Fits, config: dict[str, Any]) -> None:
+def _config(trials: int, episodes: int, seed: int) -> dict[str, Any]:
     simulated = {"env": ENV, "plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
-    folder.json("config.json", config | simulated)
+    return {"trials": trials, "episodes": episodes, "seed": seed, **simulated}
+
+
+def _write_fits(folder: RunFolder, fits: Fits, config: dict[str, Any]) -> None:
+    folder.json("config.json", config)
     write_trials(folder, "trials.csv", fits)
     summaries = {
         name: {method: fit_summary(fit, config["seed"]) for method, fit in methods.items()}
@@ -163,9 +178,15 @@ def _identified_suit(fits: Fits) -> Suit:
     )
 
 
-def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[str, Evaluation]:
-    """Compares all policies; prints, draws and writes the results; returns scores by gravity."""
+def _compare(
+    folder: RunFolder, suit: Path, episodes: int, seed: int
+) -> tuple[dict[str, Evaluation], list[dict[str, Any]]]:
+    """Compares all policies; prints, draws and writes the results.
+
+    Returns the scores by gravity, and what a report has to know of the motions.
+    """
     found, traces = _simulate(suit, episodes, seed)
+    motions = []
     for gravity, evaluation in found.items():
         scores = list(evaluation.scores.values())
         table(f"{ENV}, {gravity}, {episodes} motions", *score_table(scores, evaluation))
@@ -173,12 +194,18 @@ def _compare(folder: RunFolder, suit: Path, episodes: int, seed: int) -> dict[st
             say(sentence)
         write_scores(folder, f"motions-{gravity}.csv", scores, FIRST_SEED + seed)
         for policy, trace in traces[gravity].items():
-            write_trace(folder, f"trace-{gravity}-{policy}.csv", trace)
+            name = f"trace-{gravity}-{policy}.csv"
+            write_trace(folder, name, trace)
+            motions.append(kept_motion(gravity, policy, name, trace))
         folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
         folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
         folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
     folder.json("evaluation.json", {g: one.to_dict() for g, one in found.items()})
-    return found
+    return found, motions
+
+
+def _scores(evaluation: Evaluation) -> Rows:
+    return score_table(list(evaluation.scores.values()), evaluation)
 
 
 def _simulate(
@@ -250,7 +277,7 @@ def _report(fit_tables: dict[str, Rows], found: dict[str, Evaluation], pictured:
             "not that it is good. Wearers have repeated each motion until nothing is left to "
             "learn. Unsuited and suited are without an exoskeleton; none has one whose motors are "
             "off; the best known plan knows the true suit and the whole motion, and is the bound.",
-            markdown_table(*score_table(list(evaluation.scores.values()), evaluation)),
+            markdown_table(*_scores(evaluation)),
             *(f"- {one}" for one in why_remarks(list(evaluation.scores.values()))),
         ]
         for name in ("trajectory", "torques", "motion-loops"):

@@ -37,8 +37,8 @@ def envelope(
         measured: Bend the joints of the suit only within the ranges of its file, for which its
             models were identified; without, these extrapolate.
         spacing: Distance of neighboring hand positions, 0.004 to 0.1 [m].
-        out: Folder for result.json, points.csv and the figures: a new or an empty one, or that of
-            an earlier envelope.
+        out: Folder for result.json, points.csv, report.html and the figures: a new or an empty one,
+            or that of an earlier envelope.
     """
     options = arm.config(suit, gravity)
     config = ArmConfig.from_dict(options)
@@ -67,9 +67,14 @@ def envelope(
         "spacing": spacing,
         "envelopes": [_row(one) for one in found],
     }
-    remarks = list(_write(folder, found)) if folder else []
+    remarks = [*_answers(found), *(_write(folder, found) if folder else ())]
     place = f"{config.gravity}, {options['suit']}"
-    conclude(result, {f"Work envelope: {place}": _table(found)}, remarks, folder=folder, json=json)
+    conclude(
+        *(result, {f"Work envelope: {place}": _table(found)}, remarks),
+        folder=folder,
+        json=json,
+        settings={**options, "measured": measured, "spacing": spacing},
+    )
 
 
 def _row(one: Envelope) -> dict[str, Any]:
@@ -102,8 +107,20 @@ def _table(found: Sequence[Envelope]) -> Rows:
     return header, rows
 
 
+def _answers(found: Sequence[Envelope]) -> Iterator[str]:
+    """Yields a sentence for each branch: the envelope without suit, in it and with motors."""
+    litres = {(one.condition, _branch(one)): f"{one.volume():.1f} l" for one in found}
+    for branch in BRANCHES:
+        yield (
+            f"With at most {SUSTAINED:.0%} of strength the hand can stay in "
+            f"{litres['unsuited', None]} without a suit; on the {branch} branch in "
+            f"{litres['suited', branch]} in the suit, and in {litres['assisted', branch]} with the "
+            "exoskeleton."
+        )
+
+
 def _write(folder: RunFolder, found: Sequence[Envelope]) -> Iterator[str]:
-    """Writes points and figures; yields what there is to say about them."""
+    """Writes points and figures; yields why there is no picture, where there is none."""
     from ...envs.envelope.figures import (  # draws, which takes most of a second to import
         envelope_picture,
         sections_figure,
@@ -111,7 +128,6 @@ def _write(folder: RunFolder, found: Sequence[Envelope]) -> Iterator[str]:
 
     folder.csv("points.csv", [*COLUMNS, *JOINTS], _points(found))
     folder.figure("sections", sections_figure(found))
-    yield f"wrote {folder.path}/points.csv and figures"
     for branch in BRANCHES:
         shown = [
             one for one in found if one.branch == branch and one.condition in ("suited", "assisted")

@@ -17,6 +17,7 @@ from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
+from ..html.motions import write_motions
 from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName, Trust
 from ..output import RunFolder, conclude, progress
 from ..reports.motions import (
@@ -84,8 +85,8 @@ def evaluate(
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
-        out: Folder for result.json and motions.csv, and tables.md with --table: a new or an empty
-            one, or that of an earlier evaluate.
+        out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
+            with --table: a new or an empty one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
@@ -109,11 +110,15 @@ def evaluate(
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
-    results, tables, remarks = [], {}, []
+    results, tables, remarks, motions = [], {}, [], []
     settings: dict[tuple[str, str, str], Evaluation] = {}
     for chosen in scenes:
+        first: dict[str, Trace] = {}
         found = run(
-            chosen.env, chosen.policies, episodes, seed, unadapted=unadapted, **chosen.options
+            *(chosen.env, chosen.policies, episodes, seed),
+            unadapted=unadapted,
+            first=first,
+            **chosen.options,
         )
         scores = list(found.scores.values())
         with_references = found if found.suit_cost is not None else None
@@ -138,22 +143,41 @@ def evaluate(
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
+            if not table:
+                motions = write_motions(folder, chosen.place, first)
     if folder and table:
         folder.text("tables.md", settings_page(settings))
     result: dict[str, Any] = {"episodes": episodes, "seed": seed}
     result |= {"settings": results} if table else results[0]
-    conclude(result, tables, remarks, folder=folder, json=json)
+    options = {} if table else scenes[0].options
+    settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
+    settings_of_run |= {"seed": seed, "unadapted": unadapted, **options}
+    conclude(
+        *(result, tables, remarks),
+        folder=folder,
+        json=json,
+        settings=settings_of_run,
+        motions=motions,
+    )
 
 
 def run(
-    env: str, policies: Policies, episodes: int, seed: int, *, unadapted: bool, **options: Any
+    env: str,
+    policies: Policies,
+    episodes: int,
+    seed: int,
+    *,
+    unadapted: bool,
+    first: dict[str, Trace] | None = None,
+    **options: Any,
 ) -> Evaluation:
-    """Evaluates policies and shows a progress bar."""
+    """Evaluates policies and shows a progress bar; puts their first motions into `first`."""
     references = options.get("suit") != NO_SUIT
     with progress(env, (len(policies) + 2 * references) * episodes) as bar:
 
         def report(policy: str, traces: list[Trace]) -> None:
-            del policy
+            if first is not None:
+                first[policy] = traces[0]
             bar.advance(len(traces))
 
         return evaluate_policies(

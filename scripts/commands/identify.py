@@ -1,7 +1,7 @@
 """`activesuit identify`: fits a hysteresis model to a file of measured curves."""
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, get_args
@@ -24,9 +24,11 @@ from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND, UNKNOWN
 from ...identification.uncertainty.uncertainty import Uncertainty
 from ..curve_joints import joint_of
+from ..html.loops import loop_rows, write_loops
+from ..html.writing import write_report
 from ..intended import intended_motions, needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, optional_number, suits
-from ..output import RunFolder, progress, say, table, to_json
+from ..output import Rows, RunFolder, progress, say, table, to_json
 from ..parsing import named_values
 from ..reports.fits import (
     advised,
@@ -41,6 +43,8 @@ from ..reports.fits import (
     write_trials,
 )
 from ..reports.parameters import parameter_table
+
+Titled = tuple[str, Rows, int]  # title, table, and how many of its columns are aligned left
 
 NOT_DESCRIBED = 3  # exit code
 AUTO, CERTIFIED = "auto", "certified"  # methods; of auto `select` chooses the model
@@ -120,8 +124,8 @@ def identify(
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
-        out: Folder for suit.json, result.json, trials.csv and the loops as PNG and SVG: a new or an
-            empty one, or that of an earlier identify.
+        out: Folder for suit.json, result.json, trials.csv, report.html and the loops as PNG and
+            SVG: a new or an empty one, or that of an earlier identify.
     """
     if not curves:
         raise InputError("there is no file of curves: give at least one")
@@ -163,16 +167,29 @@ def identify(
         )
     found = result.uncertainty(samples=samples, seed=seed) if samples else None
     summary = _summary(result, seed, use, needed, found)
+    tables, sentences = _tables(result, found), _sentences(result, use, found, summary["band"])
     if json:
         print(to_json(summary))
     else:
-        _print(result, use, found, summary["band"])
+        _print(result, tables, sentences)
     if folder and joint_name:
         description = _description(result, seed)
         suit = _suit(_fit(result), joint_name, curves[0].stem, description, others, found)
-        _write(folder, joint_name, _fit(result), suit, summary)
+        given = {"curves": curves, "method": method, **beside, "initial_torque": initial_torque}
+        given |= {"corrections": asdict(corrections), "samples": samples, "seed": seed}
+        given |= {"for": use, "joint": joint_name, "base": base, "data_sha256": family.sha256}
+        with folder.together() as new:
+            suit.save(new / "suit.json")
+            _write(new, joint_name, _fit(result), summary)
+            write_loops(new, loop_rows(joint_name, result, found))
+            write_report(
+                *(new, "identify", f"{family.source}, {joint_name.replace('_', ' ')}"),
+                answer=[*sentences, *_why(result)],
+                tables={title: rows for title, rows, _ in tables},
+                settings=given,
+            )
         if not json:
-            say(f"wrote {folder.path}/suit.json, result.json, trials.csv, loops.png")
+            say(f"wrote {folder.path}/suit.json, result.json, trials.csv, report.html, loops.png")
     _end(result)
 
 
@@ -234,17 +251,29 @@ def _summary(
     return {**summary, "uncertainty": uncertainty_summary(found)} if found else summary
 
 
-def _print(
-    result: Fit | Selection,
-    use: str | None,
-    found: Uncertainty | None,
-    band: dict[str, float] | None,
-) -> None:
+def _print(result: Fit | Selection, tables: list[Titled], sentences: list[str]) -> None:
+    why = list(_why(result))
+    for i, (title, (header, rows), left) in enumerate(tables):
+        table(title, header, rows, left=left)
+        if i == 0 and why:
+            say(f"{why[0]}\n")
+    for sentence in sentences:
+        say(sentence)
+
+
+def _why(result: Fit | Selection) -> Iterator[str]:
+    """Yields why a model was chosen, if it was."""
+    if isinstance(result, Selection):
+        yield result.why
+
+
+def _tables(result: Fit | Selection, found: Uncertainty | None) -> list[Titled]:
+    """Returns the tables of a fit, beginning with that of the models it was chosen from."""
     fit = _fit(result)
     name = fit.curves.source
+    tables: list[Titled] = []
     if isinstance(result, Selection):
-        table(f"models for {name}", *candidate_table(result), left=1)
-        say(f"{result.why}\n")
+        tables.append((f"models for {name}", candidate_table(result), 1))
     header, rows = parameter_table({"value": fit.model})
     start = fit.initial_torque
     begins = start if isinstance(start, str) else f"{start:.5g}"
@@ -255,31 +284,42 @@ def _print(
         first, steady, cycles, _ = fit.softening
         change = f"{first:.3f} first, {steady:.3f} steady, 1/e in {cycles:.3g} cycles"
         rows.append(["torque over the last", change])
-    table(name, header, rows, left=1)
-    table("quality", *quality_table({Path(name).stem: {fit.method: fit}}))
+    tables.append((name, (header, rows), 1))
+    tables.append(("quality", quality_table({Path(name).stem: {fit.method: fit}}), 2))
     if isinstance(result, Selection) and (bands := bands_of(result)):
-        table("bands of nominal 90 % over kinds of model", *band_table(bands))
+        tables.append(("bands of nominal 90 % over kinds of model", band_table(bands), 2))
     if found:
-        table("how sure the parameters are", *uncertainty_table(fit, found), left=1)
-    say(f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}")
+        tables.append(("how sure the parameters are", uncertainty_table(fit, found), 1))
+    return tables
+
+
+def _sentences(
+    result: Fit | Selection,
+    use: str | None,
+    found: Uncertainty | None,
+    band: dict[str, float] | None,
+) -> list[str]:
+    """Returns the verdict, and what else there is to say."""
+    fit = _fit(result)
+    said = [f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}"]
     if isinstance(result, Selection) and result.agreement:
-        say(f"agreement: {result.agreement.sentence}")
+        said.append(f"agreement: {result.agreement.sentence}")
     if fit.judgement:
-        say(f"noise: {fit.judgement.noise}")
+        said.append(f"noise: {fit.judgement.noise}")
     if band:
         half = band["half_width"]
-        say(
+        said.append(
             f"band: along these curves the torque is within {half:.2g} N·m of the model "
             f"({half / fit.curves.peak:.1%} of the peak), at {band['level']:.0%}, if its kind is "
             f"right{'' if isinstance(result, Selection) else ' (--method auto compares kinds)'}"
         )
     elif fit.verdict == NOT_BEYOND:
-        say(
+        said.append(
             "band: none, because nothing tests the model beyond these curves; measure also the "
             "record of activesuit measure design"
         )
-    for sentence in (*map(advised, fit.remarks), *(found.sloppy if found else ())):
-        say(f"note: {sentence}")
+    notes = (*map(advised, fit.remarks), *(found.sloppy if found else ()))
+    return [*said, *(f"note: {sentence}" for sentence in notes)]
 
 
 def _deviation(fit: Fit, found: Uncertainty | None) -> str:
@@ -351,12 +391,10 @@ def _left_open(fit: Fit, found: Uncertainty | None) -> Iterator[str]:
         yield MISSING[fit.verdict]
 
 
-def _write(folder: RunFolder, joint: str, fit: Fit, suit: Suit, summary: dict[str, Any]) -> None:
-    with folder.together() as new:
-        suit.save(new / "suit.json")
-        new.json("result.json", summary)
-        write_trials(new, "trials.csv", {joint: {fit.method: fit}})
-        new.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
+def _write(folder: RunFolder, joint: str, fit: Fit, summary: dict[str, Any]) -> None:
+    folder.json("result.json", summary)
+    write_trials(folder, "trials.csv", {joint: {fit.method: fit}})
+    folder.figure("loops", loops_figure({joint: fit.curves}, {joint: {fit.model_name: fit}}))
 
 
 def _end(result: Fit | Selection) -> None:

@@ -12,6 +12,8 @@ from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
 from ...envs.rig.figure import records_figure
 from ...errors import InputError
 from ...identification import Curve, load_motion, save_curves
+from ..html.loops import measured_rows, write_loops
+from ..html.writing import write_report
 from ..options import Force, Json, Seed, SuitName, choice, joints
 from ..output import RunFolder, say, table, to_json
 
@@ -57,8 +59,8 @@ def rig(
         torque_resolution: Resolution of the torque sensor [N·m]; by default it has no steps.
         angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
         bearing_friction: Friction of the bearings [N·m].
-        out: Folder for the curves (JOINT.csv), config.json and the loops as PNG and SVG: a new or
-            an empty one, or that of an earlier rig.
+        out: Folder for the curves (JOINT.csv), config.json, report.html and the loops as PNG and
+            SVG: a new or an empty one, or that of an earlier rig.
     """
     config = RigConfig(
         suit=suit,
@@ -103,18 +105,25 @@ def _report(
     ]
     path = folder / f"{config.joint}.csv"
     title = f"{config.suit}, {config.joint.replace('_', ' ')}"
+    measured = [_summary(curve) for curve in curves]
+    header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
+    rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     with folder.together() as new:
         new.json("config.json", {**asdict(config), "predict": kept_out})
         new.figure("loops", records_figure(title, records))
         save_curves(new / path.name, curves, comments=(f"Measured on the simulated rig: {title}.",))
-    measured = [_summary(curve) for curve in curves]
+        write_loops(new, measured_rows(config.joint, curves))
+        write_report(
+            *(new, "rig", title),
+            answer=[_answer(curves)],
+            tables={title: (header, rows)},
+            settings={**asdict(config), "predict": kept_out},
+        )
     if json:
         print(to_json({"curves": path, "measured": measured}))
         return
-    header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
-    rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     table(title, header, rows)
-    say(f"wrote {path}, config.json, loops.png; next: activesuit identify {path}")
+    say(f"wrote {path}, config.json, report.html, loops.png; next: activesuit identify {path}")
 
 
 def _pairs(path: Path, joint: str) -> tuple[tuple[float, float], ...]:
@@ -136,6 +145,15 @@ def _kept_out(turns: Sequence[float], predict: Sequence[float] | None) -> list[f
     if set(predict) == set(turns):
         raise InputError(f"predict has all turns, {listed} rad: leave some of them to be fitted")
     return list(predict)
+
+
+def _answer(curves: Sequence[Curve]) -> str:
+    peak = max(float(np.abs(curve.torque).max()) for curve in curves)
+    kept_out = sum(curve.role == "predict" for curve in curves)
+    return (
+        f"The rig measured {len(curves)} curves, of which {kept_out} are kept out of a fit to test "
+        f"it; the largest torque is {peak:.2f} N·m."
+    )
 
 
 def _summary(curve: Curve) -> dict[str, str | int | float]:

@@ -18,6 +18,8 @@ from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..arm_options import USUAL, ArmOptions
 from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
+from ..html.motions import kept_motion, outcome
+from ..html.writing import write_report
 from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
 from ..output import RunFolder, say, table, to_json
 from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
@@ -45,8 +47,8 @@ def simulate(
     The wearer has learned nothing of suit and exoskeleton yet.
 
     Args:
-        out: Folder for trace.csv, result.json and the figures: a new or an empty one, or that of an
-            earlier simulate.
+        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one,
+            or that of an earlier simulate.
     """
     check_seed(seed)
     chosen = scene(
@@ -77,6 +79,10 @@ def simulate(
     result = score(policy, [trace])
     settings = {"env": chosen.env, "seed": seed, **chosen.options}
     figures = _figures(trace)
+    tables = {
+        f"Human torque: {chosen.place}, seed {seed}": score_table([result]),
+        "Effort": effort_table([result]),
+    }
     with folder.together() as new:
         write_trace(new, "trace.csv", trace)
         new.json("result.json", {**settings, **result.to_dict()})
@@ -84,13 +90,20 @@ def simulate(
             new.figure(name, draw({policy: trace}))
         if write:
             write(new / f"motion.{video}", frames, FPS)
+        write_report(
+            *(new, "simulate", f"{chosen.place}, seed {seed}"),
+            answer=[outcome(result), *why_remarks([result]), *cuff_remarks([result])],
+            tables=tables,
+            settings={"policy": policy, **settings},
+            motions=[kept_motion(chosen.place, policy, "trace.csv", trace)],
+        )
     if json:
         print(to_json(result.to_dict()))
         return
-    table(f"Human torque: {chosen.place}, seed {seed}", *score_table([result]))
+    for title, rows in tables.items():
+        table(title, *rows)
     for remark in why_remarks([result]):
         say(remark)
-    table("Effort", *effort_table([result]))
     for remark in cuff_remarks([result]):
         say(remark)
     film = f", motion.{video}" if video else ""

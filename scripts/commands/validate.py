@@ -1,6 +1,6 @@
 """`activesuit validate`: a believed suit against the true one, first its torque, then relief."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,6 +26,7 @@ from ...errors import InputError
 from ...identification import load_curves
 from ..arm_options import USUAL, ArmOptions
 from ..curve_joints import joint_of
+from ..html.motions import write_motions
 from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
 from ..output import RunFolder, conclude, progress
 from ..reports.motions import cuff_remarks, score_table
@@ -88,8 +89,8 @@ def validate(
             (elbow.csv).
         episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
-        out: Folder for result.json, and for the matrix as PNG and SVG: a new or an empty one, or
-            that of an earlier validate.
+        out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
+            a new or an empty one, or that of an earlier validate.
     """
     if not suits:
         raise InputError("no suit is given: name one that the controller believes")
@@ -106,7 +107,8 @@ def validate(
     if held_out:
         result, tables, remarks = _predicted(suits, held_out, joint)
         folder = RunFolder(out, "validate", force=force) if out else None
-        conclude(result, tables, remarks, folder=folder, json=json)
+        given = {"suits": suits, "held_out": held_out, "joint": joint}
+        conclude(result, tables, remarks, folder=folder, json=json, settings=given)
         return
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
@@ -133,8 +135,15 @@ def validate(
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, "validate", force=force) if out else None
-    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
-    _conclude(cells, evaluations, scenes, policy, episodes, seed, folder=folder, json=json)
+    first: dict[str, Trace] = {}
+    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed, first)
+    motions = write_motions(folder, scenes[plant[0]].place, first) if folder else []
+    _conclude(
+        *(cells, evaluations, scenes, policy, episodes, seed),
+        folder=folder,
+        json=json,
+        motions=motions,
+    )
 
 
 def _itself(suits: tuple[str, ...]) -> tuple[str]:
@@ -152,15 +161,21 @@ def _itself(suits: tuple[str, ...]) -> tuple[str]:
 
 
 def _simulated(
-    suits: tuple[str, ...], scenes: Mapping[str, Scene], policy: str, episodes: int, seed: int
+    suits: tuple[str, ...],
+    scenes: Mapping[str, Scene],
+    policy: str,
+    episodes: int,
+    seed: int,
+    first: dict[str, Trace],
 ) -> tuple[Cells, dict[str, Evaluation]]:
+    """Simulates all cells; puts the first motion of each policy with the first plant in `first`."""
     cells: Cells = {}
     evaluations, labels = {}, names_of(suits)
     total = (len(suits) + OTHERS) * len(scenes) * episodes
     with progress("validate", total) as bar:
 
         def report(name: str, traces: list[Trace]) -> None:
-            del name
+            first.setdefault(name, traces[0])
             bar.advance(len(traces))
 
         for true, chosen in scenes.items():
@@ -188,11 +203,13 @@ def _conclude(
     *,
     folder: RunFolder | None,
     json: bool,
+    motions: Sequence[dict[str, Any]],
 ) -> None:
     chosen = next(iter(scenes.values()))
     result: dict[str, Any] = {"env": chosen.env, "policy": policy}
     result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
     del result["suit"]
+    settings = {**result, "suits": [*dict.fromkeys(suit for suit, _ in cells)], "plant": [*scenes]}
     result["cells"] = [
         {"believed": suit, "plant": true, **one.to_dict()} for (suit, true), one in cells.items()
     ]
@@ -217,7 +234,13 @@ def _conclude(
         remarks += [*story(found, suit, believed), *_lacking(suit, true)]
         remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
-    conclude(result, tables, [*remarks, *[RULE] * judged], folder=folder, json=json)
+    conclude(
+        *(result, tables, [*remarks, *[RULE] * judged]),
+        folder=folder,
+        json=json,
+        settings=settings,
+        motions=motions,
+    )
 
 
 def _lacking(believed: str, true: str) -> Iterator[str]:

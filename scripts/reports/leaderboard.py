@@ -1,6 +1,6 @@
 """The benchmark as tables, a page and a figure."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -121,6 +121,22 @@ def page(standings: Standings, title: str, figure: str) -> str:
         "nothing proves that a file of results comes from the runs that it names.\n"
     )
     return "\n".join(parts)
+
+
+def best_policies(standings: Standings) -> Iterator[str]:
+    """Yields a sentence per level: the policy with the most relief, beside the bound."""
+    for level in standings.levels:
+        found = [one for one in standings.by_level(level) if one.relief is not None]
+        causal = [one for one in found if one.policy not in FIXED]
+        if not causal:
+            continue
+        best = causal[0]
+        bound = [interval_text(one.relief) for one in found if one.policy == FIXED[2]]
+        beside = f"; that of the best known plan is {bound[0]}" if bound else ""
+        yield (
+            f"{level}: {best.policy} has the most relief, {interval_text(best.relief)}, and "
+            f"succeeds in {best.success:.0%} of its motions{beside}."
+        )
 
 
 def _safe(rows: Rows) -> Rows:

@@ -24,6 +24,7 @@ from ..reports.learning import learning_figure
 from .checkpoints import write_own
 from .evaluations import Evaluations
 from .learners import threads
+from .page import write_training_page
 from .run import begin, report
 
 DAGGER: dict[str, Any] = {"rows": 64, "steps": 1_000_000}  # usual numbers
@@ -90,6 +91,7 @@ def distill(
     if evaluations is not None:
         evaluations.finish()
         folder.figure("learning_curve", learning_figure({"student": evaluations.results}))
+    write_training_page(folder, card, done, [] if evaluations is None else evaluations.results)
     return done
 
 

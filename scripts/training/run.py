@@ -22,6 +22,7 @@ from .checkpoints import (
 )
 from .evaluations import Evaluations
 from .learners import new_learner, threads, training_environments
+from .page import write_training_page
 
 CHECKPOINTS = 10  # number per run
 TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
@@ -84,6 +85,8 @@ def learn(
     if run.evaluations is not None:
         run.evaluations.finish()
         folder.figure("learning_curve", learning_figure({algo: run.evaluations.results}))
+    results = [] if run.evaluations is None else run.evaluations.results
+    write_training_page(folder, card, learner.num_timesteps, results)
     return learner.num_timesteps
 
 

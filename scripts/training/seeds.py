@@ -83,6 +83,7 @@ def train_all(
         _remarks(best),
         folder=folder,
         json=False,
+        settings={"seeds": seeds, "steps": steps},
     )
 
 

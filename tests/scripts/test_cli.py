@@ -74,8 +74,11 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
         "suit.json",
         "result.json",
         "trials.csv",
+        "loops.csv",
         "loops.png",
         "loops.svg",
+        "report.html",
+        "report.json",
     }
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
@@ -396,8 +399,11 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
         "suit.json",
         "result.json",
         "trials.csv",
+        "loops.csv",
         "loops.png",
         "loops.svg",
+        "report.html",
+        "report.json",
     }
     assert json.loads((out / "result.json").read_text()) == result
     model = load_suit(out / "suit.json").joints["elbow_flexion"].model

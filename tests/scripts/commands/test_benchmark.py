@@ -9,6 +9,7 @@ from activesuit.envs.benchmark import run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
 from helpers import short_benchmark
+from pages import checked_page
 
 SMALL = (
     *("benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--believed"),
@@ -59,6 +60,13 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(capsys, tmp_path, whole, m
     run(capsys, *SMALL, "--out", folder)
     for name in FILES:
         assert (folder / name).read_bytes() == (whole / name).read_bytes()
+
+
+def test_the_page_has_profiles_and_who_is_better(whole):
+    page = checked_page(whole)
+    assert "nominal: compensation has the most relief" in page.text
+    (profiles,) = [json.loads(text) for kind, text in page.scripts if kind]
+    assert {one["name"] for one in profiles["data"]} == {"none", "compensation", "best-known-plan"}
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from activesuit.scripts.commands.demo import demo
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
 from helpers import shorten_tasks
+from pages import checked_page
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +68,15 @@ def test_report_shows_every_figure(folder):
     assert "synthetic" in report
     assert "The suit raises the wearer's effort from" in report
     assert "compensation: relief" in report
+
+
+def test_the_page_has_both_joints_and_all_motions(folder):
+    page = checked_page(folder)
+    assert len(page.all("option")) == 8
+    assert len(page.all("img")) == 2  # the arm, and how the swarms converge
+    assert "earth: The suit raises the wearer's effort from" in page.text
+    for title in ("shoulder flexion: loops fitted", "elbow flexion: loops held out of the fit"):
+        assert title in page.text
 
 
 def test_numbers_are_there(folder):

@@ -20,7 +20,9 @@ def run(capsys, *arguments) -> str:
 def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     out = run(capsys, "measure", "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {".activesuit", "elbow_flexion.csv", "config.json", "loops.png", "loops.svg"}
+    loops = {"loops.csv", "loops.png", "loops.svg"}
+    own = {".activesuit", "elbow_flexion.csv", "config.json", "report.html", "report.json"}
+    assert names == own | loops
     curves = tmp_path / "elbow_flexion.csv"
     assert f"next: activesuit identify {curves}" in out
     run(capsys, "identify", curves, "--out", tmp_path / "fit")

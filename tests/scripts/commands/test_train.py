@@ -13,6 +13,7 @@ from activesuit.scripts.output import Bar
 from activesuit.scripts.training import request as request_module
 from activesuit.scripts.training import run as run_module
 from helpers import shorten_tasks
+from pages import checked_page
 
 pytest.importorskip("stable_baselines3")
 from activesuit.scripts.training.hyperparameters import algorithm_class
@@ -453,6 +454,17 @@ def test_evaluations_on_the_way(corrected):
     assert (corrected / "learning_curve.png").exists()
 
 
+def test_the_page_has_the_learning_curve(corrected):
+    results = json.loads((corrected / "evaluations.json").read_text())["results"]
+    page = checked_page(corrected)
+    (chart,) = [json.loads(text) for kind, text in page.scripts if kind]
+    curve = chart["data"][-1]
+    assert curve["x"] == [one["steps"] for one in results]
+    assert curve["y"] == pytest.approx([one["relief"]["value"] for one in results], rel=1e-4)
+    assert "The best policy, after" in page.text
+    assert "training.hyperparameters.learning_rate" in page.text
+
+
 def test_the_best_policy_is_kept_with_its_scores(corrected):
     results = json.loads((corrected / "evaluations.json").read_text())["results"]
     card = json.loads((corrected / "policy.json").read_text())
@@ -511,6 +523,8 @@ def test_several_seeds(tmp_path, capsys):
     assert "interquartile mean of the relief" in said
     found = json.loads((tmp_path / "all" / "result.json").read_text())
     assert list(found["best"]) == ["3", "5"]
+    (chart,) = [json.loads(text) for kind, text in checked_page(tmp_path / "all").scripts if kind]
+    assert {"seed 3", "seed 5"} < {one["name"] for one in chart["data"]}
     cards = [
         json.loads((tmp_path / "all" / f"seed-{i}" / "policy.json").read_text()) for i in (3, 5)
     ]

@@ -1,0 +1,236 @@
+"""The report of each command: made from the files of a run alone, and the same each time."""
+
+import hashlib
+import json
+import shutil
+
+import numpy as np
+import pytest
+from activesuit.assets import curves_path, load_suit
+from activesuit.envs.making import make_arms
+from activesuit.identification import load_curves, select
+from activesuit.scripts.folders import RunFolder
+from activesuit.scripts.html import page as page_module
+from activesuit.scripts.html.blocks import Player
+from activesuit.scripts.html.contents import read_contents
+from activesuit.scripts.html.loops import NUMBERS, loop_charts, loop_rows, write_loops
+from activesuit.scripts.html.motions import motion_blocks
+from activesuit.scripts.html.series import read_columns
+from activesuit.scripts.main import main
+from helpers import shorten_tasks, without_figures
+from pages import checked_page, parsed
+
+ELBOW = str(curves_path("elbow"))
+FEW = ("--episodes", "8")
+RUNS = {
+    "identify": ("identify", ELBOW, "--samples", "2"),
+    "rig": ("measure", "rig"),
+    "simulate": ("simulate", "--policy", "compensation", "--side", "left", "--coupling", "cuffs"),
+    "evaluate": ("evaluate", "--policies", "none", "compensation", "--unadapted", *FEW),
+    "validate": ("validate", "mock-suit", "--plant", "emu-like", *FEW),
+    "envelope": ("evaluate", "envelope", "--spacing", "0.1"),
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Function from a command to the folder of a short run of it, which is made once."""
+    base, made = tmp_path_factory.mktemp("runs"), {}
+
+    def folder(command):
+        if command not in made:
+            made[command] = base / command
+            main([*RUNS[command], "--out", str(made[command])])
+        return made[command]
+
+    with pytest.MonkeyPatch.context() as patch, without_figures():
+        shorten_tasks(patch, 0.5)
+        yield folder
+
+
+@pytest.fixture
+def copied(runs, tmp_path):
+    """Function from a command to a copy of its folder, to be damaged."""
+
+    def folder(command):
+        shutil.copytree(runs(command), tmp_path / command)
+        return tmp_path / command
+
+    return folder
+
+
+def fails(capsys, folder) -> str:
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as stop:
+        main(["report", str(folder)])
+    assert stop.value.code == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith("activesuit: error: ")
+    assert captured.err.count("\n") == 1
+    return captured.err
+
+
+@pytest.mark.parametrize("command", RUNS)
+def test_the_page_is_made_from_the_folder_alone(runs, command):
+    page = checked_page(runs(command))
+    found = read_contents(runs(command))
+    for sentence in found.answer:
+        assert " ".join(sentence.split()) in page.text
+    for table in found.tables:
+        assert " ".join(table.title.split()) in page.text
+    assert {"activesuit", "python", "mujoco"} <= set(found.versions)
+    headings = [attributes["id"] for attributes in page.all("h2")]
+    assert len(headings) >= 3
+
+
+@pytest.mark.parametrize(("command", "option"), [("identify", "data_sha256"), ("evaluate", "seed")])
+def test_the_origin_names_options_and_hashes(runs, command, option):
+    page = parsed(runs(command) / "report.html")
+    assert option in page.text
+    assert str(read_contents(runs(command)).settings[option]) in page.text
+    main(["report", str(runs(command))])
+
+    digest = hashlib.sha256((runs(command) / "result.json").read_bytes()).hexdigest()
+    assert digest in page.text
+
+
+def test_the_loops_are_those_of_the_curves_and_the_fit(runs):
+
+    folder = runs("identify")
+    texts, numbers = read_columns(
+        folder, "loops.csv", ("curve", "role"), ("angle_rad", "measured_nm", "model_nm")
+    )
+    entry = load_suit(folder / "suit.json").joints["elbow_flexion"]
+    curves = load_curves(ELBOW)
+    assert len(texts["curve"]) == sum(curve.angle.size for curve in curves)
+    for curve in curves:
+        rows = np.array([name == curve.name for name in texts["curve"]])
+        assert numbers["angle_rad"][rows] == pytest.approx(curve.angle, rel=1e-5)
+        assert numbers["measured_nm"][rows] == pytest.approx(curve.torque, rel=1e-5, abs=1e-6)
+        modeled = entry.model.response(curve.angle, entry.start_torque)
+        assert numbers["model_nm"][rows] == pytest.approx(modeled, rel=1e-4, abs=1e-4)
+        assert {role for role, row in zip(texts["role"], rows, strict=True) if row} == {curve.role}
+    charts = [json.loads(text) for kind, text in parsed(folder / "report.html").scripts if kind]
+    drawn = {one["name"] for chart in charts for one in chart["data"]}
+    for curve in curves:
+        assert {f"measured, {curve.name}", f"model, {curve.name}"} <= drawn
+
+
+def test_bands_are_drawn_where_there_are_some(tmp_path, small_family):
+
+    result = select(small_family)
+    write_loops(RunFolder(tmp_path), loop_rows("elbow_flexion", result, None))
+    texts, numbers = read_columns(tmp_path, "loops.csv", ("curve",), NUMBERS)
+    (curve, *_) = result.fit.curves.held_out()
+    rows = np.array([name == curve.name for name in texts["curve"]])
+    low, high = result.ensemble.band(curve)
+    assert numbers["low_nm"][rows] == pytest.approx(low, rel=1e-4, abs=1e-4)
+    assert numbers["high_nm"][rows] == pytest.approx(high, rel=1e-4, abs=1e-4)
+    names = [one["name"] for chart in loop_charts(tmp_path) for one in chart.data]
+    assert f"band, {curve.name}" in names
+
+
+def test_the_drawn_arm_is_the_simulated_one(runs):
+    folder = runs("simulate")
+    (player, *_) = motion_blocks(folder, read_contents(folder))
+    assert isinstance(player, Player)
+    (motion,) = player.motions
+    arms = make_arms("ActiveSuit/ArmTracking-v0", 1, **{"side": "left", "coupling": "cuffs"})
+    arm = arms.episodes.simulation.arm_of(0)
+    names = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flexion")
+    angles = read_columns(folder, "trace.csv", (), [f"{name}_angle_rad" for name in names])[1]
+    angle = np.stack(list(angles.values()), axis=1)[motion.frames]
+    assert motion.places[:, -1] == pytest.approx(arm.in_world(angle), abs=1e-9)
+    upper, forearm = (
+        np.linalg.norm(motion.places[:, i + 1] - motion.places[:, i], axis=1) for i in (1, 2)
+    )
+    assert np.ptp(upper) < 1e-9
+    assert np.ptp(forearm) < 1e-9
+    assert 0.2 < forearm[0] < upper[0] < 0.4
+    assert motion.places[0, 0, 1] > 0  # the left arm
+
+
+def test_a_page_of_motions_has_one_slider_for_arm_and_loops(runs):
+    page = parsed(runs("evaluate") / "report.html")
+    (slider,) = [one for one in page.all("input") if one["type"] == "range"]
+    (data,) = [json.loads(text) for kind, text in page.scripts if '"motions"' in text[:20]]
+    assert len(data["motions"]) == len(page.all("option")) == 4
+    for motion in data["motions"]:
+        frames = len(motion["time"])
+        assert all(len(view) == frames for view in (*motion["arm"], *motion["intended"]))
+        assert all(len(mark) == frames for loop in motion["loops"] for mark in loop["marks"])
+    assert slider["max"] == str(len(data["motions"][0]["time"]) - 1)
+
+
+def test_without_plotly_there_are_pictures_and_a_sentence(copied, monkeypatch):
+    folder = copied("identify")
+    interactive = (folder / "report.html").stat().st_size
+    monkeypatch.setattr(page_module, "plotly_source", lambda: None)
+    main(["report", str(folder)])
+    page = checked_page(folder)
+    assert "pip install 'activesuit[report]'" in page.text
+    assert len(page.all("img")) == 1
+    assert "Plotly.newPlot" in page.scripts[-1][1]  # our own script, which finds none
+    assert (folder / "report.html").stat().st_size < interactive / 10
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda folder: (folder / "report.json").unlink(), "has no report.json: its run is of an"),
+        (lambda folder: (folder / "report.json").write_text("{"), "is not complete JSON"),
+        (lambda folder: (folder / "report.json").write_text("[]"), "has the format None"),
+        (lambda folder: (folder / ".activesuit").unlink(), "is no folder of a run"),
+        (lambda folder: (folder / ".activesuit").write_text("x"), "holds no run of activesuit"),
+        (
+            lambda folder: (folder / ".activesuit").write_text("activesuit study\n"),
+            "holds a run of study, which has no report: give a folder of demo",
+        ),
+        (lambda folder: (folder / "trace.csv").unlink(), "cannot read the time series"),
+        (lambda folder: (folder / "trace.csv").write_text(""), "has no column 'time_s'"),
+        (lambda folder: change(folder, format=0), "has the format 0, and this version reads 1"),
+        (lambda folder: change(folder, command="fly"), "unknown command 'fly'"),
+        (lambda folder: change(folder, answer="yes"), "has a wrong answer"),
+        (lambda folder: change(folder, extra=1), "has a wrong extra"),
+        (lambda folder: change_motion(folder, file="../trace.csv"), "is no file of the run folder"),
+        (lambda folder: change_motion(folder, links=[[1.0], [1.0, 2.0]]), "have another shape"),
+        (
+            lambda folder: cut(folder / "trace.csv", 50),
+            "cells below a header of",
+        ),
+    ],
+)
+def test_bad_input_is_one_sentence_and_leaves_the_page(capsys, copied, damage, message):
+    folder = copied("simulate")
+    before = (folder / "report.html").read_bytes()
+    damage(folder)
+    assert message in fails(capsys, folder)
+    assert (folder / "report.html").read_bytes() == before
+
+
+def test_a_folder_that_does_not_exist_is_not_made(capsys, tmp_path):
+    assert "is no folder of a run" in fails(capsys, tmp_path / "none")
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_page_of_somebody_else_needs_force(capsys, copied):
+    folder = copied("rig")
+    record = folder / ".activesuit"
+    record.write_text(record.read_text().replace("report.html\n", ""))
+    assert "was not written by this command" in fails(capsys, folder)
+    main(["report", str(folder), "--force"])
+
+
+def change(folder, **parts):
+    path = folder / "report.json"
+    path.write_text(json.dumps({**json.loads(path.read_text()), **parts}))
+
+
+def change_motion(folder, **parts):
+    (motion,) = json.loads((folder / "report.json").read_text())["motions"]
+    change(folder, motions=[{**motion, **parts}])
+
+
+def cut(path, characters):
+    path.write_text(path.read_text()[:-characters])
