@@ -4,6 +4,7 @@ import re
 import shlex
 import shutil
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -16,6 +17,7 @@ from helpers import shorten_tasks
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted(path.name for path in DOCS.glob("*.md"))
+TUTORIALS = sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))
 FIGURES = DOCS / "figures"
 SCRIPTS = sorted(path.stem for path in FIGURES.glob("*.py"))
 
@@ -102,11 +104,11 @@ def test_the_plugin_example_is_short_and_stands_on_its_page():
 def command_lines(text):
     """The commands of this package in the shell blocks of a page, without what follows a #."""
     shell = "\n".join(re.findall(r"^```bash\n(.*?)^```$", text, re.DOTALL | re.MULTILINE))
-    lines = re.findall("^activesuit .+", shell, re.MULTILINE)
+    lines = re.findall("^activesuit .+", shell.replace("\\\n", " "), re.MULTILINE)
     return [shlex.split(line, comments=True)[1:] for line in lines]
 
 
-LINES = [line for name in PAGES for line in command_lines(page(name))]
+LINES = [line for name in PAGES + TUTORIALS for line in command_lines(page(name))]
 
 
 @pytest.mark.parametrize("line", LINES, ids=" ".join)
@@ -122,13 +124,18 @@ def test_the_page_of_commands_has_an_example_of_each():
 
 def test_all_pages_are_in_the_navigation():
     navigation = re.findall(r"^ +- [^:]+: (\S+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
-    assert sorted(navigation) == PAGES
+    assert sorted(navigation) == sorted(PAGES + TUTORIALS)
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", PAGES + TUTORIALS)
 def test_links_to_files_exist(name):
     for target in re.findall(r"\]\((?!https?:|#)([^)#]+)", page(name)):
-        assert (DOCS / target).exists(), target
+        assert (DOCS / name).parent.joinpath(target).exists(), target
+
+
+def test_every_tutorial_leads_to_the_next():
+    for name, following in pairwise(TUTORIALS):
+        assert f"]({Path(following).name})**" in page(name).rpartition("\n## ")[2], name
 
 
 MODULES = [
@@ -155,7 +162,12 @@ def test_site_builds_without_a_warning_and_loads_nothing_from_a_network(tmp_path
     config = load_config(str(ROOT / "mkdocs.yml"), site_dir=str(tmp_path), strict=True)
     config.plugins.on_startup(command="build", dirty=False)
     commands.build(config)
-    for built in tmp_path.glob("*.html"):
-        text = built.read_text(encoding="utf-8")
-        assert LOADED.findall(text) == [], built.name
-        assert "arithmatex" not in text, built.name
+    built = {path.relative_to(tmp_path).as_posix(): path for path in tmp_path.rglob("*.html")}
+    assert built.keys() >= {name.replace(".md", ".html") for name in PAGES + TUTORIALS}
+    for name, path in built.items():
+        text = path.read_text(encoding="utf-8")
+        assert LOADED.findall(text) == [], name
+        assert "arithmatex" not in text, name
+    for drawing in (tmp_path / "tutorials/figures").glob("*.svg"):
+        loaded = re.findall(r'(?:href|src)="([^#"][^"]*)"', drawing.read_text(encoding="utf-8"))
+        assert loaded == [], drawing.name

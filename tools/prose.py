@@ -175,7 +175,7 @@ def sources(root: Path) -> dict[str, list[Path]]:
 
 def pages(root: Path) -> list[Path]:
     """Returns the pages below `root` that people write."""
-    return sorted([*root.glob("*.md"), *root.glob("docs/*.md"), *root.glob("assets/**/*.md")])
+    return sorted([*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("assets/**/*.md")])
 
 
 def main(root: Path = ROOT) -> int:
