@@ -27,6 +27,7 @@ Topic = Literal[
     "train",
     "identify",
     "exactness",
+    "device",
     "sensitivity",
     "bound",
     "hindered",
@@ -53,7 +54,8 @@ def bench(
     Args:
         topic: Part whose speed is measured (train needs the extra train), or all of them; or
             exactness, which compares the kernels with their readable references, with SciPy and
-            with the engine; or sensitivity, which halves and doubles assumed numbers (about an
+            with the engine; or device, which compares the C code of models with Python (needs a C
+            compiler); or sensitivity, which halves and doubles assumed numbers (about an
             hour); or bound, which changes the best known plan at random under wearers who adapt to
             each change (half an hour); or hindered, which locks and throws the arm in every task;
             or honesty, which counts how often intervals, verdicts and searches of identify are
@@ -99,6 +101,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     from ..scripts.commands.li_2022 import li_2022
     from . import (
+        device,
         effort,
         engine,
         env,
@@ -112,7 +115,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     alone = {
         **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
-        "hindered": _hindered,
+        **{"hindered": _hindered, "device": device.report},
     }
     if topic == "bound":
         _bound(repeats, json)

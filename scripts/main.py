@@ -47,7 +47,7 @@ GROUPS = {
     },
     "Train": {
         "train": "Train an assist policy with Stable-Baselines3.",
-        "export": "Export a policy as an ONNX model, or a suit as C code for a device.",
+        "export": "Export a policy as an ONNX model, or a suit or a policy as C code for a device.",
     },
     "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import pytest
 from activesuit.scripts.main import COMMANDS, command_of
 from activesuit.scripts.parsing import parsed
-from c_programs import compiler
+from c_programs import need_compiler
 from helpers import shorten_tasks
 
 ROOT = Path(__file__).parent.parent
@@ -65,7 +65,7 @@ def test_the_loops_page_prints_what_it_says(folder, capsys):
 def test_scripts_draw_their_pictures(name, folder):
     assert (FIGURES / f"{name}.png").exists()
     if name == "device":
-        compiler()
+        need_compiler()
     script = (FIGURES / f"{name}.py").read_text(encoding="utf-8")
     coarser = script.replace("spacing=0.025, wrist_angles=33", "spacing=0.05, wrist_angles=9")
     exec(compile(coarser, f"{name}.py", "exec"), {"__name__": "__main__"})
@@ -84,6 +84,12 @@ def test_ppo_is_short_and_stands_on_its_page():
     script = (DOCS / "learners" / "ppo.py").read_text(encoding="utf-8")
     assert len(script.splitlines()) <= 100
     assert f"```python\n{script}```" in page("learners.md")
+
+
+def test_the_controller_stands_on_its_page():
+    assert f"```c\n{(DOCS / 'device' / 'control.c').read_text(encoding='ascii')}```" in page(
+        "device.md"
+    )
 
 
 def test_a_task_of_your_own_is_short():

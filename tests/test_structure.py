@@ -24,7 +24,7 @@ ALLOWED = {
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
     "benchmarks": {"assets", "hysteresis", "identification", "envs", "scripts"},
-    "tools": {"assets", "hysteresis", "identification", "envs", "scripts"},
+    "tools": {"assets", "benchmarks", "hysteresis", "identification", "envs", "scripts"},
 }
 # Folders of the source repository that are not installed: speed and honesty, programs for
 # developers, and the readable models that kernels are compared with.

@@ -85,6 +85,7 @@ EXPERIMENTS = {
     "bench-model": "bench model",
     "bench-env": "bench env",
     "bench-train": "bench train",
+    "bench-device": "bench device",
 }
 """Command lines by the name of their result."""
 

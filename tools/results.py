@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..benchmarks.device import columns
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
 from ..envs.benchmark.suite import Setting
@@ -562,6 +563,11 @@ def relief_at(policy: str, level: str) -> str:
     return "-" if found is None else _signed(found.value)
 
 
+def device_models() -> str:
+    """Returns the table of the C code of the models."""
+    return markdown_table(*columns(kept("bench-device")["result"]["rows"]))
+
+
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
     "reproduction.md": {"fits": demo_fits, "claims": claims, "dispatch": dispatch},
@@ -582,5 +588,6 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
     "environments.md": {"speed": lambda: speed("env")},
+    "device.md": {"models": device_models},
 }
 """The tables by page and mark."""

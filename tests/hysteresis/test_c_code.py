@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from activesuit.benchmarks.device import DT, motion, run_in_c
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
     MODELS,
@@ -21,10 +22,9 @@ from activesuit.hysteresis.around import Wrapper
 from activesuit.hysteresis.around import viscoelastic_kernels as kernels
 from activesuit.hysteresis.c_code import Header, comment, identifier, parameters, stepped
 from activesuit.hysteresis.references import EXAMPLES
-from c_programs import answers, compiled
+from c_programs import answers, compiled, need_compiler
 from maxwell_slip import MaxwellSlip
 
-SAMPLES, DT = 10_000, 0.01
 # Largest difference from Python over the peak. Other forms than "bulk" take steps whose own error
 # is 1e-9 in double and 1e-6 in float.
 TOLERANCE = {"double": 1e-12, "float": 5e-5}
@@ -98,60 +98,24 @@ CASES = cases()
 OTHER = ("J-A bulk jiles", "J-A bulk irr", "J-A original", "J-A derivative", "J-A jiles-1992")
 
 
-def motion(low, high, seed=0):
-    """Angles that turn at random places at random speeds, with minor loops, stops and jumps."""
-    rng, angle = np.random.default_rng(seed), [low]
-    while len(angle) < SAMPLES:
-        width = (high - low) * rng.choice([1.0, 0.1, 0.01])
-        turn = np.clip(angle[-1] + rng.uniform(-width, width), low, high)
-        angle += [*np.linspace(angle[-1], turn, rng.integers(2, 120))[1:]]
-        angle += [angle[-1]] * int(rng.integers(0, 2))
-    return np.array(angle[:SAMPLES])
-
-
 def spiral(low, high):
     """More nested turns than a Preisach model remembers, inwards and outwards again."""
     way = (high - low) / 2 * 0.97 ** np.arange(120) * (-1.0) ** np.arange(120)
     return (low + high) / 2 + np.concatenate([way, way[::-1]])
 
 
-PROGRAM = """#include <stdio.h>
-#include "all.h"
-#define RUN(NAME, STEP) {{ NAME##_state s; NAME##_init(&s); put(sizeof s / sizeof(all_real)); \\
-    for (long i = 0; i < {samples}; i++) {{ \\
-        all_real angle = (all_real)get(); put((double)(STEP)); }} }}
-static double get(void) {{ double x = 0; return fread(&x, sizeof x, 1, stdin) == 1 ? x : 0; }}
-static void put(double x) {{ fwrite(&x, sizeof x, 1, stdout); }}
-int main(void)
-{{
-{runs}
-    return 0;
-}}
-"""
-
-
 @pytest.fixture(scope="module")
-def everything(tmp_path_factory):
-    """Results of C and Python of each case: torques by type, and numbers in the state."""
-    folder = tmp_path_factory.mktemp("c")
-    header, runs, motions, expected, sizes = Header("all"), [], [], {}, {}
+def everything():
+    """Results of C, and torques of Python, by case."""
+    need_compiler()
+    given, expected = {}, {}
     for number, (name, case) in enumerate(CASES.items()):
         angle, torque = case.start()
-        state = case.model.start(angle, torque)
-        sizes[name] = header.model(f"as_m{number}", case.model, state)
         angles = motion(case.low, case.high, number)
         angles[-240:] = spiral(case.low, case.high)
-        motions.append(angles)
+        given[name] = (case.model, case.model.start(angle, torque), angles)
         expected[name] = torques(case, angles, angle, torque)
-        dt = ", (all_real)0.01" if isinstance(case.model, Viscoelastic) else ""
-        runs.append(f"    RUN(all_m{number}, all_m{number}_step(&s, angle{dt}))")
-    (folder / "all.h").write_text(header.text(["All models."]), encoding="ascii")
-    source = PROGRAM.format(samples=SAMPLES, runs="\n".join(runs))
-    found = {}
-    for kind in ("double", "float"):
-        printed = answers(compiled(folder, source, kind), *motions)
-        found[kind] = dict(zip(CASES, printed.reshape(len(CASES), -1), strict=True))
-    return found, expected, sizes
+    return run_in_c(given), expected
 
 
 def torques(case, angles, angle, torque):
@@ -180,12 +144,12 @@ def test_every_model_of_the_registry_has_c_code(name):
 @pytest.mark.parametrize("kind", TOLERANCE)
 @pytest.mark.parametrize("name", CASES)
 def test_c_computes_what_python_computes(everything, name, kind):
-    found, expected, sizes = everything
-    size, *torque = found[kind][name]
-    allowed = OTHER_FORMS if name.startswith(OTHER) else TOLERANCE
+    found, expected = everything
+    one, allowed = found[kind][name], OTHER_FORMS if name.startswith(OTHER) else TOLERANCE
     peak = np.abs(expected[name]).max()
-    assert np.abs(np.array(torque) - expected[name]).max() <= allowed[kind] * peak
-    assert size == sizes[name]
+    assert np.abs(one.torque - expected[name]).max() <= allowed[kind] * peak
+    model, start = CASES[name].model, CASES[name].start()
+    assert one.state == Header("x").model("as_joint", model, model.start(*start))
 
 
 def test_two_headers_in_one_file(tmp_path):

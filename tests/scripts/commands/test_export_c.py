@@ -109,13 +109,44 @@ def test_mistakes(folder, capsys):
     assert "unknown suit 'nosuch'" in fails(capsys, "nosuch", "--c")
     message = fails(capsys, "mock-suit", "--c", "--joint", "knee")
     assert "unknown joint of this suit 'knee': use one of elbow_flexion" in message
-    assert "'none' resists no joint" in fails(capsys, "none", "--c")
     assert "--payload is 3.0, and a suit has none" in fails(
         capsys, "mock-suit", "--c", "--payload", 3
     )
     assert "begin it with a letter" in fails(capsys, "mock-suit", "--c", "--out", "3.h")
     assert "--allow-uncertified" in fails(capsys, "published-2022", "--c")
     assert not list(folder.iterdir())
+
+
+def test_policies(folder, capsys):
+    main(["export", "compensation:lead=0.03", "--c", "--gravity", "moon", "--payload", "2"])
+    text = " ".join((folder / "compensation.h").read_text().replace("\n *", " ").split())
+    assert "Policy compensation:lead=0.03: the torques of the motors" in text
+    assert "a load of 2 kg, the right arm, moon (1.62 m/s2), coupling rigid" in text
+    assert "the motors answer after 0.03 s" in text
+    assert re.search(r"Compensation +72 +144 +832 +1664", capsys.readouterr().out)
+    saved("elbow.json", elbow_flexion=yields())
+    (folder / "tuned.json").write_text('{"name": "feedforward", "suit": "elbow.json"}')
+    main(["export", "tuned.json", "--c", "--gravity", "microgravity"])
+    text = (folder / "tuned.h").read_text()
+    assert "tuned_bouc_wen_commit" in text
+    assert "static const tuned_real tuned_weight[" not in text
+
+
+def test_policies_that_cannot_be_exported(folder, capsys):
+    (folder / "run").mkdir()
+    for name in ("adaptive", "none", "run", "compensation:guard=true"):
+        message = fails(capsys, name, "--c")
+        assert f"{name.partition('=')[0]}" in message
+        assert "cannot be exported as C code: use one of transparent, gravity" in message
+    message = fails(capsys, "compensation", "--c", "--joint", "elbow_flexion")
+    assert "--joint is 'elbow_flexion', and a policy has none" in message
+    assert "unknown suit" in fails(capsys, "compensation:suit=nosuch", "--c")
+    assert "unknown option" in fails(capsys, "compensation:leed=1", "--c")
+    message = fails(capsys, "compensation", "--c", "--coupling", "none")
+    assert "needs motors, and coupling is 'none'" in message
+    (folder / "broken.json").write_text("{")
+    assert "broken.json" in fails(capsys, "broken.json", "--c")
+    assert not list(folder.glob("*.h"))
 
 
 def test_a_file_that_is_there_stays(folder, capsys):
