@@ -140,7 +140,8 @@ class Suit(Strict):
         if self.pressure_kpa is None:
             raise InputError(
                 f"pressure is {pressure:g} kPa, but the suit {self.name!r} does not tell at which "
-                "its torque was measured: add pressure_kpa to its file, or leave pressure out"
+                "its torque was measured: take a suit that does (--suit emu-like), add "
+                "pressure_kpa to its file, or leave pressure out"
             )
         if pressure == self.pressure_kpa:
             return self

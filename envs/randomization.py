@@ -10,8 +10,8 @@ from ..arrays import Array
 from ..assets import JOINTS, Suit, SuitJoint
 from ..checks import within
 from ..errors import InputError, shown, unknown_name
-from .model import GRAVITY, ArmConfig, Payload, suit_of_config
-from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested
+from .model import ArmConfig, Payload, suit_of_config
+from .model.config import HEAVIEST_PAYLOAD, LARGEST_MISALIGNMENT, NO_SUIT, nested, place_of
 from .person import Person
 from .provenance import check_settings, setting
 from .simulation.plan import Plan
@@ -104,10 +104,8 @@ class Randomization:
             for i, given in enumerate(self.wearers)
         ]
         object.__setattr__(self, "wearers", tuple(wearers))
-        for place in self.gravity:
-            if not isinstance(place, str) or place not in GRAVITY:
-                raise unknown_name("place in randomize.gravity", place, GRAVITY)
-        object.__setattr__(self, "gravity", tuple(self.gravity))
+        places = tuple(place_of("place in randomize.gravity", one) for one in self.gravity)
+        object.__setattr__(self, "gravity", places)
 
     @property
     def changes_suit(self) -> bool:

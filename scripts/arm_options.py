@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import tyro
 
 from ..envs.model import ArmConfig
-from ..envs.model.config import COUPLINGS, SIDES
+from ..envs.model.config import COUPLINGS, SIDES, place_of
 from ..envs.person.anthropometry import SEXES
 from ..errors import InputError, shown
 from .options import GRAVITY, SUIT, choice, optional_number
@@ -83,8 +83,11 @@ class ArmOptions:
             for name, value in {**mine, **flags}.items()
             if value is not None and value is not False
         }
-        others = settings([one for together in self.set for one in together])
-        return joined(present, flat_options(others))
+        others = flat_options(settings([one for together in self.set for one in together]))
+        for one in (present, others):
+            if "gravity" in one:
+                one["gravity"] = place_of("gravity", one["gravity"])
+        return joined(present, others)
 
     def config(self, suit: str | None, gravity: str | None) -> dict[str, Any]:
         """Returns the fields of `ArmConfig` where no training run is involved, as plain values."""

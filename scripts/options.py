@@ -118,9 +118,9 @@ def suits() -> list[str]:
 
 def gravities() -> Iterable[str]:
     """Returns the names of the places."""
-    from ..envs.model.config import GRAVITY
+    from ..envs.model.config import PLACES
 
-    return GRAVITY
+    return PLACES
 
 
 def joints() -> Iterable[str]:
@@ -147,7 +147,7 @@ def suit_option(usual: str) -> Any:
 def gravity_option(usual: str) -> Any:
     """Describes `--gravity`, which is `usual` if neither it nor a training run says otherwise."""
     return choice(
-        gravities, "Place whose gravity acts on the arm; weightless is microgravity.", usual
+        gravities, "Place whose gravity acts on the arm; weightless means microgravity.", usual
     )
 
 

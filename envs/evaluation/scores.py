@@ -49,7 +49,7 @@ class Score:
         hot_from: Time at which the motor of a joint was hot for the first time and gave no more
             than its continuous torque [s], by joint; infinite where never.
         saturated: Share of time in which it gave its peak torque, by joint.
-        fatigue: Fatigued part of the muscles of a joint at the end of the motion, of the more
+        fatigued: Fatigued part of the muscles of a joint at the end of the motion, of the more
             fatigued of extensors and flexors, by joint; empty where muscles do not tire.
         strength_left: Least strength of the weaker of a joint's muscles in the motion [N·m], at
             rest in its postures and as fatigued as they are, by joint.
@@ -82,7 +82,7 @@ class Score:
     limits: tuple[Limit, ...]
     hot_from: dict[str, Values]
     saturated: dict[str, Values]
-    fatigue: dict[str, Values]
+    fatigued: dict[str, Values]
     strength_left: dict[str, Values]
     costs: dict[str, Values]
     load: dict[str, dict[str, float]]
@@ -105,7 +105,7 @@ class Score:
 
 UNITS: dict[str, Any] = {
     **dict.fromkeys(("effort", "assisted_effort", "unadapted_effort", "above_limit"), "1"),
-    **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigue"), "1"),
+    **dict.fromkeys(("reward", "beginning", "smoothness", "guarded", "saturated", "fatigued"), "1"),
     **dict.fromkeys(("torque", "peak", "strength_left"), "N·m"),
     **dict.fromkeys(("tracking", "tracking_rmse", "unadapted_tracking"), "rad"),
     **dict.fromkeys(("endurance", "completion", "hot_from"), "s"),
@@ -161,7 +161,7 @@ def score(policy: str, traces: Sequence[Trace], unadapted: Sequence[Trace] = ())
         limits=traces[0].limits,
         hot_from=_each(ASSISTED, [trace.hot_from for trace in traces]),
         saturated=_each(ASSISTED, [trace.saturated for trace in traces]),
-        fatigue=_each(
+        fatigued=_each(
             JOINTS,
             [() if one.fatigue is None else one.fatigue[-1].max(axis=0) for one in traces],
         ),

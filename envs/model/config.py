@@ -33,6 +33,8 @@ _DENSITY = Quantity(
 )
 PROVENANCE: tuple[Quantity, ...] = (*_GRAVITY, _DENSITY)
 GRAVITY = {quantity.name.removeprefix("gravity."): quantity.value for quantity in _GRAVITY}
+PLACES = {**{name: name for name in GRAVITY}, "weightless": "microgravity"}
+"""Places by the names that users may give them."""
 
 Config = TypeVar("Config")
 
@@ -94,7 +96,8 @@ class ArmConfig:
         preconditioned: Whether the suit's memory begins in the steady cycle over the range of each
             joint, as in a preconditioned suit, instead of on the virgin curve of a new one; where
             the suit file gives a softening, the torque is then that after many cycles.
-        gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity".
+        gravity: Place, whose gravity acts: "earth", "mars", "moon" or "microgravity", which may be
+            given as "weightless".
         wearer: Person who wears the suit.
         exo: Exoskeleton on the arm.
         coupling: Connection of the exoskeleton: "rigid" (it shares the arm's joints), "cuffs" (it
@@ -135,7 +138,8 @@ class ArmConfig:
         object.__setattr__(self, "suit", suit)
         for name, size in (("tilt", 2), ("misalignment", 3)):
             object.__setattr__(self, name, _numbers(name, getattr(self, name), size))
-        for name, known in (("gravity", tuple(GRAVITY)), ("coupling", COUPLINGS), ("side", SIDES)):
+        object.__setattr__(self, "gravity", place_of("gravity", self.gravity))
+        for name, known in (("coupling", COUPLINGS), ("side", SIDES)):
             if getattr(self, name) not in known:
                 raise unknown_name(name, getattr(self, name), known)
         check_settings(self, "")
@@ -222,6 +226,21 @@ def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
         old = getattr(default, name)
         new[name] = nested(f"{where}.{name}", value, old) if is_dataclass(old) else value
     return replace(default, **new)
+
+
+def place_of(what: str, given: Any) -> str:
+    """Returns the name of a place that `GRAVITY` has.
+
+    Args:
+        what: What the name is, for the message.
+        given: A name among `PLACES`.
+
+    Raises:
+        InputError: There is no such place.
+    """
+    if not isinstance(given, str) or given not in PLACES:
+        raise unknown_name(what, given, PLACES)
+    return PLACES[given]
 
 
 def _numbers(name: str, values: Any, size: int) -> Any:

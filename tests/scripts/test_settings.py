@@ -3,7 +3,10 @@
 import json
 
 import pytest
+from activesuit.assets import load_suit
+from activesuit.envs.model import ArmConfig
 from activesuit.envs.policies.network import CARD
+from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
@@ -76,6 +79,22 @@ def test_a_flag_and_set_may_not_differ():
             given()
     with pytest.raises(InputError, match="wearer is 5: give its fields"):
         scene(set_("wearer=5"))
+
+
+def test_weightless_is_a_name_of_microgravity():
+    moon = scene(ArmOptions(), gravity="moon")
+    both = [scene(ArmOptions(), gravity=name) for name in ("weightless", "microgravity")]
+    both += [scene(set_("gravity=weightless"), gravity=name) for name in ("microgravity", None)]
+    assert all(one == both[0] != moon for one in both)
+    assert ArmOptions().config(None, "weightless")["gravity"] == "microgravity"
+    assert ArmConfig(gravity="weightless") == ArmConfig(gravity="microgravity")
+    drawn = Randomization(gravity=("weightless", "moon"))
+    assert drawn.gravity == ("microgravity", "moon")
+    with pytest.raises(InputError, match=r"'weightles': .* did you mean 'weightless'"):
+        ArmConfig(gravity="weightles")
+    with pytest.raises(InputError, match=r"take a suit that does \(--suit emu-like\)"):
+        load_suit("mock-suit").at_pressure(40.0)
+    assert load_suit("emu-like").at_pressure(40.0).pressure_kpa == 40.0
 
 
 def test_what_a_policy_observes_follows_from_it():

@@ -96,7 +96,7 @@ def test_without_motors_none_is_hot_and_with_fatigue_strength_falls():
         assert 0 < trace.fatigue[-1].max() < 1
     rested, _ = played(replace(TASKS["OverheadHold"], duration=DURATION), "none", fatigue=False)
     assert rested[0].fatigue is None
-    assert score("it", rested).fatigue == {}
+    assert score("it", rested).fatigued == {}
     tired, fresh = score("it", traces).strength_left, score("it", rested).strength_left
     assert all(tired[joint][0] <= fresh[joint][0] for joint in tired)
     assert tired["shoulder_flexion"][0] < fresh["shoulder_flexion"][0]

@@ -63,8 +63,8 @@ def test_simulate_keeps_them(tmp_path, undrawn):
     short = ["--set", "max_episode_steps=50"]
     main(["simulate", "--task", "OverheadHold", *short, "--out", str(tmp_path / "tired")])
     result = json.loads((tmp_path / "tired" / "result.json").read_text())
-    assert result["fatigue"].keys() == result["strength_left"].keys() == {*JOINTS}
+    assert result["fatigued"].keys() == result["strength_left"].keys() == {*JOINTS}
     assert result["hot_from"].keys() == result["saturated"].keys() == {*ASSISTED}
     assert result["units"]["strength_left"] == "N·m"
     main(["simulate", "--task", "ElbowFlexion", *short, "--out", str(tmp_path / "fresh")])
-    assert json.loads((tmp_path / "fresh" / "result.json").read_text())["fatigue"] == {}
+    assert json.loads((tmp_path / "fresh" / "result.json").read_text())["fatigued"] == {}
