@@ -34,6 +34,10 @@ class Wrapper(HysteresisModel):
         """How many numbers the memory holds, which is that of the inner model."""
         return self.model.memory_size
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; see `HysteresisModel.carry_over`."""
+        return self.model.carry_over(memory, parameters)
+
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
         return self.model.anhysteretic(state)
