@@ -225,7 +225,7 @@ def replace_model(
     state = plugin_state[begin : begin + size]
     bare, polynomial, limits, rate, play = _parts(model)
     if keep_memory:
-        if not start_angle is start_torque is start_path is None:
+        if any(given is not None for given in (start_angle, start_torque, start_path)):
             raise InputError(
                 "keep_memory is True, and a start is given: leave start_angle, start_torque and "
                 "start_path out, or keep_memory"

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any, cast
 
 import activesuit
 import mujoco
@@ -87,4 +88,4 @@ def test_other_mistakes_get_one_sentence(files):
             activesuit.load(str(files / name))
         assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match=r"the model is 3: give the path of a .xml or .mjb file"):
-        activesuit.load(3)
+        activesuit.load(cast(Any, 3))

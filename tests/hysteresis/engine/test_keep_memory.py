@@ -180,8 +180,8 @@ def test_fewer_turning_points_between_new_levels():
     other = simulation(narrow)
     moved(other, PATH)
     there = np.linspace(0.55, -0.3, 30)
-    slopes = [np.diff(moved(one, there)[:, 0]) for one in (data, other)]
-    np.testing.assert_allclose(*slopes, atol=1e-12)
+    found, expected = (np.diff(moved(one, there)[:, 0]) for one in (data, other))
+    np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_what_keeps_no_memory_is_refused():
