@@ -4,7 +4,14 @@ Importing this package registers the environments `ActiveSuit/...` with Gymnasiu
 loads when it is first imported.
 """
 
+from typing import TYPE_CHECKING
+
 import gymnasium
+
+if TYPE_CHECKING:
+    import os
+
+    import mujoco
 
 __version__ = "0.2.0"
 
@@ -22,3 +29,19 @@ for _task in TASKS:
             vector_entry_point="activesuit.envs.vector_env:ArmVectorEnv",
             kwargs={"task": _task},
         )
+
+
+def load(path: "str | os.PathLike[str]") -> "mujoco.MjModel":
+    """Returns a MuJoCo model from a file, .xml or .mjb, with the plugins of this package.
+
+    See `activesuit.envs.model.loading.load_model`, which says what a binary file cannot tell.
+
+    Args:
+        path: Path of the file.
+
+    Raises:
+        InputError: There is no such file, its name ends otherwise, or MuJoCo refuses its content.
+    """
+    from .envs.model.loading import load_model
+
+    return load_model(path)

@@ -29,6 +29,8 @@ WHOLE, BESIDE = 162, 127
 
 `activesuit bench first-use` counts them.
 """
+ALL = 437
+"""Kernels that `activesuit warm` compiles."""
 
 
 class FirstUse(event.Listener):
@@ -85,12 +87,21 @@ def check_cache() -> None:
                 "that runs: choose a folder of your own, or take their right to write (chmod o-w)"
             )
     try:
-        njit(cache=True)(_nothing)
+        cache_folder()
     except RuntimeError as error:
         raise InputError(
             "there is no folder for the machine code of kernels, neither beside the package nor in "
             f"a home folder: set {CACHE} to a folder that you may write"
         ) from error
+
+
+def cache_folder() -> str:
+    """Returns the folder of the machine code of this module, beside those of the others.
+
+    Raises:
+        RuntimeError: There is no folder that this user may write to.
+    """
+    return str(njit(cache=True)(_nothing).stats.cache_path)
 
 
 def _nothing() -> None:

@@ -19,6 +19,8 @@ from .certificate import ALL_ANGLES, Certificate, PoleError
 from .config import ConfigKey
 
 Numbers = Sequence[float] | Array
+LOSS = 2  # place in a memory, after angle and torque
+SURELY = 1 - 1e-9  # share of the memory bound at which rounding does not pass it
 FIRST_REACH, FARTHEST = 1e-3, 1e6  # [rad], first and greatest distance of the search in `inverse`
 
 
@@ -220,6 +222,54 @@ class HysteresisModel(ABC):
         if math.isnan(torque):
             raise self._pole(state.angle, angle)
         return _state(memory, torque), float(torque)
+
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory that takes the place of one of another model of this class and size.
+
+        The angle stays, and the dissipated energy goes on. Each model of this package keeps its
+        inner state, and its torque follows from that: it changes no more than the parameters do,
+        and `scaled(torque=s)` makes it s times as large. A model that does not say otherwise keeps
+        the torque, with the memory that `begin` fills in.
+
+        Args:
+            memory: Memory of the other model, shape (memory_size,).
+            parameters: Its parameters, as `parameter_vector` has them.
+
+        Raises:
+            InputError: The model cannot have that state.
+        """
+        return self._at_torque(float(memory[1]), memory, parameters)
+
+    def _at_torque(self, torque: float, memory: Array, parameters: Array) -> Array:
+        """Returns a memory that begins with a torque [N·m] where another model's memory is."""
+        begun = self.start(float(memory[0]), torque).memory.copy()
+        return self._keep_loss(begun, memory, parameters)
+
+    def _keep_loss(self, own: Array, memory: Array, parameters: Array) -> Array:
+        """Gives a memory the dissipated energy of another model's, in place; returns it."""
+        s = memory.copy()
+        lost = self.kernels.dissipated(parameters.copy(), s, s[0], s[1], 0.0)
+        own[LOSS] += lost - self.kernels.dissipated(self._parameters, own, own[0], own[1], 0.0)
+        return own
+
+    def _covered(self, angle: float, torque: float) -> float:
+        """Returns the torque [N·m] at an angle [rad], or the nearest one in the memory bound."""
+        certificate = self.certificate()
+
+        def lag(torque: float) -> float:
+            state = self.start(angle, torque)
+            rest = self.anhysteretic(state)
+            return 0.0 if rest is None else float(state.memory[1]) - rest
+
+        wanted = math.copysign(SURELY * certificate.memory_bound, lag(torque))
+        if not certificate.certified or abs(lag(torque)) <= abs(wanted):
+            return torque
+        from scipy.optimize import brentq
+
+        # The lag rises with the torque where the model has a certificate.
+        other = -math.copysign(certificate.torque_bound, wanted)
+        root: Any = brentq(lambda torque: lag(torque) - wanted, torque, other)
+        return float(root)
 
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
         """Moves many memories on, in place; returns the torques a little later in their motions.

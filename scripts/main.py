@@ -22,6 +22,8 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
+        "doctor": "Check this installation, and say how to mend what fails.",
+        "warm": "Compile all kernels, once, before their first use.",
     },
     "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",

@@ -107,6 +107,25 @@ def test_each_simulation_may_have_its_own():
     assert -data.sensor("hinge_suit_torque").data[0] == 2 * TRUTH.response([0, 0.4])[-1]
 
 
+def test_a_memory_that_is_kept_keeps_the_torque_and_the_lost_energy():
+    spec = mujoco.MjSpec.from_string(ARM)
+    attach(spec, "hinge", TRUTH)
+    data = mujoco.MjData(spec.compile())
+    data.ctrl[0] = 0.5
+    mujoco.mj_step(data.model, data, 300)
+
+    def shown():
+        mujoco.mj_forward(data.model, data)
+        names = ("torque", "dissipated_energy")
+        return [float(data.sensor(f"hinge_suit_{name}").data[0]) for name in names]
+
+    before = shown()
+    assert before[1] > 0
+    stiffer = TRUTH.scaled(torque=1.1)
+    replace_model(data.model, data.plugin_state, "hinge", stiffer, keep_memory=True)
+    assert shown() == pytest.approx(before, rel=1e-12)
+
+
 def test_plain_mjcf_and_its_own_complaints():
     assert "activesuit.maxwell_slip" in register()
     spec = mujoco.MjSpec.from_string(ARM)

@@ -66,7 +66,12 @@ class _OfSuit:
 
 
 class BelievedSuit:
-    """Predicts the suit's torque at the assisted joints by models with a memory of their own.
+    """Predicts the suit's torque at the assisted joints, shoulder and elbow, for rows of arms.
+
+    `plant.believed(belief).suit()` makes one for a policy: of the suit, file or pressure of the
+    belief, with the encoders' resolution and the control period. The memory of n arms is an array
+    of the caller, which `begin` makes at a reset and `follow` moves on once per control period; so
+    it can be saved, copied and branched.
 
     The memory follows measured angles; a change of one encoder count is no motion. The torque is
     that at the angle where the joint will be when the motors have answered: the measured angle plus
@@ -123,6 +128,9 @@ class BelievedSuit:
 
     def follow(self, memory: Array, angle: Array, rate: Array, lead: float = LEAD) -> Array:
         """Advances memories, in place; returns the resistance after `lead` [N·m], shape (n, 2).
+
+        Motors that give this torque cancel the suit. It is positive against positive motion; the
+        torque of the suit on the joint is minus this.
 
         Args:
             memory: Memories, shape (n, size).

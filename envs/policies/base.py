@@ -45,14 +45,24 @@ class Policy(Protocol):
 
 
 class TorquePolicy:
-    """A policy that says a torque of the motors [N·m] from the parts of the observation.
+    """Base class of policies that compute the torque of the motors [N·m].
 
-    A subclass has `torque`, and where it has memory `begin`, which makes it anew.
+    A subclass has `torque`, which gets the parts of the observations by name, as float64 and always
+    in rows: one arm is n = 1. The base class cuts observations into these parts, divides the torque
+    by the peaks, clips it to [-1, 1] and gives it the shape of the observation. Where a subclass
+    has a memory, it makes it in `begin`, which is called with the first observations after each
+    reset; so the memory has as many rows as there are arms.
+
+    The parts of each sensor suite, with units, are listed in docs/environments.md: `angle` [rad]
+    and `rate` [rad/s] of the four joints, shape (n, 4), and `motor_torque` over the peak, shape
+    (n, 2), are in all of them.
 
     Args:
         plant: What the policy may know of the arms.
 
     Attributes:
+        sensors: Names of the sensor suites that the class needs, a class attribute; the encoders
+            alone where a subclass has none.
         assisted: Indices of the assisted joints, shoulder and elbow, among the four.
         peak: Peak torque of the motors [N·m], shape (2,).
         dt: Control period [s].
@@ -70,7 +80,17 @@ class TorquePolicy:
         self._rows = 0
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Returns the torques over the peaks, clipped to [-1, 1]."""
+        """Returns the torques over the peaks, clipped to [-1, 1].
+
+        Args:
+            observation: Observation of one arm, shape (size,), or of rows, shape (..., size).
+
+        Returns:
+            The action, shape (..., 2).
+
+        Raises:
+            InputError: There are more or fewer arms than since the reset.
+        """
         rows = observation.reshape(-1, observation.shape[-1])
         seen = {name: rows[:, part].astype(np.float64) for name, part in self._layout.items()}
         if not self._rows:
@@ -85,8 +105,18 @@ class TorquePolicy:
         return share.reshape(*observation.shape[:-1], len(self.peak))
 
     def begin(self, seen: Seen) -> None:
-        """Makes the memory anew, from the first observations of an episode."""
+        """Makes the memory anew; without a memory there is nothing to do.
+
+        Args:
+            seen: Parts of the first observations of an episode by name, shape (n, size) each.
+        """
 
     def torque(self, seen: Seen) -> Array:
-        """Returns the torque of the motors [N·m], shape (n, 2); it may be beyond their peaks."""
+        """Returns the torque of the motors [N·m], shape (n, 2); it may be beyond their peaks.
+
+        It is called once per control period, and moves the memory on.
+
+        Args:
+            seen: Parts of the observations by name, shape (n, size) each.
+        """
         raise NotImplementedError

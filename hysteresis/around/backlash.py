@@ -124,6 +124,10 @@ class Backlash(Wrapper):
             raise self._pole(state.angle, angle)
         return State(read_only(memory), float(angle), torque), torque
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; the suit's side keeps its angle."""
+        return np.append(self.model.carry_over(memory[:-1], parameters), memory[-1])
+
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
         """Moves many memories on, in place; see `HysteresisModel.advance`."""
         torque = np.empty(len(memories))

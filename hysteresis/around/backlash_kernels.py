@@ -38,7 +38,7 @@ def within(limits, angle):
     return min(max(angle, limits[0]), limits[1])
 
 
-@njit
+@njit(cache=True)
 def begun(gap, angle, torque):
     """Returns the angle of the suit's side where a motion begins, in contact if there is torque."""
     if abs(torque) <= ZERO:
@@ -102,7 +102,7 @@ def end_at(kernels, p, s, polynomial, limits, play, angle):
     return min(rest, other) if half > 0 else max(rest, other)
 
 
-@njit
+@njit(cache=True)
 def is_free(torque, play, end, angle, delta):
     """Returns whether a motion that goes on with sign `delta` meets no torque at first.
 

@@ -72,6 +72,14 @@ class Clipped(Wrapper):
         inner, torque = self.model.step(state, self._inside(angle))
         return replace(inner, angle=float(angle)), torque
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's, with a torque that is certified here."""
+        carried = self.model.carry_over(memory, parameters)
+        if self.start_is_certified(State(carried, float(carried[0]), float(carried[1]))):
+            return carried
+        torque = self._covered(float(carried[0]), float(carried[1]))
+        return self.model._at_torque(torque, memory, parameters)
+
     def advance(self, memories: Array, angle: Array, soon: Array) -> Array:
         """Moves many memories on, in place; see `HysteresisModel.advance`."""
         inside = (np.clip(angles, *self.angle_range) for angles in (angle, soon))

@@ -25,6 +25,14 @@ def is_sound(rate):
     return passive and (rate[TIME] > 0 or rate[STIFFNESS] == 0)
 
 
+def carried(rate, other):
+    """Returns the array with the memory of another one; the Maxwell element's deflection stays."""
+    found = other.copy()
+    found[:NUMBERS] = rate[:NUMBERS]
+    found[TORQUE] *= rate[STIFFNESS] / other[STIFFNESS] if other[STIFFNESS] > 0 else 0.0
+    return found
+
+
 @njit(inline="always")
 def torque_at(rate, angle, velocity):
     """Returns the torque at an angle that the joint has just reached [N·m]."""

@@ -44,6 +44,10 @@ class Wrapper(HysteresisModel):
         """File with what this class adds to the inner model in C99, beside the class."""
         return Path(str(sys.modules[type(self).__module__].__file__)).with_suffix(".c")
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; see `HysteresisModel.carry_over`."""
+        return self.model.carry_over(memory, parameters)
+
     def anhysteretic(self, state: State) -> float | None:
         """Returns the torque [N·m] that the inner model relaxes to; see `HysteresisModel`."""
         return self.model.anhysteretic(state)

@@ -194,6 +194,13 @@ class BoucWen(HysteresisModel):
             gamma=self.gamma * shape,
         )
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; z stays, within the bound of this one."""
+        largest = float(kernels.bound(self._parameters))
+        z = min(max(float(memory[kernels.Z]), -largest), largest)
+        elastic = self.elastic * (float(memory[kernels.ANGLE]) - self.rest_angle)
+        return self._at_torque(elastic + self.hysteretic * z, memory, parameters)
+
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "BoucWen":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 

@@ -6,6 +6,9 @@ from functools import cached_property
 from types import ModuleType
 from typing import Any, ClassVar
 
+import numpy as np
+from numpy.polynomial import polynomial as poly
+
 from ...arrays import Array
 from ...checks import number, scales
 from ...errors import InputError
@@ -84,6 +87,14 @@ class Semilinear(HysteresisModel):
             memory_bound=min(up, down),
             angle_range=(low, high),
         )
+
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; the share of z in its limit stays."""
+        z = float(memory[kernels.Z])
+        limit = kernels.UP if z > 0 else kernels.DOWN
+        z *= float(self.parameter_vector[limit]) / float(parameters[limit])
+        spring = float(poly.polyval(memory[kernels.ANGLE], np.array(self.spring)))
+        return self._at_torque(spring + z, memory, parameters)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Semilinear":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.

@@ -15,7 +15,7 @@ from ...errors import InputError, unknown_name
 from ..around import Asymmetric, Backlash, Clipped, Viscoelastic
 from ..around import backlash_kernels as backlash
 from ..around import viscoelastic_kernels as viscoelastic
-from ..protocol import HysteresisModel, follow
+from ..protocol import HysteresisModel, State, follow, read_only
 from ..registry import MODELS
 from ..safety import require_certificate
 from ._faults import (
@@ -157,6 +157,7 @@ def replace_model(
     start_angle: float | None = None,
     start_torque: float | None = None,
     start_path: Sequence[float] | None = None,
+    keep_memory: bool = False,
     allow_uncertified: bool = False,
 ) -> None:
     """Gives one simulation another model of the same kind and size, as in a randomized batch.
@@ -169,6 +170,15 @@ def replace_model(
     `mj_forward` brings forces and sensors up to date. A reset brings the compiled model's
     parameters back.
 
+    With `keep_memory` the model goes on where the present one is, as a slider needs that changes
+    parameters during a motion: its inner state stays, so the torque changes no more than the
+    parameters do. What stays is M / Ms of Jiles-Atherton, z of Bouc-Wen, the share of the friction
+    in its limit of Dahl and Duhem, the strain of each stop of Prandtl-Ishlinskii and hinged stops,
+    the turning points of Preisach, the angle of the suit's side in a play, the deflection of a
+    Maxwell element, and the torque of a model from another package, unless that says otherwise. A
+    state that the new parameters limit more tightly is at that limit. The dissipated energy goes on
+    from its value.
+
     Args:
         mj_model: Compiled model, with a hysteresis model attached to `joint`.
         plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
@@ -179,10 +189,12 @@ def replace_model(
         start_torque: Resistance at that angle [N·m]; by default that of the compiled model.
         start_path: Angles that its memory then goes through [rad]; by default those of the compiled
             model.
+        keep_memory: Whether the model goes on from the present memory, without a start of its own.
         allow_uncertified: Whether to accept a model without a certificate.
 
     Raises:
-        InputError: The joint has no hysteresis model, or one of another kind or size.
+        InputError: The joint has no hysteresis model, or one of another kind or size; or there is
+            no memory to keep, since the model was taken off or has met a pole.
         UncertifiedModelError: The model has no certificate, or its start is outside of it.
     """
     instances = _instances_at(mj_model, joint)
@@ -208,22 +220,52 @@ def replace_model(
             f"joint {joint!r} was compiled with another kind or size of model than this "
             f"{model.name} one: replace a model by one with as many parameters"
         )
-    angle, torque, path = _compiled_start(mj_model, instance, joint)
-    start = model.start(
-        angle if start_angle is None else start_angle,
-        torque if start_torque is None else start_torque,
-    )
+    begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
+    state = plugin_state[begin : begin + size]
+    bare, polynomial, limits, rate, play = _parts(model)
+    if keep_memory:
+        if any(given is not None for given in (start_angle, start_torque, start_path)):
+            raise InputError(
+                "keep_memory is True, and a start is given: leave start_angle, start_torque and "
+                "start_path out, or keep_memory"
+            )
+        start, path = _kept(model, state, joint), []
+        if rate.size:
+            rate = viscoelastic.carried(rate, state[-play.size - rate.size :][: rate.size])
+    else:
+        angle, torque, path = _compiled_start(mj_model, instance, joint)
+        start = model.start(
+            angle if start_angle is None else start_angle,
+            torque if start_torque is None else start_torque,
+        )
     if not allow_uncertified:
         require_certificate(model, start, joint)
     begun = follow(model, start, path if start_path is None else start_path)
-    bare, *around, play = _parts(model)
     if play.size:
         play[backlash.END] = begun.memory[-1]
     memory = begun.memory[: bare.memory_size]
-    content = ([0.0], memory, bare.parameter_vector, *around, play)
     take_off(mj_model, plugin_state, joint)
-    begin, size = mj_model.plugin_stateadr[instance], mj_model.plugin_statenum[instance]
-    plugin_state[begin : begin + size] = np.concatenate(content)
+    state[:] = np.concatenate(
+        ([0.0], memory, bare.parameter_vector, polynomial, limits, rate, play)
+    )
+
+
+def _kept(model: HysteresisModel, state: Array, joint: str) -> State:
+    """Returns the state of a model that takes over the memory in an instance's part of a state."""
+    if state[FAULT] != 0:
+        why = "it is taken off" if state[FAULT] == OFF else "its torque has met a pole"
+        raise InputError(
+            f"keep_memory is True, but the {model.name} model of joint {joint!r} has no memory to "
+            f"keep: {why}; leave keep_memory out"
+        )
+    bare, *_, play = _parts(model)
+    end = MEMORY + bare.memory_size
+    memory, parameters = state[MEMORY:end], state[end : end + bare.parameter_vector.size]
+    if play.size:
+        memory = np.append(memory, state[backlash.END - backlash.SIZE])
+    if not np.array_equal(parameters, bare.parameter_vector):
+        memory = model.carry_over(memory, parameters)
+    return State(read_only(memory), float(memory[0]), float(memory[1]))
 
 
 def take_off(mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], joint: str) -> None:

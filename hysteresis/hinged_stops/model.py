@@ -151,6 +151,12 @@ class HingedStops(HysteresisModel):
         """
         return 1 + len(self.weights) + len(self.slopes)
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; stops keep their strain, up to r_i."""
+        own = self.stops.carry_over(memory, parameters)
+        own[1] = self.offset + self.hinge(own[1])
+        return own
+
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 

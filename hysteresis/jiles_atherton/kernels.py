@@ -73,7 +73,7 @@ def store(s, angle, moved):
     s[ANGLE], s[TORQUE] = angle, s[MAN] + s[LAG]
 
 
-@njit(inline="always", error_model="numpy")
+@njit(cache=True, inline="always", error_model="numpy")
 def is_exact(p):
     """Returns whether the exact step applies: form bulk, no clamp."""
     return p[FORM] == forms.BULK and p[CLAMP] == forms.NO_CLAMP

@@ -176,6 +176,15 @@ class JilesAtherton(HysteresisModel):
         """Returns Man [N·m], the torque towards which the memory of `state` relaxes."""
         return float(state.memory[kernels.MAN])
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; the magnetization M / Ms stays.
+
+        Where the certificate bounds M - Man more tightly, it is at the bound.
+        """
+        torque = float(memory[kernels.TORQUE]) * self.Ms / float(parameters[kernels.MS])
+        torque = self._covered(float(memory[kernels.ANGLE]), torque)
+        return self._at_torque(torque, memory, parameters)
+
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "JilesAtherton":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
 

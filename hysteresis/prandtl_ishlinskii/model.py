@@ -118,6 +118,16 @@ class PrandtlIshlinskii(HysteresisModel):
             "weights": rows[count:],
         }
 
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; stops keep their strain, up to r_i."""
+        own, (thresholds, _) = memory.copy(), self._arrays
+        stiffness, rest_angle = self.parameter_vector[: kernels.HEADER]
+        weights = self.parameter_vector[kernels.HEADER + thresholds.size :]
+        angle, plays = own[0], own[kernels.FIRST_PLAY :]
+        plays[:] = np.clip(plays, angle - thresholds, angle + thresholds)
+        own[1] = stiffness * (angle - rest_angle) + weights @ (angle - plays)
+        return self._keep_loss(own, memory, parameters)
+
     def start(self, angle: float, torque: float = 0.0) -> State:
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 

@@ -15,6 +15,12 @@ def parameter_size(segments):
     return HEADER + SEGMENT * segments + CELL * (segments * (segments - 1) // 2)
 
 
+def total_weight(p):
+    """Returns the sum of all |weights| of a parameter vector [N·m]."""
+    cells = HEADER + SEGMENT * int(p[0])
+    return float(np.abs(p[HEADER + 3 : cells : SEGMENT]).sum() + np.abs(p[cells::CELL]).sum())
+
+
 @njit(cache=True)
 def set_parameters(p, levels, density, elastic):
     """Fills the parameter vector p.

@@ -16,7 +16,7 @@ from ..certificate import ALL_ANGLES, Certificate, checked_range
 from ..config import ConfigKey
 from ..protocol import HysteresisModel, Numbers, read_only
 from . import kernels
-from ._tables import parameter_size, set_parameters
+from ._tables import parameter_size, set_parameters, total_weight
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +157,20 @@ class Preisach(HysteresisModel):
             return math.inf
         angles = [*np.clip(self.levels, low, high), *filter(math.isfinite, (low, high))]
         return float(np.ptp([self.kernels.elastic(self._parameters, x)[0] for x in angles]))
+
+    def carry_over(self, memory: Array, parameters: Array) -> Array:
+        """Returns the memory in place of another model's; the turning points stay.
+
+        So does the torque with all relays down, as a share of the sum of all |weights|.
+        """
+        old, new = total_weight(parameters), total_weight(self.parameter_vector)
+        down, turns = kernels.RECORDS, kernels.turning_points(memory)
+        below = float(memory[down + 1]) * (new / old if old > 0 else 1.0)
+        lowest = self.levels[0]
+        own = self.start(lowest, below).memory.copy()
+        for angle in [*memory[down + 2 : down + 2 * turns + 2 : 2], memory[0]]:
+            kernels.commit(self._parameters, own, angle)
+        return self._keep_loss(own, memory, parameters)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Preisach":
         """Returns the model whose torque at angle * theta is `torque` times this one's at theta.

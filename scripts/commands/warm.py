@@ -1,0 +1,133 @@
+"""`activesuit warm`: compiles all kernels once, so that no later use has to."""
+
+import inspect
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numba.core import event
+
+from ...envs.envelope import work_envelope
+from ...envs.making import make_arms, make_env
+from ...envs.model import ArmConfig, bushing
+from ...envs.observation import SUITES
+from ...envs.simulation.compiling import ALONE
+from ...hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
+from ...hysteresis.engine.native import compile_plugin
+from ...identification import Certified, Curve, identify
+from ...identification.benchmarks.bouc_wen import Oscillator
+from ...identification.benchmarks.scott_russell import simulate
+from ...identification.benchmarks.scott_russell_fit import TRUTH
+from ...identification.fits.registry import FITS, fit_model
+from ..output import progress, say
+
+ENV = "ActiveSuit/ArmTracking-v0"
+RANGE = np.array([0.5, 1.5])  # rad, of the record to which all models are fitted
+BUDGET = 100  # evaluations of each fit, which need not be good
+
+
+def warm() -> None:
+    """Compile all kernels, once, before their first use.
+
+    They are kept on disk, beside the package or in the folder that NUMBA_CACHE_DIR names. Where all
+    are there already, it takes some seconds.
+    """
+    with progress("compiling kernels", first_use.ALL) as bar, _counted(bar.advance) as compiled:
+        for use in (_plugins, _arms, _models, _fit, _envelope, _benchmarks):
+            use()
+    if not compiled:
+        say("all kernels are compiled already")
+        return
+    say(f"compiled {len(compiled)} kernels; they are kept in {first_use.cache_folder()}")
+
+
+@contextmanager
+def _counted(advance: Callable[[], None]) -> Iterator[list[str]]:
+    """Yields a list that gets what is compiled in the block, which reports nothing else."""
+    compiled: list[str] = []
+
+    class Count(event.Listener):
+        def on_start(self, event: Any) -> None:
+            pass
+
+        def on_end(self, event: Any) -> None:
+            compiled.append(event.data["dispatcher"].py_func.__name__)
+            advance()
+
+    before = os.environ.get(ALONE)
+    os.environ[ALONE] = "1"  # a second process would not be counted
+    event.unregister("numba:compile", first_use.listener)
+    try:
+        with event.install_listener("numba:compile", Count()):
+            yield compiled
+    finally:
+        event.register("numba:compile", first_use.listener)
+        os.environ.pop(ALONE)
+        if before is not None:
+            os.environ[ALONE] = before
+
+
+def _plugins() -> None:
+    for name in (*engine.register(), bushing.PLUGIN_NAME):
+        compile_plugin(name)
+
+
+def _arms() -> None:
+    """One arm and rows of arms, with all that an environment can have."""
+    env, _ = make_env(ENV)
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    sensors = [name for name in SUITES if name != "cuffs"]
+    rows = make_arms(ENV, 2, level="faults", sensors=sensors, fatigue=True)
+    rows.reset(seed=0)
+    rows.step(rows.action_space.sample())
+
+
+def _models() -> None:
+    """A model of each kind from its own fit, and all that can be asked of it."""
+    curve = _record()
+    for name, fit in FITS.items():
+        options: dict[str, Any] = (
+            {"budget": BUDGET} if "budget" in inspect.signature(fit).parameters else {}
+        )
+        fitted = fit_model(name, [curve], np.random.default_rng(0), **options)
+        _ask(fitted.model)
+        _ask(Backlash(model=fitted.model, gap=0.01))
+    bare = Dahl(spring=[0.0, 1.0], stiffness=9.0, friction=1.0)
+    model = Viscoelastic(model=bare, relaxation_stiffness=1.0, relaxation_time=0.1)
+    model.response(curve.angle, time=np.arange(curve.angle.size))
+
+
+def _ask(model: HysteresisModel) -> None:
+    model.certificate()
+    model.response(RANGE)
+    state, _ = model.step(model.start(RANGE[0]), RANGE[1])
+    model.tangent(state, -1.0)
+    model.energy(state)
+    model.advance(state.memory.copy()[None], RANGE[:1], RANGE[1:])
+
+
+def _fit() -> None:
+    identify([_record()], method=Certified(budget=BUDGET), workers=1)
+
+
+def _record() -> Curve:
+    """A record of two cycles with one loop inside."""
+    turns = [*RANGE, 0.9, 1.3, RANGE[0], RANGE[1], RANGE[0]]
+    angle = np.concatenate([np.linspace(*way, 12)[:-1] for way in pairwise(turns)])
+    torque = 5 * angle + np.sign(np.gradient(angle))
+    return Curve(angle, torque - torque[0], "record")
+
+
+def _envelope() -> None:
+    work_envelope(ArmConfig(), spacing=0.1, wrist_angles=3)
+
+
+def _benchmarks() -> None:
+    """The published benchmarks: a mechanism with both of its equations, and an oscillator."""
+    for power in (1.0, 1.5):
+        simulate([[*TRUTH[:7], power]], duration=0.01)
+    Oscillator().displacement(np.zeros(10))

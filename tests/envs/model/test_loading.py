@@ -1,0 +1,91 @@
+"""Models from files, with the plugins of this package."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, cast
+
+import activesuit
+import mujoco
+import numpy as np
+import pytest
+from activesuit.envs.model import ArmConfig, compose
+from activesuit.errors import InputError
+from activesuit.hysteresis import Dahl
+from activesuit.hysteresis.engine import attach
+
+JOINT = """<mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1"/></body>
+  </worldbody></mujoco>"""
+ROOT = Path(activesuit.__file__).parent.parent
+
+
+def spec():
+    made = mujoco.MjSpec.from_string(JOINT)
+    attach(made, "j", Dahl(spring=[0.1, 3.0], stiffness=9, friction=1.5))
+    return made
+
+
+@pytest.fixture
+def files(tmp_path):
+    made = spec()
+    model = made.compile()
+    (tmp_path / "one.xml").write_text(made.to_xml())
+    mujoco.mj_saveModel(model, str(tmp_path / "one.MJB"), None)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", ["one.xml", "one.MJB"])
+def test_a_process_that_imports_nothing_else_loads_a_model(files, name):
+    program = (
+        "import activesuit, mujoco, sys; data = mujoco.MjData(activesuit.load(sys.argv[1])); "
+        "data.qpos[0] = 0.4; mujoco.mj_forward(data.model, data); print(data.qfrc_passive[0])"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", program, str(files / name)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        check=False,
+        text=True,
+        cwd=files,
+    )
+    assert found.returncode == 0, found.stderr
+    data = mujoco.MjData(spec().compile())
+    data.qpos[0] = 0.4
+    mujoco.mj_forward(data.model, data)
+    assert float(found.stdout) == data.qfrc_passive[0] < 0
+
+
+def test_an_arm_on_cuffs_loads(tmp_path):
+    model = compose(ArmConfig(coupling="cuffs"), drawn=False)
+    mujoco.mj_saveModel(model, str(tmp_path / "arm.mjb"), None)
+    loaded = activesuit.load(tmp_path / "arm.mjb")
+    np.testing.assert_array_equal(loaded.plugin, model.plugin)
+    assert mujoco.MjData(loaded).plugin_state.size == model.npluginstate > 0
+
+
+@pytest.mark.parametrize("part", [0, 3, 20, 21, 500, 0.5, 0.9, -1])
+def test_a_truncated_file_is_refused(files, part):
+    content = (files / "one.MJB").read_bytes()
+    end = int(part * len(content)) if isinstance(part, float) else part
+    (files / "cut.mjb").write_bytes(content[:end])
+    with pytest.raises(InputError, match=r"cannot load '.*cut.mjb' \(.*\): repair the file, or"):
+        activesuit.load(files / "cut.mjb")
+
+
+def test_other_mistakes_get_one_sentence(files):
+    (files / "bad.xml").write_text("<mujoco><worldbody><body></mujoco>")
+    (files / "text.mjb").write_text("<mujoco/>" * 500)
+    (files / "folder.xml").mkdir()
+    for name, message in (
+        ("bad.xml", "MuJoCo .* cannot load .*bad.xml.*XML"),
+        ("text.mjb", "MuJoCo .* cannot load .*text.mjb"),
+        ("folder.xml", "there is no file .*folder.xml': give the path of a model"),
+        ("none.mjb", "there is no file .*none.mjb': give the path of a model"),
+        ("arm.urdf", r"arm.urdf' is no .xml and no .mjb file: give one of these"),
+    ):
+        with pytest.raises(InputError, match=message) as caught:
+            activesuit.load(str(files / name))
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match=r"the model is 3: give the path of a .xml or .mjb file"):
+        activesuit.load(cast(Any, 3))

@@ -1,0 +1,122 @@
+"""`activesuit doctor`: a line for each check, with the mend where something fails."""
+
+import json
+from importlib import metadata
+
+import pytest
+from activesuit.errors import InputError
+from activesuit.hysteresis import first_use
+from activesuit.scripts.commands import doctor as module
+from activesuit.scripts.main import main
+
+
+@pytest.fixture(autouse=True)
+def no_pictures(monkeypatch, request):
+    """Draws nothing, which takes seconds, but where a test asks for it."""
+    if "draws" not in request.fixturenames:
+        monkeypatch.setattr(module, "PICTURE", "print('drawn')")
+
+
+@pytest.fixture
+def draws():
+    pass
+
+
+def shown(capsys, code=0):
+    if code:
+        with pytest.raises(SystemExit) as caught:
+            main(["doctor"])
+        assert caught.value.code == code
+    else:
+        main(["doctor"])
+    captured = capsys.readouterr()
+    lines = [" ".join(line.split()) for line in captured.out.splitlines()]
+    return lines, captured.err
+
+
+def test_a_sound_installation_has_a_line_for_each_thing(capsys):
+    lines, error = shown(capsys)
+    assert not error
+    for name in ("python", "mujoco", "numpy", "numba", "kernel cache", "MuJoCo plugins", "OpenGL"):
+        assert any(line.startswith(f"ok {name}: ") for line in lines), name
+    assert any("extra train" in line for line in lines)
+    assert not any("extra dev" in line for line in lines)
+
+
+def test_json_has_the_same_checks(capsys):
+    main(["doctor", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    assert found["ok"]
+    python = next(one for one in found["checks"] if one["name"] == "python")
+    assert python["ok"]
+    assert python["needed"]
+    assert python["mend"] == ""
+
+
+def test_an_old_and_a_missing_package_fail_with_their_mend(monkeypatch, capsys):
+    real = metadata.version
+
+    def version(name):
+        if name == "rich":
+            raise metadata.PackageNotFoundError(name)
+        return "0.50.0" if name == "numba" else real(name)
+
+    monkeypatch.setattr(module.metadata, "version", version)
+    lines, error = shown(capsys, code=2)
+    assert "FAILS numba: 0.50.0; run pip install 'numba>=0.61'" in lines
+    assert "FAILS rich: not installed; run pip install 'rich>=13'" in lines
+    assert error == "activesuit: error: numba, rich must be mended: each line above says how\n"
+
+
+def test_an_extra_may_be_missing(monkeypatch, capsys):
+    real = metadata.version
+
+    def version(name):
+        if name == "onnx":
+            raise metadata.PackageNotFoundError(name)
+        return real(name)
+
+    monkeypatch.setattr(module.metadata, "version", version)
+    lines, _ = shown(capsys)
+    assert "- extra onnx: lacks onnx; run pip install 'activesuit[onnx]' to use it" in lines
+
+
+def test_a_package_that_is_not_installed(monkeypatch, capsys):
+    def gone(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(module.metadata, "metadata", gone)
+    lines, _ = shown(capsys, code=2)
+    assert lines == ["FAILS activesuit: not installed; run pip install ."]
+
+
+def test_a_cache_that_cannot_be_used(monkeypatch, capsys):
+    def refused():
+        raise InputError("other users may write: choose a folder of your own")
+
+    monkeypatch.setattr(first_use, "check_cache", refused)
+    lines, _ = shown(capsys, code=2)
+    fails = [line for line in lines if line.startswith("FAILS")]
+    assert fails == [
+        "FAILS kernel cache: cannot be used; other users may write: choose a folder of your own"
+    ]
+
+
+def test_a_backend_that_does_not_draw(monkeypatch, capsys):
+    program = "import os; print('drawn' if os.environ.get('MUJOCO_GL') == 'egl' else 'black')"
+    monkeypatch.setattr(module, "PICTURE", program)
+    monkeypatch.setattr(module, "BACKENDS", {module.sys.platform: ("egl", "osmesa")})
+    monkeypatch.setenv("MUJOCO_GL", "osmesa")
+    lines, _ = shown(capsys)
+    line = next(line for line in lines if "OpenGL" in line)
+    assert line == "- OpenGL: does not draw off-screen (MUJOCO_GL=osmesa); set MUJOCO_GL=egl"
+    monkeypatch.setattr(module, "PICTURE", "raise SystemExit(1)")
+    lines, _ = shown(capsys)
+    assert any("on Linux run apt install libegl1" in line for line in lines)
+
+
+@pytest.mark.render
+def test_a_picture_is_drawn(draws, monkeypatch, capsys):
+    monkeypatch.setattr(module, "BACKENDS", {})
+    lines, _ = shown(capsys)
+    assert any(line.startswith("ok OpenGL: draws off-screen") for line in lines)
