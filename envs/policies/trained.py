@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...assets import load_suit, suit_names
+from ...checks import at_least
 from ...errors import InputError, shown, unknown_name
 from ..model import ArmConfig
 from ..model.config import NO_SUIT
@@ -56,6 +57,7 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
         check_portable(found["belief"].get("suit"))
     try:
         ArmConfig.from_dict({name: found[name] for name in OF_ARM & found.keys()})
+        at_least("max_episode_steps", found.get("max_episode_steps", 1), 1)
     except InputError as error:
         raise InputError(f"{str(path)!r}: {error}") from error
     return found
