@@ -135,8 +135,8 @@ def evaluate(
             tables["Cost per motion"] = effort_table(scores)
             tables["Units of effort, medians"] = units_table(scores)
             remarks += [
-                *why_remarks(scores),
                 *story(found),
+                *why_remarks(scores),
                 *cuff_remarks(scores),
                 *guard_remarks(scores),
             ]

@@ -107,7 +107,7 @@ def simulate(
     for remark in cuff_remarks([result]):
         say(remark)
     film = f", motion.{video}" if video else ""
-    say(f"wrote {folder.path}/trace.csv, result.json{film} and {len(figures)} figures")
+    say(f"wrote {folder.path}/trace.csv, result.json, report.html{film} and {len(figures)} figures")
 
 
 def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]:

@@ -109,6 +109,25 @@ def band(
     }
 
 
+def intervals(names: Sequence[str], value: Array, low: Array, high: Array, color: str) -> Figure:
+    """Returns points with horizontal intervals, a row for each name."""
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": numbers(value),
+        "y": [label(name) for name in names],
+        "error_x": {
+            "type": "data",
+            "symmetric": False,
+            "array": numbers(high - value),
+            "arrayminus": numbers(value - low),
+            "color": color,
+        },
+        "marker": {"color": color, "size": 9},
+        "showlegend": False,
+    }
+
+
 def plain(x_title: str, y_title: str, height: int = 420) -> Figure:
     """Returns the layout of one pair of axes."""
     return {

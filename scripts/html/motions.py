@@ -99,7 +99,7 @@ def motion_blocks(folder: Path, contents: Contents) -> list[Block]:
 @cache
 def _names() -> list[str]:
     labels = ("angle_rad", "target_angle_rad", *TORQUES)
-    names = [f"{joint}_{what}" for what in labels for joint in JOINTS]
+    names = [f"{joint}_{what}" for what in (*labels, "effort") for joint in JOINTS]
     return ["time_s", *names, *(f"{joint}_assist_torque_nm" for joint in ASSISTED)]
 
 
@@ -189,10 +189,11 @@ class _Arm:
 
 
 def _over_time(place: str, joint: str, here: Mapping[str, dict[str, Array]]) -> Chart:
-    """Returns angle, human, suit and assist torque of a joint over time, a line per policy."""
+    """Returns angle, torques and effort of a joint over time, a line per policy."""
     name = joint.replace("_", " ")
     rows = ("angle [rad]", "human torque [N·m]", "suit torque [N·m]", "assist torque [N·m]")
-    columns = ("angle_rad", "human_torque_nm", "suit_torque_nm", "assist_torque_nm")
+    rows += ("effort [of strength]",)
+    columns = ("angle_rad", "human_torque_nm", "suit_torque_nm", "assist_torque_nm", "effort")
     data, colors = [], iter(COLORS * len(here))
     first = next(iter(here.values()))
     kept = thinned(len(first["time_s"]))

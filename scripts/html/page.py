@@ -240,6 +240,8 @@ def _lines(value: str) -> str:
 
 
 def _value(value: Any) -> str:
+    if value is None:
+        return "-"
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 

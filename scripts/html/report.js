@@ -31,10 +31,13 @@ for (const table of document.querySelectorAll("table.sortable")) {
   });
 }
 
-// Charts: their colors are those of the page, also after a change between light and dark.
-function themed(layout) {
+// Charts: their colors are those of the page, also after a change between light and dark. On paper
+// they are dark on white; styles for paper do not hold yet when a browser says that it will print.
+const PAPER = { "--ink": "#000", "--soft": "#444", "--line": "#bbb" };
+
+function themed(layout, printing) {
   const style = getComputedStyle(document.documentElement);
-  const color = (name) => style.getPropertyValue(name).trim();
+  const color = (name) => printing ? PAPER[name] : style.getPropertyValue(name).trim();
   const axis = { gridcolor: color("--line"), zerolinecolor: color("--soft"), linecolor: color("--line"),
     automargin: true };
   const found = { ...layout, font: { color: color("--ink"), family: style.fontFamily, size: 12 },
@@ -52,13 +55,14 @@ const charts = typeof Plotly === "undefined" ? [] : [...document.querySelectorAl
   (figure) => ({ plot: figure.querySelector(".plot"), ...dataOf(figure) }));
 
 for (const { plot, data, layout } of charts) {
-  Plotly.newPlot(plot, data, themed(layout), { displaylogo: false, responsive: true });
+  Plotly.newPlot(plot, data, themed(layout, false), { displaylogo: false, responsive: true });
 }
 
-const repaint = () => charts.forEach(({ plot, data, layout }) => Plotly.react(plot, data, themed(layout)));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
-addEventListener("beforeprint", repaint);
-addEventListener("afterprint", repaint);
+const repaint = (printing) => charts.forEach(
+  ({ plot, data, layout }) => Plotly.react(plot, data, themed(layout, printing)));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => repaint(false));
+addEventListener("beforeprint", () => repaint(true));
+addEventListener("afterprint", () => repaint(false));
 
 // The player: one slider moves the arm in both views and a marker on each loop.
 function player(figure) {

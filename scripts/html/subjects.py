@@ -6,12 +6,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...arrays import Array
 from ...envs.benchmark.results import RESULTS, read_results
 from ...envs.benchmark.standings import FIXED, Standings
+from ...envs.evaluation import REFERENCES
 from ...errors import InputError
 from ...json_files import read_json
 from .blocks import Block, Chart, Picture, Section
-from .charts import COLORS, GRAY, band, line, plain
+from .charts import COLORS, GRAY, band, intervals, line, plain
 from .contents import Contents
 from .loops import loop_charts
 from .motions import motion_blocks
@@ -20,8 +22,10 @@ MOTION_PICTURES = {
     "trajectory": "Intended and actual angles",
     "torques": "Torques over time",
     "motion-loops": "Torques over angle",
+    "strain": "Effort, fatigue and heat",
     "cuff-forces": "Forces of the cuffs",
 }
+NO_CHART = ("strain", "cuff-forces")  # of these a page has the picture in any case
 Blocks = Callable[[Path, Contents], Iterator[Section]]
 
 
@@ -52,13 +56,45 @@ def _loops(folder: Path, contents: Contents) -> Iterator[Section]:
 
 def _motions(folder: Path, contents: Contents) -> Iterator[Section]:
     pictures = [
-        Picture(name=f"{name}{place}.png", title=f"{title}{place}", instead=name != "cuff-forces")
+        Picture(name=f"{name}{place}.png", title=f"{title}{place}", instead=name not in NO_CHART)
         for place in ("", *(f"-{one}" for one in dict.fromkeys(m.place for m in contents.motions)))
         for name, title in MOTION_PICTURES.items()
     ]
     matrix = Picture(name="matrix.png", title="Torque error by believed and true suit")
     blocks: list[Block] = [matrix, *motion_blocks(folder, contents), *pictures]
     yield Section(title="Motions", blocks=blocks)
+
+
+def _evaluate(folder: Path, contents: Contents) -> Iterator[Section]:
+    """Yields relief with its intervals, then the first motions; many settings have tables alone."""
+    path = folder / "result.json"
+    result = read_json(path, "result")
+    try:
+        scores = result.get("scores", {})
+        reliefs = {name: one["relief"] for name, one in scores.items() if one.get("relief")}
+        names = [name for name in reliefs if name not in REFERENCES]
+        value, low, high = _ends([reliefs[name] for name in names])
+    except (AttributeError, TypeError, KeyError, ValueError) as error:
+        raise InputError(f"{str(path)!r} holds no evaluation: restore it") from error
+    if names:
+        layout = plain("relief: 0 is the suit alone, 1 is no suit", "", 110 + 34 * len(names))
+        layout["yaxis"] |= {"autorange": "reversed", "type": "category"}
+        chart = Chart(
+            title="Relief, with its 95 % interval",
+            text=f"Relief of {', '.join(names)} with intervals; the numbers are in the tables.",
+            data=[intervals(names, value, low, high, COLORS[0])],
+            layout=layout,
+        )
+        yield Section(title="Relief", blocks=[chart])
+    yield from _motions(folder, contents)
+
+
+def _ends(found: list[dict[str, float]]) -> tuple[Array, Array, Array]:
+    """Returns values and ends of intervals."""
+    value, low, high = (
+        np.array([one[part] for one in found], float) for part in ("value", "low", "high")
+    )
+    return value, low, high
 
 
 def _demo(folder: Path, contents: Contents) -> Iterator[Section]:
@@ -90,13 +126,11 @@ def _learning(folder: Path, contents: Contents) -> Iterator[Section]:
         if not path.is_file():
             continue
         label = path.parent.name.replace("-", " ") if path.parent != folder else "relief"
+        found = read_json(path, "evaluations")
         try:
-            results = [one for one in read_json(path, "evaluations")["results"] if one["relief"]]
+            results = [one for one in found["results"] if one["relief"]]
             steps = np.array([one["steps"] for one in results], float)
-            value, low, high = (
-                np.array([one["relief"][part] for one in results], float)
-                for part in ("value", "low", "high")
-            )
+            value, low, high = _ends([one["relief"] for one in results])
         except (TypeError, KeyError, ValueError) as error:
             raise InputError(f"{str(path)!r} holds no evaluations: restore it") from error
         data.append(band(steps, low, high, "interval", color, group=label))
@@ -146,7 +180,7 @@ SUBJECTS = {
     "identify": Subject("identify", "Identified model", _loops),
     "rig": Subject("measure rig", "Measured on the simulated rig", _loops),
     "simulate": Subject("simulate", "Simulated motion", _motions),
-    "evaluate": Subject("evaluate", "Policies compared", _motions),
+    "evaluate": Subject("evaluate", "Policies compared", _evaluate),
     "validate": Subject("validate", "Validation of a suit model", _motions),
     "benchmark": Subject("benchmark run", "Benchmark of controllers", _profiles),
     "benchmark-table": Subject("benchmark table", "Benchmark of controllers", _profiles),

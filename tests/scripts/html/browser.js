@@ -55,6 +55,10 @@ async function use(page) {
       plots: [...document.querySelectorAll(".plot")].map((one) => one.querySelectorAll(".main-svg").length),
       legend: [...document.querySelectorAll(".legendtext")].map((one) => one.textContent),
       background: getComputedStyle(document.documentElement).backgroundColor,
+      onPaper: (() => {
+        dispatchEvent(new Event("beforeprint"));
+        return [...new Set([...document.querySelectorAll(".legendtext")].map((one) => one.style.fill))];
+      })(),
       overflow: document.documentElement.scrollWidth - innerWidth })) };
     await context.close();
   }

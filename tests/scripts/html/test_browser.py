@@ -76,8 +76,9 @@ def test_tables_are_sorted_by_the_keyboard(motions, width):
 @pytest.mark.parametrize("width", ["1280", "390"])
 def test_plotly_draws_every_chart(motions, width):
     assert plotly_source() is not None
-    assert len(motions[width]["plots"]) == 2
+    assert len(motions[width]["plots"]) == 3
     assert all(motions[width]["plots"])
+    assert motions[width]["onPaper"] == ["rgb(0, 0, 0)"]
 
 
 def test_names_of_users_run_nothing_and_are_shown(tmp_path):

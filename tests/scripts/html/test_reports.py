@@ -163,6 +163,19 @@ def test_a_page_of_motions_has_one_slider_for_arm_and_loops(runs):
     assert slider["max"] == str(len(data["motions"][0]["time"]) - 1)
 
 
+def test_relief_is_drawn_with_its_intervals(runs):
+    scores = json.loads((runs("evaluate") / "result.json").read_text())["scores"]
+    page = parsed(runs("evaluate") / "report.html")
+    charts = [json.loads(text) for kind, text in page.scripts if '"data"' in text[:8]]
+    (drawn,) = charts[0]["data"]
+    assert drawn["y"] == ["none", "compensation"]
+    for i, name in enumerate(drawn["y"]):
+        relief, error = scores[name]["relief"], drawn["error_x"]
+        assert drawn["x"][i] == pytest.approx(relief["value"], rel=1e-3)
+        assert drawn["x"][i] + error["array"][i] == pytest.approx(relief["high"], rel=1e-3)
+        assert drawn["x"][i] - error["arrayminus"][i] == pytest.approx(relief["low"], rel=1e-3)
+
+
 def test_without_plotly_there_are_pictures_and_a_sentence(copied, monkeypatch):
     folder = copied("identify")
     interactive = (folder / "report.html").stat().st_size
@@ -220,6 +233,20 @@ def test_a_page_of_somebody_else_needs_force(capsys, copied):
     record.write_text(record.read_text().replace("report.html\n", ""))
     assert "was not written by this command" in fails(capsys, folder)
     main(["report", str(folder), "--force"])
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("[]", "holds no evaluation: restore it"),
+        ('{"scores": {"none": {"relief": {"value": 1}}}}', "holds no evaluation: restore it"),
+        ("{", "is not complete JSON"),
+    ],
+)
+def test_a_damaged_result_is_named(capsys, copied, content, message):
+    folder = copied("evaluate")
+    (folder / "result.json").write_text(content)
+    assert message in fails(capsys, folder)
 
 
 def change(folder, **parts):
