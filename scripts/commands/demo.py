@@ -89,7 +89,7 @@ def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) 
     _identified_suit(fits).save(suit)
     kept = (
         f"fits.json, trials.csv and suit.json are kept in {place}; go on with: "
-        f"activesuit validate {place / suit.name} --episodes {episodes} --seed "
+        f"activesuit validate {place / suit.name} --plant {PLANT} --episodes {episodes} --seed "
         f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):

@@ -4,8 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from activesuit.envs.evaluation import evaluate
 from activesuit.envs.making import make_arms
 from activesuit.envs.policies import make_policy, needed_options, policy_spec, trained
+from activesuit.envs.policies.network import read_card
+from activesuit.envs.policies.trained import SHIPPED
 from activesuit.errors import InputError
 from activesuit.scripts.main import main
 from trained_runs import make_run
@@ -54,3 +57,23 @@ def test_an_unknown_name_is_answered_with_it():
 def test_it_has_no_options():
     with pytest.raises(InputError, match="has no options"):
         policy_spec("my-network:gain=2")
+
+
+@pytest.fixture
+def really_shipped(monkeypatch):
+    monkeypatch.setattr(trained, "SHIPPED", SHIPPED)
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in SHIPPED.iterdir()))
+def test_what_ships_is_small_and_relieves(name, really_shipped):
+    folder = SHIPPED / name
+    assert {path.name for path in folder.iterdir()} == {"policy.json", "policy.safetensors"}
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 200_000
+    card = read_card(folder)
+    assert card.license == "Apache-2.0"
+    assert len(card.training["best_of_seeds"]) >= 3
+    assert card.summary.endswith(".")
+    found = evaluate(
+        "ActiveSuit/ArmTracking-v0", ["none", name], episodes=8, max_episode_steps=300, threads=1
+    )
+    assert found.relief(name).low > found.relief("none").high

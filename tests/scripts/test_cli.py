@@ -93,7 +93,7 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     run(capsys, "identify", ELBOW, "--out", tmp_path / "one")
     suit = tmp_path / "one" / "suit.json"
     arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", *FEW]
-    result = json.loads(run(capsys, "validate", suit, *arguments))
+    result = json.loads(run(capsys, "validate", suit, "--plant", "mock-suit", *arguments))
     (cell,) = result["cells"]
     assert set(cell["torque"]["joints"]) == {"elbow_flexion"}
     assert cell["verdict"] == "valid"
@@ -294,8 +294,11 @@ MISTAKES = [
     (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
     (["validate"], "no suit is given"),
     (["validate", "mock-suit", "--samples", "--held-out", ELBOW], "leave one out"),
-    (["validate", "mock-suit", "--samples"], "the suit has none"),
-    (["validate", "mock-suit", "--policy", "gravity"], "unknown policy that believes a suit"),
+    (["validate", "mock-suit", "--samples"], "'mock-suit' has no samples of what"),
+    (
+        ["validate", "mock-suit", "--plant", "mock-suit", "--policy", "magic"],
+        "unknown policy 'magic'",
+    ),
     (["validate", "mock-suit", "--joint", "elbow_flexion"], "add --held-out"),
     (["validate", "mock-suit", "--held-out", "{bad}/other.csv"], "give --joint"),
     (["suits", "nope"], "unknown suit 'nope'"),

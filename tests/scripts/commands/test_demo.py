@@ -181,7 +181,7 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert all(set(fits[joint]) == {"sa-pso", "mpso", "certified"} for joint in fits)
     assert not (tmp_path / "report.md").exists()
     command = message.split("go on with: activesuit ")[1]
-    assert command == f"validate {tmp_path}/suit.json --episodes 8 --seed 10003"
+    assert command == f"validate {tmp_path}/suit.json --plant mock-suit --episodes 8 --seed 10003"
     main(command.split())  # what it says can be done
     assert "Torque, believed less true" in capsys.readouterr().out
 
