@@ -19,6 +19,8 @@ int main(void)
         fwrite(torque, sizeof torque, 1, stdout);
         fflush(stdout);
     }
+    if (!begun)
+        return 1; /* there was no input */
     const clock_t start = clock();
     for (long i = 0; i < REPEATS; i++) { /* a motion of the elbow, to and fro */
         seen[2] += (i / 100) % 2 ? -(compensation_real)0.01 : (compensation_real)0.01;

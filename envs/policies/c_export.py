@@ -106,8 +106,9 @@ def _suit_code(suit: BelievedSuit | None) -> str:
         begins.append(f"    as_{joint}_init(&s->{joint});")
         adds.append(
             f"""
-    if (AS_(fabs)(angle[{place}] - s->followed[{i}]) > {literal(suit.dead_band)})
-        s->followed[{i}] = angle[{place}];
+    if (isfinite(angle[{place}])
+        && !(AS_(fabs)(angle[{place}] - s->followed[{i}]) <= {literal(suit.dead_band)}))
+        s->followed[{i}] = angle[{place}]; /* also after a first angle that was not finite */
     as_{joint}_step(&s->{joint}, s->followed[{i}]);
     as_{joint}_state {joint} = s->{joint}; /* where the joint will be */
     torque[{i}] += as_{joint}_step(&{joint}, angle[{place}] + as_lead * rate[{place}]);"""
@@ -122,10 +123,13 @@ def _suit_code(suit: BelievedSuit | None) -> str:
             tau, dt = literal(model.relaxation_time), literal(suit.dt)
             adds.append(
                 f"""\
-    s->{joint}_torque = as_relaxed(s->{joint}_torque,
-                                   {product} * (angle[{place}] - s->{joint}_angle) / {dt},
+    as_real {joint}_motion = angle[{place}] - s->{joint}_angle;
+    if (!isfinite({joint}_motion))
+        {joint}_motion = 0; /* without a reading the element only relaxes */
+    s->{joint}_torque = as_relaxed(s->{joint}_torque, {product} * {joint}_motion / {dt},
                                    {dt} / {tau});
-    s->{joint}_angle = angle[{place}];
+    if (isfinite(angle[{place}]))
+        s->{joint}_angle = angle[{place}];
     torque[{i}] += as_relaxed(s->{joint}_torque, {product} * rate[{place}], as_lead / {tau});"""
             )
     unused = "    (void)s;\n    (void)angle;\n"

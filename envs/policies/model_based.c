@@ -9,7 +9,8 @@ static inline void as_init(as_state *s, const as_real angle[4])
 /* Computes the torques of the motors of shoulder and elbow, once in each control period.
  *
  * angle, rate: measured angles and rates of the four joints
- * torque: at most the motors' peak torques; 0 where an angle or a rate is not finite
+ * torque: at most the motors' peak torques; 0 where an angle or a rate is not finite, which
+ *     the memory ignores
  */
 static inline void as_step(as_state *s, const as_real angle[4], const as_real rate[4],
                            as_real torque[2])

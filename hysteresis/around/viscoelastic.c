@@ -18,6 +18,8 @@ static inline as_real LAYER_step(LAYER_state *s, as_real angle, as_real dt)
         return (as_real)NAN;
     const as_real rate = isnan(s->angle) ? 0 : (angle - s->angle) / dt;
     const as_real torque = INNER_step(&s->inner, angle);
+    if (isnan(torque))
+        return torque;
     s->angle = angle;
     if (LAYER_p[1] > 0) {
         const as_real steady = LAYER_p[1] * LAYER_p[2] * rate;

@@ -120,6 +120,24 @@ def test_an_angle_that_is_not_finite_gives_no_torque(tmp_path):
     assert (torque[[19, 21, 31]] != 0).all()
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("at", [0, 20])
+def test_an_angle_that_is_not_finite_is_forgotten(tmp_path, at, bad):
+    spec = "compensation"
+    policy = make_policy(spec, ArmVectorEnv(1, gravity="earth", suit=rich_suit()))
+    (tmp_path / "policy.h").write_text(policy_header(spec, policy, "policy")[0])
+    angle, rate = observations(400)
+    rate[:] = 0
+    angle[at - 1 if at else 0 :] = angle[at]  # the arm rests, so that one reading is no motion
+    program = compiled(tmp_path, PROGRAM)
+    expected = np.reshape(answers(program, np.hstack([angle, rate]))[:-1], (-1, 2))
+    angle[at, 2] = bad
+    torque = np.reshape(answers(program, np.hstack([angle, rate]))[:-1], (-1, 2))
+    assert (torque[at] == 0).all()
+    assert (expected[at + 1 :] != 0).all()
+    np.testing.assert_allclose(torque[at + 2 :], expected[at + 2 :], rtol=0, atol=1e-12)
+
+
 def test_a_policy_that_cannot_be_exported():
     arms = ArmVectorEnv(1, sensors=["encoders", "interaction"])
     for spec in ("adaptive", "none", "compensation:guard=true"):
