@@ -84,9 +84,11 @@ def motion_blocks(folder: Path, contents: Contents) -> list[Block]:
     series = [(one, _series(folder, one)) for one in contents.motions[:FEW]]
     if not series:
         return []
+    most = len(contents.motions)
+    left_out = f" (the first {FEW} of {most} motions)" if most > FEW else ""
     blocks: list[Block] = [
         Player(
-            title="The arm and its torque-angle loops",
+            title=f"The arm and its torque-angle loops{left_out}",
             motions=[_motion(one, columns) for one, columns in series],
         )
     ]
