@@ -216,7 +216,7 @@ def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
     cells = json.loads((tmp_path / "result.json").read_text())["cells"]
     verdicts = {(cell["believed"], cell["plant"]): cell["verdict"] for cell in cells}
     assert len(verdicts) == 4
-    assert all((verdicts[one, two] == "valid") == (one == two) for one, two in verdicts)
+    assert all((verdicts[one, two] is None) == (one == two) for one, two in verdicts)
     assert (tmp_path / "matrix.png").stat().st_size > 10_000
 
 
@@ -393,7 +393,7 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     assert result["model_name"] in {one["name"] for one in reported["members"]}
     assert set(reported["bands"]) == set(result["prediction_max_error"])
     assert min(band["inside"] for band in reported["bands"].values()) > 0.8
-    text = run(capsys, "identify", ELBOW, "--method", "auto", "--out", out)
+    text = run(capsys, "identify", ELBOW, "--method", "auto", "--samples", 0, "--out", out)
     assert "bands of nominal 90 % over kinds of model" in text
     assert result["why"] in text
     names = {path.name for path in out.iterdir()}
