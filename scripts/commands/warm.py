@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numba.core import event
 
+from ... import TASKS
 from ...envs.envelope import work_envelope
 from ...envs.making import make_arms, make_env
 from ...envs.model import ArmConfig, bushing
@@ -76,12 +77,19 @@ def _plugins() -> None:
 
 
 def _arms() -> None:
-    """One arm and rows of arms, with all that an environment can have."""
+    """One arm, and rows of arms in each task, on cuffs, and with all that may go wrong."""
     env, _ = make_env(ENV)
     env.reset(seed=0)
     env.step(env.action_space.sample())
     sensors = [name for name in SUITES if name != "cuffs"]
-    rows = make_arms(ENV, 2, level="faults", sensors=sensors, fatigue=True)
+    for name in TASKS:
+        _move(f"ActiveSuit/{name}-v0")
+    _move(ENV, coupling="cuffs")
+    _move(ENV, level="faults", sensors=sensors, fatigue=True)
+
+
+def _move(env: str, **options: Any) -> None:
+    rows = make_arms(env, 2, **options)
     rows.reset(seed=0)
     rows.step(rows.action_space.sample())
 

@@ -70,9 +70,9 @@ def test_one_arm_acts_as_a_row(folder):
 
 
 def test_from_the_file_to_a_score(folder, capsys):
-    own = ["my_policies:PDPlusSuit:kp=5", "my_policies:Observed"]
-    main(["evaluate", "--task", "ElbowFlexion", "--episodes", "2", "--policies", *own, "--json"])
-    assert "PDPlusSuit" in capsys.readouterr().out
+    few = ["evaluate", "--task", "ElbowFlexion", "--episodes", "8", "--unadapted", "--json"]
+    main([*few, "--policies", "my_policies:PDPlusSuit:kp=5"])
+    assert "my_policies:PDPlusSuit:kp=5" in capsys.readouterr().out
     with pytest.raises(SystemExit):
-        main(["evaluate", "--episodes", "2", "--policies", "my_policies:PDPlusSuit:ki=5"])
+        main([*few, "--policies", "my_policies:PDPlusSuit:ki=5"])
     assert "unknown option of policy 'my_policies:PDPlusSuit' 'ki'" in capsys.readouterr().err
