@@ -15,6 +15,8 @@ from ..envs.benchmark.standings import Standing, Standings
 from ..envs.benchmark.suite import Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.model.cuffs import FORCE_LIMITS
+from ..envs.policies.network import read_card
+from ..envs.policies.trained import shipped_policies
 from ..scripts.output import markdown_table
 from .leaderboard import DOCS, RESULTS
 from .measure import TRAININGS, kept
@@ -426,6 +428,21 @@ def hindered() -> str:
     return markdown_table([*header, *(f"{name}: success, effort" for name in names)], rows)
 
 
+def shipped() -> str:
+    """Returns a table of the trained policies that ship, from their cards."""
+    rows = []
+    for name, folder in shipped_policies().items():
+        card = read_card(folder)
+        assert card.scores is not None  # tools/ship.py keeps them
+        trained = card.training
+        steps = f"{trained['done']:,} of {trained['steps']:,}"
+        seeds = str(len(trained["best_of_seeds"]))
+        success = percent(card.scores["success"], 0)
+        row = [f"`{name}`", card.summary, seeds, steps, interval(card.scores["relief"]), success]
+        rows.append(row)
+    return markdown_table(["policy", "is", "seeds", "best after steps", "relief", "success"], rows)
+
+
 def weightless() -> str:
     """Returns a table of trainings in weightlessness, by their options."""
     rows = []
@@ -584,7 +601,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
-        **{"learning": learning, "tuned": tuned, "weightless": weightless},
+        **{"learning": learning, "tuned": tuned, "weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
     "environments.md": {"speed": lambda: speed("env")},
