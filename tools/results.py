@@ -284,7 +284,8 @@ def validation() -> str:
             shown = f"{error['value']:.1f} % ({error['low']:.1f} to {error['high']:.1f})"
             relief, share = interval(one["relief"]), interval(one["share_of_true"])
             plant = f"{one['plant']}{pressure}"
-            rows.append([one["believed"], plant, shown, one["verdict"] or "the same suit", relief, share])
+            said = one["verdict"] or "the same suit"
+            rows.append([one["believed"], plant, shown, said, relief, share])
     header = ["believed", "simulated", "torque error of the peak", "verdict", "relief"]
     return markdown_table([*header, "of the true model's"], rows)
 

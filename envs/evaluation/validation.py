@@ -33,6 +33,7 @@ one that is 30 % wrong. The straight spring through the middle of a loop has 0.2
 without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
+OTHER_SUIT = ("pressure", "preconditioned", "level")  # options that change the simulated suit
 TRUE, BOUND = "true model", "best-known-plan"
 LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
 FARTHEST = 0.2  # [s], greatest lag that is sought
@@ -191,7 +192,8 @@ def validate(
     found = evaluate(env_id, policies, **options)
     return found, {
         name: Validation(
-            same=env_options.get("suit") == believed[name],
+            same=env_options.get("suit") == believed[name]
+            and not any(env_options.get(other) for other in OTHER_SUIT),
             torque=torque_errors(joints[name], found.traces[one]),
             relief=found.relief(one),
             difference=found.relief_difference(one, TRUE),
