@@ -33,7 +33,8 @@ one that is 30 % wrong. The straight spring through the middle of a loop has 0.2
 without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
-OTHER_SUIT = ("pressure", "preconditioned", "level")  # options that change the simulated suit
+# Options with which the simulated suit is the one that is named.
+AS_IS = {"pressure": None, "preconditioned": False, "level": None}
 TRUE, BOUND = "true model", "best-known-plan"
 LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
 FARTHEST = 0.2  # [s], greatest lag that is sought
@@ -190,10 +191,13 @@ def validate(
     policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
     options = {"episodes": episodes, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
+    as_is = all(env_options.get(other, usual) is usual for other, usual in AS_IS.items())
     return found, {
         name: Validation(
             same=env_options.get("suit") == believed[name]
-            and not any(env_options.get(other) for other in OTHER_SUIT),
+            and not any(
+                env_options.get(other, usual) is not usual for other, usual in AS_IS.items()
+            ),
             torque=torque_errors(joints[name], found.traces[one]),
             relief=found.relief(one),
             difference=found.relief_difference(one, TRUE),

@@ -190,5 +190,6 @@ SUBJECTS = {
     "faults": Subject("evaluate faults", "When a sensor or a motor fails", _none),
     "branch": Subject("evaluate branch", "What would have happened", _none),
     "tasks": Subject("tasks --table", "Difficulty of the tasks", _none),
+    "bench honesty": Subject("bench honesty", "How often verdicts are right", _none),
     "benchmark learning": Subject("benchmark learning", "Ways of training compared", _none),
 }

@@ -13,6 +13,7 @@ from activesuit.envs.benchmark.standings import Standings
 from activesuit.envs.benchmark.suite import task_of_suite
 from activesuit.envs.evaluation import FIRST_SEED, evaluate
 from activesuit.envs.policies import POLICIES, PolicySpec
+from activesuit.envs.policies.trained import shipped_policies
 from activesuit.envs.tasks import TASKS
 from activesuit.errors import InputError
 from helpers import short_benchmark
@@ -49,7 +50,10 @@ def test_the_full_suite_has_everything():
     assert full.tasks == tuple(TASKS)
     assert len(full.levels) == 3
     assert full.episodes == 20
-    assert set(POLICIES) > set(full.policies) > {"compensation", "adaptive", "predictive"}
+    known = {*POLICIES, *shipped_policies()}
+    assert (
+        known > set(full.policies) > {*shipped_policies(), "compensation", "adaptive", "predictive"}
+    )
     assert not {"oracle", "admittance", "corrected"} & set(full.policies)
     assert all(task_of_suite(name).duration <= task.duration for name, task in TASKS.items())
     names = [trial.file_name for trial in full.trials]

@@ -3,6 +3,7 @@
 import json
 
 from activesuit.envs.policies import POLICIES
+from activesuit.envs.policies.trained import shipped_policies
 from activesuit.scripts.main import main
 
 
@@ -11,7 +12,7 @@ def test_lists_every_policy(capsys):
     out = capsys.readouterr().out
     main(["policies", "--json"])
     found = json.loads(capsys.readouterr().out)
-    assert list(found) == list(POLICIES)
+    assert list(found) == [*POLICIES, *shipped_policies()]
     for name, one in found.items():
         assert name in out
         assert one["does"].endswith(".")

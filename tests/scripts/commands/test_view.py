@@ -239,7 +239,7 @@ def test_simulate_films_in_real_time(capsys, tmp_path, monkeypatch, kind):
 
     monkeypatch.setattr(Renderer, "picture", move_the_first)
     out = run(capsys, "simulate", "--out", tmp_path / "film", "--video", kind)
-    assert f"trace.csv, result.json, motion.{kind} and 4 figures" in out
+    assert f"trace.csv, result.json, report.html, motion.{kind} and 4 figures" in out
     film = tmp_path / "film" / f"motion.{kind}"
     frames = imageio.imread(film, index=None)
     assert frames.shape[:3] == (25, 480, 640)
