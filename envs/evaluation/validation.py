@@ -194,10 +194,7 @@ def validate(
     as_is = all(env_options.get(other, usual) is usual for other, usual in AS_IS.items())
     return found, {
         name: Validation(
-            same=env_options.get("suit") == believed[name]
-            and not any(
-                env_options.get(other, usual) is not usual for other, usual in AS_IS.items()
-            ),
+            same=env_options.get("suit") == believed[name] and as_is,
             torque=torque_errors(joints[name], found.traces[one]),
             relief=found.relief(one),
             difference=found.relief_difference(one, TRUE),
