@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import JOINTS
+from ..identification import load_curves
 from ..scripts.main import command_of
 
 ROOT = Path(__file__).parent.parent
@@ -81,6 +82,10 @@ def _without(words: Sequence[str], option: str) -> list[str]:
 def prepare(folder: Path) -> None:
     """Puts the files into a folder that the examples call mine."""
     shutil.copy(CURVES, folder / "my-curves.csv")
+    curve = load_curves(CURVES)[0]
+    rows = zip(np.degrees(curve.angle), 2 * curve.torque, strict=True)
+    lines = ["Winkel 1 [Grad];CH2 [V]", *(f"{angle:.3f};{volts:.4f}" for angle, volts in rows)]
+    (folder / "rig.csv").write_text("\n".join(lines).replace(".", ","), encoding="utf-8")
     now = np.arange(0, 2, 0.02)
     angle = np.full((now.size, len(JOINTS)), [0, 0.6, 1.0, 0]) + 0.1 * np.sin(now)[:, None] ** 2
     names, motion = ",".join(["time", *JOINTS]), np.column_stack([now, angle])
