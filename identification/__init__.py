@@ -18,7 +18,7 @@ from .fits.hinged_stops import fit_hinged_stops
 from .fits.linear import fit_prandtl_ishlinskii, fit_preisach
 from .fits.registry import register_fit
 from .identify import identify
-from .methods import Certified, Search
+from .methods import Certified, Magnetic, Search
 from .motion_files import Motion, load_motion, save_motion
 from .objective import CurveObjective
 from .optimizers.mpso import MPSO, mpso
@@ -53,6 +53,7 @@ __all__ = [
     "Design",
     "Ensemble",
     "Fit",
+    "Magnetic",
     "Member",
     "Motion",
     "RankDistanceMPSO",

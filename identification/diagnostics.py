@@ -51,7 +51,7 @@ def diagnostics(
     if isinstance(inner, Clipped):
         found += _safety(inner)
         inner = inner.model
-    if isinstance(inner, JilesAtherton):
+    if isinstance(inner, JilesAtherton) and inner.clamp == "none":  # other boxes in magnetics
         found += _limits(inner.in_unit("deg"), bounds)
     return tuple(found)
 

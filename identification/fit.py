@@ -14,7 +14,8 @@ from .coverage import Coverage, coverage, shortfalls
 from .curves import Curve, Curves
 from .diagnostics import diagnostics
 from .ensemble import NESTED
-from .methods import Method, Search
+from .fits.magnetic import FORMS
+from .methods import Magnetic, Method, Search
 from .objective import InitialTorque
 from .prediction import nrmse, predicted, torque_errors
 from .recording import IF_WRONG
@@ -29,6 +30,7 @@ OLD_NAMES = {
     "diagnostics": "remarks",
     **{name: f"select(curves).{name}" for name in ("why", "candidates", "ensemble", "band")},
 }
+ALIKE = 9.0  # twice the log likelihood by which a form is surely better: three deviations, squared
 SURELY, NEAR = 5.0, 0.02  # tolerance in deviations of the noise, and as a share of the peak
 
 
@@ -189,6 +191,8 @@ def judged_fit(
     remarks = [one for one in curves.faults if doubted or one.code not in IF_WRONG]
     remarks += diagnostics(best.model, score, measured, LI_BOUNDS if is_search else None)
     remarks += judged.remarks if judged else ()
+    if isinstance(method, Magnetic):
+        remarks += _alike_forms(trials, measured)
     remarks += [Remark("coverage", sentence) for sentence in short]
     if judged and not fitted_start:
         remarks += _begins_elsewhere(best.initial_torque, measured, judged.noise.deviation)
@@ -214,6 +218,27 @@ def judged_fit(
         tare=curves.tare,
         softening=curves.softening,
     )
+
+
+def _alike_forms(trials: Sequence[Trial], curves: Curves) -> list[Remark]:
+    """Returns a remark if the curves do not distinguish the best form from others."""
+    samples = sum(curve.torque.size for curve in curves)
+    best, *others = sorted(trials, key=lambda trial: (trial.loss, trial.index))
+    alike = [
+        f"{FORMS[one.index]!r} ({one.loss:.2%})"
+        for one in others
+        if 2 * samples * np.log(one.loss / best.loss) < ALIKE
+    ]
+    if not alike:
+        return []
+    return [
+        Remark(
+            "form",
+            f"the curves do not distinguish the form {FORMS[best.index]!r} (NRMSE {best.loss:.2%}) "
+            f"from {' and '.join(alike)}, whose parameters are other ones: "
+            "measure with less noise, or name the form with every parameter",
+        )
+    ]
 
 
 def _begins_elsewhere(start: InitialTorque, curves: Curves, noise: float) -> list[Remark]:

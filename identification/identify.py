@@ -16,12 +16,12 @@ from .curves import Curve, Curves
 from .diagnostics import turns_back
 from .fit import Fit, judged_fit
 from .fits.registry import Fitted, fit_model
-from .methods import DEFAULT_MODEL, Method, Search, check_together, method_of
+from .methods import DEFAULT_MODEL, Magnetic, Method, Search, check_together, method_of
 from .objective import FEWEST_SAMPLES, CurveObjective, InitialTorque
 from .recording import recording_faults
 from .residual.loop_work import refuse_driven
 from .thinning import thinned
-from .trials import Trial, fit_trial, optimizer_trial
+from .trials import Trial, fit_trial, magnetic_trial, optimizer_trial
 
 NONE = Corrections()
 OLD_NAMES = {
@@ -58,9 +58,10 @@ def identify(
         model: "jiles-atherton", "asymmetric" (the same beside a polynomial), "bouc-wen",
             "prandtl-ishlinskii", "preisach", "hinged-stops", "dahl" or "duhem"; `select` chooses
             among them.
-        method: `Certified` or `Search` with their options; or the name of a method with its usual
-            ones: "certified" (ours: least squares, can only return certified models); or, for
-            "jiles-atherton" only, one of those of `Search`, such as "sa-pso".
+        method: `Certified`, `Search` or `Magnetic` with their options; or the name of a method with
+            its usual ones: "certified" (ours: least squares, can only return certified models); or,
+            for "jiles-atherton" only, one of those of `Search`, such as "sa-pso", or "magnetic"
+            (magnetization over a field, in the form that fits best; not certified).
         corrections: What is taken off the curves, or fitted beside the model.
         initial_torque: The torque with which each Jiles-Atherton curve begins: a number [N·m], by
             default 0 as in a first-order curve; "measured", its own first sample; or "identified",
@@ -87,11 +88,14 @@ def identify(
     starts = initial_torque is not None and model == DEFAULT_MODEL
     start: dict[str, Any] = {"initial_torque": initial_torque} if starts else {}
     ready = prepared(curves, model, corrections, start, seed)
-    if model != DEFAULT_MODEL or corrections.beside:
+    if model != DEFAULT_MODEL or corrections.beside or isinstance(method, Magnetic):
         refuse_weights(ready.measured)
     if isinstance(method, Search):
         goal = {"loss": method.objective, "normalize": method.normalize, **start}
         run = partial(optimizer_trial, ready.measured, method.name, goal, {**method.options})
+    elif isinstance(method, Magnetic):
+        first = 0.0 if initial_torque is None else initial_torque
+        run = partial(magnetic_trial, ready.measured, first, method.budget)
     else:
         options = {**method.options, **start, **corrections.beside}
         run = partial(fit_trial, ready.measured, model, options)

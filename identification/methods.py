@@ -1,21 +1,23 @@
-"""The methods of `identify`: the certified fit, and searches by swarms and other optimizers."""
+"""The methods of `identify`: the certified fit, searches by optimizers, and that of magnetics."""
 
 import inspect
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from types import MappingProxyType
+from typing import Any, ClassVar, cast
 
 from ..checks import at_least
 from ..errors import InputError, refuse_old_names, unknown_name
 from ..hysteresis.jiles_atherton.model import JilesAtherton
 from .corrections import Corrections
+from .fits import magnetic
 from .fits.registry import FITS, is_seeded
 from .objective import InitialTorque, Loss, Normalize
 from .optimizers.registry import OPTIMIZERS, SWARMS
 from .optimizers.swarm import SwarmOptions
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
-METHODS = ("certified", *OPTIMIZERS)
+METHODS = ("certified", "magnetic", *OPTIMIZERS)
 SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
@@ -105,17 +107,40 @@ class Search:
         Raises:
             InputError: The model is another one than Jiles-Atherton, or an option is unknown.
         """
-        if model != DEFAULT_MODEL:
-            raise InputError(
-                f"method is {self.name!r}: model {model!r} has the method 'certified' only"
-            )
+        _only_default(self.name, model)
         names = list(inspect.signature(OPTIMIZERS[self.name]).parameters)
         if self.name in SWARMS:
             names[-1:] = SwarmOptions.__annotations__  # names behind **common
         _check_options(self, names)
 
 
-Method = Certified | Search
+@dataclass(frozen=True, kw_only=True)
+class Magnetic:
+    """Least squares over the forms of Jiles-Atherton, for magnetization over a field.
+
+    Each form is one trial, with the clamp of magnetics and 0 <= c < 1. Such a model feeds energy
+    into a joint, and has no certificate.
+
+    Attributes:
+        budget: Largest number of evaluations of the model on all curves, for each form.
+    """
+
+    name: ClassVar[str] = "magnetic"
+    trials: ClassVar[int] = len(magnetic.FORMS)
+    options: ClassVar[Mapping[str, Any]] = MappingProxyType({})
+
+    budget: int = magnetic.BUDGET
+
+    def check(self, model: str) -> None:
+        """Refuses another model than Jiles-Atherton.
+
+        Raises:
+            InputError: The model is another one.
+        """
+        _only_default(self.name, model)
+
+
+Method = Certified | Search | Magnetic
 
 
 def method_of(
@@ -130,7 +155,7 @@ def method_of(
     Raises:
         InputError: The name is unknown, or the method would ignore a value.
     """
-    if isinstance(given, Certified | Search):
+    if isinstance(given, Method):
         return given
     if given == "auto":
         refuse_old_names([given], {"auto": "select(curves)"})
@@ -139,13 +164,17 @@ def method_of(
     runs: dict[str, Any] = {} if trials is None else {"trials": trials}
     goal = {"objective": objective, "normalize": normalize}
     goal = {name: value for name, value in goal.items() if value is not None}
-    if given != "certified":
+    if given in OPTIMIZERS:
         return Search(given, **cast(Any, goal), **runs)
     for name, value in goal.items():
         raise InputError(
             f"{name} is {value!r}: method {given!r} always minimizes the NRMSE over the family; "
             "leave it out, or use a swarm or a baseline"
         )
+    if given == Magnetic.name:
+        if trials is not None:
+            raise InputError(f"trials is {trials}: method {given!r} has one per form; leave it out")
+        return Magnetic()
     return Certified(**runs)
 
 
@@ -160,14 +189,27 @@ def check_together(
     if model not in FITS:
         raise unknown_name("model", model, FITS)
     method.check(model)
-    if isinstance(method, Search):
-        for name, value in corrections.beside.items():
+    if not isinstance(method, Certified):
+        for name, value in _fitted(method, corrections).items():
             raise InputError(
                 f"{name} is {value!r}, which the method {method.name!r} does not fit: use the "
-                f"method 'certified', or {name} 'none'"
+                f"method 'certified', or leave {name} out"
             )
     if model != DEFAULT_MODEL:
         check_beginning(initial_torque)
+
+
+def _fitted(method: Method, corrections: Corrections) -> dict[str, Any]:
+    """Returns the corrections that only the certified fit finds; a search takes some from it."""
+    if isinstance(method, Search):
+        return corrections.beside
+    asked = {"tare": corrections.tare, "softening": corrections.softening}
+    return corrections.beside | {name: "fit" for name, value in asked.items() if value == "fit"}
+
+
+def _only_default(name: str, model: str) -> None:
+    if model != DEFAULT_MODEL:
+        raise InputError(f"method is {name!r}: model {model!r} has the method 'certified' only")
 
 
 def check_beginning(initial_torque: InitialTorque | None) -> None:

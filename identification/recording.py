@@ -102,8 +102,9 @@ def _family(curves: Curves) -> Iterator[Remark]:
             "work",
             f"the loops give back {-work.work:.3g} J more than they take ({-work.z:.1f} standard "
             "deviations), though the torque rises with the angle: check that the columns of angle "
-            "and torque are not exchanged, and that both are measured at the same time "
-            "(magnetization over field does so too: docs/magnetics.md)",
+            "and torque are not exchanged, and that both are measured at the same time; a "
+            "magnetization over its field does so too",
+            ("method", "magnetic"),
         )
     yield from _copies(curves)
 

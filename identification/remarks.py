@@ -19,6 +19,7 @@ Code = Literal[
     "label",
     "range",
     "certificate",
+    "form",
     "limit",
     "misfit",
     "nothing",
@@ -45,7 +46,8 @@ The curves: `coverage` (they do not cover the intended motion), `disorder` (nois
 `sign` (the torque falls where the angle rises), `exchanged` (the columns of angle and torque),
 `clipped`, `turn` (it is missing), `label` (one for several curves), `thinned` (a part of the
 samples is used).
-The model: `range` (safe between some angles), `certificate` and `limit` (the fit ended at a limit),
+The model: `range` (safe between some angles), `form` (others fit as well), `certificate` and
+`limit` (the fit ended at a limit),
 `misfit`, `nothing` (nothing is explained), `search` (ended early), `wandering` (noise or misfit),
 `memoryless` (no memory is needed), `start` (where curves and model begin).
 Faults of the measurement, or terms that were not found: `tare`, `rate`, `lag`, `play`, `gap`,

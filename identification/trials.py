@@ -1,4 +1,4 @@
-"""Independent trials of `identify`: one certified fit, or one run of an optimizer."""
+"""Independent trials of `identify`: one fit, or one run of an optimizer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,8 @@ from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from .curves import Curve
 from .fits.beginning import paper_model
-from .fits.registry import fit_model
+from .fits.magnetic import FORMS, magnetic_fit
+from .fits.registry import Fitted, fit_model
 from .objective import CurveObjective, InitialTorque
 from .optimizers.registry import LIBRARIES, OPTIMIZERS
 from .prediction import nrmse, torque_errors
@@ -58,7 +59,23 @@ def fit_trial(
     seed: np.random.SeedSequence,
 ) -> Trial:
     """Runs the certified fit of a model once."""
-    found = fit_model(model, curves, np.random.default_rng(seed), **options)
+    return _trial(fit_model(model, curves, np.random.default_rng(seed), **options), curves, index)
+
+
+def magnetic_trial(
+    curves: Sequence[Curve],
+    initial_torque: InitialTorque,
+    budget: int,
+    index: int,
+    seed: np.random.SeedSequence,
+) -> Trial:
+    """Fits one form of the Jiles-Atherton model of magnetics; `index` is its place in `FORMS`."""
+    rng = np.random.default_rng(seed)
+    found = magnetic_fit(curves, FORMS[index], rng, budget=budget, initial_torque=initial_torque)
+    return _trial(found, curves, index)
+
+
+def _trial(found: Fitted, curves: Sequence[Curve], index: int) -> Trial:
     return Trial(
         index=index,
         model=found.model,

@@ -5,6 +5,7 @@ that takes longer than the cycle of one arm. So addresses, shapes and strides of
 written into a table once, and the compiled kernel reads the table.
 """
 
+import math
 import struct
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -52,16 +53,18 @@ def _words(value: Any) -> list[int]:
 
 
 def _type(value: Any) -> Any:
-    """Returns the type of an argument, the same for one arm as for many.
+    """Returns the type of an argument, the same for one arm as for many, and for empty arrays.
 
     The arrays are parts of MuJoCo's longer rows of state. NumPy calls such an array contiguous for
-    one row and not contiguous for many, so that each kernel would be compiled for both layouts.
+    one row or none of its columns and not contiguous otherwise, so that each kernel would be
+    compiled for both layouts.
     """
     if isinstance(value, tuple):
         return types.BaseTuple.from_types(tuple(map(_type, value)), type(value))
     found = typeof(value)
-    if isinstance(found, types.Array) and found.ndim and value.size:
-        if value.strides[0] != value[0].nbytes:
+    if isinstance(found, types.Array) and found.ndim:
+        row = math.prod(max(size, 1) for size in value.shape[1:])
+        if value.strides[0] not in (0, row * value.itemsize):  # an empty array of ours has 0
             return found.copy(layout="A")
     return found
 

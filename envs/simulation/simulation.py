@@ -160,7 +160,8 @@ class Simulation:
         self._joints = set(self.suit).union(*(suit.joints for suit in variety.suits))
         at, dt = self.addresses, control_dt
         motors = list(config.exo.motors.values())[: at.motors.size]
-        ratings = [(motor.continuous_torque, motor.thermal_time_constant) for motor in motors]
+        continuous = [motor.continuous_torque for motor in motors]
+        constants = [motor.thermal_time_constant for motor in motors]
         preview = np.array([round(ahead / dt) for ahead in PREVIEW])
         resolution = math.tau / 2**config.exo.encoder_bits
         strength, impedance = self._differing.strengths[0], self._impedance_of(0)
@@ -170,7 +171,7 @@ class Simulation:
             intention=intention_of(n, samples, learned=learned),
             wearer=wearer_of(n, self._differing.chains[0], control, dt),
             muscles=muscles_of(n, strength, impedance, tires=fatigue),
-            motors=motors_of(n, np.vstack([at.peak_torque, np.array(ratings).reshape(-1, 2).T])),
+            motors=motors_of(n, np.array([at.peak_torque, continuous, constants])),
             sensors=sensors_of(n, preview, resolution, sensing, dt),
             noisy=noisy_sensors_of(n, sensing, dt, used=noisy),
             reception=reception_of(n, STRETCH, used=faults != Faults()),

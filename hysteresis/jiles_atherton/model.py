@@ -68,7 +68,6 @@ class JilesAtherton(HysteresisModel):
         ConfigKey("form", "word", FORMS, optional=True),
         ConfigKey("clamp", "word", CLAMPS, optional=True),
     )
-    least: ClassVar[Mapping[str, float]] = {"Ms": 0.0, "a": 0.0, "c": 1.0, "k": 0.0}
 
     Ms: float
     a: float
@@ -206,6 +205,12 @@ class JilesAtherton(HysteresisModel):
             raise InputError(f"angle_unit is {angle_unit!r}: use 'rad' or 'deg'")
         factor = UNIT_PER_RADIAN[angle_unit] / UNIT_PER_RADIAN[self.angle_unit]
         return replace(self.scaled(angle=factor), angle_unit=angle_unit)
+
+    @property
+    def least(self) -> Mapping[str, float]:  # type: ignore[override]
+        """Lower bounds of parameters; a model that may feed energy into a joint has no c >= 1."""
+        lowest = (-math.inf if self.form == "bulk" else 0.0) if self.allow_active else 1.0
+        return {"Ms": 0.0, "a": 0.0, "c": lowest, "k": 0.0}
 
     @property
     def units(self) -> dict[str, str]:

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ...hysteresis.protocol import HysteresisModel
-from ...hysteresis.registry import MODELS, model_from_dict
+from ...hysteresis.registry import model_from_dict
 from ..curves import Curve
 from ..objective import InitialTorque
 from ..prediction import predicted
@@ -140,7 +140,7 @@ def tangent(coordinates: Coordinates, curves: Sequence[Curve]) -> Array:
 def _numbers(path: Path, content: Any, name: str = "") -> Iterator[tuple[Path, str, float, float]]:
     """Yields path, name, value and least value of every fitted parameter."""
     if isinstance(content, dict):
-        model = MODELS[content["model"]]
+        model = model_from_dict(content)
         for key, value in content.items():
             if key in model.not_fitted:
                 continue

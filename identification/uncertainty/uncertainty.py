@@ -229,7 +229,7 @@ def _open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
 def _binding(coordinates: Coordinates) -> Array | None:
     """Returns the derivative of the certificate's margin where the fit ended at its limit."""
     margin = _margin(coordinates, coordinates.point)
-    if not margin <= MARGIN + NEAR:
+    if not -np.inf < margin <= MARGIN + NEAR:
         return None
     moves = STEP * np.eye(coordinates.point.size)
     moved = [_margin(coordinates, coordinates.point + move) for move in moves]
@@ -351,6 +351,8 @@ def _refitted(
     seed: int,
 ) -> HysteresisModel:
     """Returns the model that a fit of the same kind finds on other curves."""
+    if isinstance(model, JilesAtherton) and model.clamp != "none":
+        raise InputError("the model is one of magnetics, whose fit is not repeated: samples=0")
     inner = _bare(model)
     if inner is not None:
         row = _row(inner)

@@ -10,7 +10,7 @@ import tyro
 
 from ...assets import Suit, load_suit
 from ...checks import at_least
-from ...errors import InputError
+from ...errors import InputError, shown
 from ...identification import Corrections, Coverage, Curves, Fit, Selection, load_curves, select
 from ...identification import identify as identify_curves
 from ...identification.corrections import averaged
@@ -19,7 +19,7 @@ from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
 from ...identification.identify import NONE
 from ...identification.left_out import questions
-from ...identification.methods import DEFAULT_MODEL, METHODS, method_of
+from ...identification.methods import DEFAULT_MODEL, METHODS, Magnetic, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND, UNKNOWN
 from ...identification.uncertainty.uncertainty import Uncertainty
@@ -56,7 +56,8 @@ MISSING = {  # by verdict: what no sample of the model has
 SAMPLES = 20  # further models in a suit file
 _METHOD = (
     "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
-    "of all models that predicts curves left out of its fit; the others are the papers' swarms and "
+    "of all models that predicts curves left out of its fit; magnetic finds the form of "
+    "Jiles-Atherton for magnetization over a field; the others are the papers' swarms and "
     "optimizers of other libraries (ga and cma-es need the extra `compare`)."
 )
 
@@ -140,6 +141,11 @@ def identify(
     family, corrections = _averaged(family, corrections, quiet=json)
     if base is not None and not out:
         raise InputError(f"--base {base} needs --out: its joints go into suit.json there")
+    if out and method == Magnetic.name:
+        raise InputError(
+            f"out is {shown(str(out))}: a suit file has joints, which a model of magnetics drives; "
+            "leave it out, and take the result from --json"
+        )
     samples = (SAMPLES if out else 0) if samples is None else samples
     at_least("samples", samples, 0)
     joint_name = joint_of(curves[0], joint) if out or joint is not None else None
