@@ -1,6 +1,7 @@
 """Figures of simulated motions. A figure function takes data and returns the figure."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -72,12 +73,17 @@ def torques_figure(traces: Mapping[str, Trace]) -> Figure:
         for ax in axes:
             ax.axhline(0, color="0.6", lw=0.6)
             ax.grid(alpha=0.25)
+    return _over_time(figure, grid, len(traces))
+
+
+def _over_time(figure: Figure, grid: Any, policies: int) -> Figure:
+    """Names the joints above, the time below, and the policies in one row; returns the figure."""
     for ax, joint in zip(grid[0], ASSISTED, strict=True):
         ax.set_title(joint.replace("_", " "), loc="left")
     for ax in grid[-1]:
         ax.set_xlabel("time [s]")
     handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
+    figure.legend(handles, labels, loc="outside upper center", ncols=policies, frameon=False)
     return figure
 
 
@@ -149,13 +155,7 @@ def strain_figure(traces: Mapping[str, Trace]) -> Figure:
                 ax.axhline(100, color="0.3", lw=0.8, ls=":")  # a motor is hot
             ax.set_ylim(0, 1.05 * ax.get_ylim()[1])
             ax.grid(alpha=0.25)
-    for ax, joint in zip(grid[0], ASSISTED, strict=True):
-        ax.set_title(joint.replace("_", " "), loc="left")
-    for ax in grid[-1]:
-        ax.set_xlabel("time [s]")
-    handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
-    return figure
+    return _over_time(figure, grid, len(traces))
 
 
 def branches_figure(fork: Fork) -> Figure:

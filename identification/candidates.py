@@ -68,8 +68,7 @@ class Choice(NamedTuple):
     @property
     def good(self) -> list[Candidate]:
         """The candidates that predict nearly as well as the best."""
-        most = AS_GOOD * self.candidates[0].prediction_nrmse
-        return [one for one in self.candidates if one.prediction_nrmse <= most]
+        return as_good(self.candidates)
 
     @property
     def unneeded(self) -> str:
@@ -83,6 +82,12 @@ class Choice(NamedTuple):
             f"{self.chosen.name}, the best choice among models with a memory, with {own:.2%}: the "
             "curves show no memory that needs one"
         )
+
+
+def as_good(tried: Sequence[Candidate]) -> list[Candidate]:
+    """Returns the candidates that predict nearly as well as the first, which predicts best."""
+    most = AS_GOOD * tried[0].prediction_nrmse
+    return [one for one in tried if one.prediction_nrmse <= most]
 
 
 def choose(
@@ -117,8 +122,7 @@ def choose(
             raise KeyboardInterrupt
         reasons = "; ".join(f"{candidate.name}: {candidate.reason}" for candidate in tried)
         raise InputError(f"no model could be fitted to these curves ({reasons})")
-    good = [one for one in tried if one.prediction_nrmse <= AS_GOOD * best.prediction_nrmse]
-    chosen = min(good, key=lambda candidate: candidate.parameters)
+    chosen = min(as_good(tried), key=lambda candidate: candidate.parameters)
     why = _why(chosen, tried)
     baselines = predictions(asked, curves)
     if len(curves) == 1 and any(question.beyond for question in asked):

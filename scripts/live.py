@@ -81,7 +81,8 @@ def panel(live: Live) -> Any:
         def _controls(self) -> None:
             imgui.TextWrapped(f"{live.status}\n{live.note}" if live.note else live.status)
             for kind, names in live.choices.items():
-                now = names.index(live.chosen[kind])
+                chosen = live.chosen[kind]
+                now = names.index(chosen) if chosen in names else 0  # the arm is being replaced
                 changed, at = imgui.Combo(kind, now, names)
                 if changed:
                     live.chosen[kind] = names[at]

@@ -90,7 +90,9 @@ class Stage:
             env_id = f"{OURS}{names['task']}-v0"
         specs = [self._first, *map(policy_spec, OFFERED)]
         needed = needed_options(self._first)
-        if maker_of(self._first.name) is not None:  # a network observes what it was trained with
+        if "sensors" in needed and maker_of(
+            self._first.name
+        ):  # no network, whose sensors are fixed
             sensors = [name for one in specs for name in needed_options(one).get("sensors", ())]
             needed = {**needed, "sensors": list(dict.fromkeys(sensors))}
         _, env = make_env(env_id, **{**options, **needed})

@@ -20,6 +20,7 @@ from .. import __version__
 from ..errors import InputError
 from ..files import write_text
 from ..json_files import read_json
+from ..scripts.html.contents import CONTENTS
 
 FOLDER = Path(__file__).parent.parent / "docs" / "measured"
 FEWEST = 8  # length of the shortest list of one number for each motion, of which the mean is kept
@@ -119,7 +120,11 @@ def _rounded(value: float) -> float:
 
 def result_of(folder: Path) -> dict[str, Any]:
     """Returns the condensed results of the folder of a run, by the names of its JSON files."""
-    found = {path.stem: condensed(read_json(path, "result")) for path in folder.glob("*.json")}
+    found = {
+        path.stem: condensed(read_json(path, "result"))
+        for path in folder.glob("*.json")
+        if path.name != CONTENTS  # what the page of the run says, which is in the others too
+    }
     if not found:
         raise InputError(f"{folder} has no result: give the folder of a run")
     return dict(sorted(found.items()))

@@ -206,8 +206,16 @@ def validate(
 
 
 def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
-    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is."""
+    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is.
+
+    Raises:
+        InputError: The policy has a suit already, or `policy_spec` raises it.
+    """
     spec = policy_spec(policy)
+    if "suit" in spec.options:
+        raise InputError(
+            f"the policy {str(spec)!r} has a suit: leave that out, as the believed suits are given"
+        )
     maker = maker_of(spec.name)
     if maker is None or "suit" not in options_of(maker):
         return spec

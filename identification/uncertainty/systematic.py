@@ -75,24 +75,24 @@ def systematic(
         relative: Relative deviation of the noise of each sample, shape (samples,).
     """
     sizes = [curve.angle.size for curve in curves]
+    rate = None if isinstance(model, Viscoelastic) else rates_of(curves)
+    columns = [np.ones(residual.size), *([] if rate is None else [rate])]
+    asked = np.column_stack(columns) * weights[:, None]
+    rests = asked - slopes @ np.linalg.lstsq(slopes, asked, rcond=None)[0]
 
-    def term(column: Array) -> Term:
-        column = column * weights
-        rest = column - slopes @ np.linalg.lstsq(slopes, column, rcond=None)[0]
+    def term(column: Array, rest: Array) -> Term:
         if np.linalg.norm(rest) < SAME * np.linalg.norm(column):
             return Term(0.0, np.inf)
         variance = estimator_covariance(rest[:, None], noise, sizes, relative)[0, 0]
         return Term(float(rest @ residual / (rest @ rest)), float(np.sqrt(variance)))
 
+    offset, *others = map(term, asked.T, rests.T)
     most, left_open = LARGE * curves.peak, []
-    offset = term(np.ones(residual.size))
     if offset.deviation > most:
         left_open.append("an offset of the torque sensor")
-    damping = None
+    damping = others[0] if others else None
     if not isinstance(model, Viscoelastic):
-        rate = rates_of(curves)
         fastest = 0.0 if rate is None else float(np.abs(rate).max())
-        damping = None if rate is None else term(rate)
         if damping is None or damping.deviation * fastest > most:
             seen = "no times" if damping is None else f"rates up to {fastest:.2g} rad/s"
             left_open.append(f"torque that depends on the rate (the curves have {seen})")

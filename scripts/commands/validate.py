@@ -229,9 +229,12 @@ def _conclude(
         tables[f"Human torque: {place}"] = score_table(scores, evaluations[true])
         found = cells[suit, true]
         believed = load_suit(suit)
-        if found.same:
-            remarks += answer(found, believed, policy, evaluations[true])
-        remarks += [*story(found, suit, believed), *_lacking(suit, true)]
+        drawn = chosen.options.get("randomize", {}).get("suit") == "samples"
+        if found.same and drawn:
+            remarks += answer(found, suit, believed, policy, evaluations[true])
+        else:
+            remarks += story(found, suit, believed)
+        remarks += _lacking(suit, true)
         remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
     conclude(

@@ -128,6 +128,7 @@ def _serve(stage: Stage, host: str, port: int) -> None:
             if env is not simulated:
                 simulated, shown = env, _drawing(env.config)
                 drawn = mujoco.MjData(shown)
+                begin = time.monotonic() - step * env.control_dt
             drawn.qpos[:] = env.data.qpos
             viewer.sync(shown, drawn)
             time.sleep(max(0.0, begin + step * env.control_dt - time.monotonic()))

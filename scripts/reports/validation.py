@@ -120,15 +120,10 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
             f"{believed}: {found.verdict} for {covered}; torque error "
             f"{nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak"
         )
-    for joint, (low, high) in found.torque.covered.items():
-        least, most = suit.joints[joint].range
-        if low < least - 0.05 or high > most + 0.05:
-            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+    yield from _beyond(found, believed, suit)
     silent = [joint for joint, noise in found.torque.noise.items() if noise is None]
     if silent:
         yield f"{believed} does not tell how noisy its curves were: {', '.join(silent)}"
-    if found.same:
-        return
     if found.relief is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
         return
@@ -140,11 +135,22 @@ def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
     )
 
 
-def answer(found: Validation, suit: Suit, policy: str, evaluation: Evaluation) -> Iterator[str]:
+def _beyond(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
+    """Yields joints that moved beyond the range in which they were identified."""
+    for joint, (low, high) in found.torque.covered.items():
+        least, most = suit.joints[joint].range
+        if low < least - 0.05 or high > most + 0.05:
+            yield f"{believed}, {joint}: identified for {least:.2f} to {most:.2f} rad only"
+
+
+def answer(
+    found: Validation, believed: str, suit: Suit, policy: str, evaluation: Evaluation
+) -> Iterator[str]:
     """Yields how well a controller with an identified model works, and what that leaves out.
 
     Args:
         found: Validation of the suit where its own model and samples are the true ones.
+        believed: Name of the suit.
         suit: The suit.
         policy: Policy that believes it.
         evaluation: Motions of that policy beside those of the references.
@@ -165,6 +171,12 @@ def answer(found: Validation, suit: Suit, policy: str, evaluation: Evaluation) -
         f") of the peak, where the true suit is drawn among the model and {count} others that its "
         "curves allow"
     )
+    covered = ", ".join(
+        f"{joint} from {low:.2f} to {high:.2f} rad"
+        for joint, (low, high) in found.torque.covered.items()
+    )
+    yield f"no verdict, since a suit says nothing against itself; the motions cover {covered}"
+    yield from _beyond(found, believed, suit)
     left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
     yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
 

@@ -294,6 +294,10 @@ MISTAKES = [
     (["simulate", "--policy", "magic", "--out", "{bad}/out"], "unknown policy"),
     (["simulate", "--suit", "{bad}/cut.json", "--out", "{bad}/out"], "not complete JSON"),
     (["validate", "{bad}/cut.json"], "not complete JSON"),
+    (
+        ["validate", "emu-like", "--plant", "emu-like", "--policy", "compensation:suit=mock-suit"],
+        "has a suit: leave that out, as the believed suits are given",
+    ),
     (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
     (["validate"], "no suit is given"),
     (["validate", "mock-suit", "--samples", "--held-out", ELBOW], "leave one out"),

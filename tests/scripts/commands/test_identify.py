@@ -125,7 +125,7 @@ OFFSET = 0.35
 
 
 def laboratory(path):
-    """Writes one long record of a joint that no model is told, by a sensor with an offset.
+    """Writes one long record of a joint whose model is not used, by a sensor with an offset.
 
     It has semicolons, decimal commas, degrees, N·mm and lines of text before the header.
     """
@@ -179,12 +179,17 @@ def test_a_record_of_a_laboratory_becomes_a_suit_in_one_command(laboratory_suit)
 
 def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit, capsys):
     folder, _ = laboratory_suit
-    main(["validate", str(folder / "fit/suit.json"), "--episodes", "8"])
+    suit = str(folder / "fit/suit.json")
+    main(["validate", suit, "--episodes", "8"])
     said = " ".join(capsys.readouterr().out.split())
     assert "feedforward with this model has" in said
     assert "drawn among the model and 20 others that its curves allow" in said
     assert "not contained: an offset of the torque sensor;" in said
+    assert "no verdict, since a suit says nothing against itself" in said
+    main(["validate", suit, "--plant", suit, "--episodes", "8"])
+    said = " ".join(capsys.readouterr().out.split())
     assert "no verdict, since it is the true suit too" in said
+    assert "drawn among" not in said  # no sample was
 
 
 def test_an_offset_that_is_not_determined_is_not_fitted(laboratory_suit, capsys):
