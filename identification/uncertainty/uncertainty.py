@@ -217,13 +217,10 @@ def _intervals(
 
 
 def _open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
-    for name, least, (low, high) in zip(
-        coordinates.names, coordinates.least, intervals, strict=True
-    ):
-        if low == least:
-            yield f"the curves set no lower limit to {name}"
-        if high == np.inf:
-            yield f"the curves set no upper limit to {name}"
+    names, (low, high) = np.array(coordinates.names), intervals.T
+    for end, is_open in (("lower", low == coordinates.least), ("upper", high == np.inf)):
+        if is_open.any():
+            yield f"the curves set no {end} limit to {', '.join(names[is_open])}"
 
 
 def _binding(coordinates: Coordinates) -> Array | None:
