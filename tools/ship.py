@@ -23,11 +23,18 @@ from ..scripts.training.request import TrainingRequest
 from ..scripts.training.seeds import finished, seeds_of
 
 LICENSE = "Apache-2.0"
+LEARNERS = Path(__file__).parent.parent / "docs" / "learners"
 NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
     "plain-network": (
         "A network on the encoders of the last five control periods, without any model, trained by "
         "PPO.",
-        {"level": "randomized", "algo": "ppo", "history": 5, "steps": 1_000_000},
+        {
+            "level": "randomized",
+            "algo": "ppo",
+            "history": 5,
+            "steps": 400_000,
+            "hyperparameters": LEARNERS / "small_exploration.yml",
+        },
     ),
     "residual-network": (
         "A network that corrects compensation with the suit mock-suit, trained by PPO.",
@@ -41,7 +48,7 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "recurrent-network": (
         "A network with memory on the encoders, without any model, trained by recurrent PPO.",
-        {"level": "randomized", "algo": "recurrent-ppo", "steps": 600_000},
+        {"level": "randomized", "algo": "recurrent-ppo", "steps": 1_000_000},
     ),
     "student-network": (
         "A network on the encoders of ten control periods that repeats adaptive.",
@@ -58,9 +65,9 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
 def train(name: str, seed: int, out: Path) -> None:
     """Trains one network with one seed, or continues what is there."""
     given = {**NETWORKS[name][1], "seed": seed}
-    teacher = given.pop("teacher", None)
+    teacher, file = given.pop("teacher", None), given.pop("hyperparameters", None)
     place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
-    request = TrainingRequest(given=given, scene=place, force=True)
+    request = TrainingRequest(given=given, file=file, scene=place, force=True)
     if teacher is None:
         request.seed(out, seed, resume=True)
     else:

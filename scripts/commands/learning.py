@@ -38,6 +38,13 @@ WAYS: dict[str, dict[str, Any]] = {
     "residual": {"algo": "ppo", "residual": COMPENSATION},
     "residual-history": {"algo": "ppo", "residual": COMPENSATION, "history": 5},
     "residual-guided": {"algo": "ppo", "residual": COMPENSATION, "control": {"stiff": True}},
+    "residual-drawn": {
+        "algo": "ppo",
+        "residual": COMPENSATION,
+        "history": 5,
+        "level": "randomized",
+        "randomize": {"suits": ["mock-suit", "emu-like"]},
+    },
     "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
 }
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
@@ -73,12 +80,14 @@ def learning(
     """Compare ways of training over tasks, levels and seeds.
 
     Each training is a run of `activesuit train`, at the level at which its policy is then tested,
-    with seeds that no training uses. The same command again does what is left.
+    with seeds that no training uses; but residual-drawn trains at level randomized. The same
+    command again does what is left.
 
     Args:
         ways: Names of ways of training: the algorithms, with a history of five observations, as
             correction of compensation that believes the suit mock-suit, the same with wearers who
-            are guided along the intention, or as student of adaptive.
+            are guided along the intention, the same with suits drawn from mock-suit and emu-like,
+            or as student of adaptive.
         tasks: Names of tasks.
         levels: Names of levels.
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.
