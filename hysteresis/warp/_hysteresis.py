@@ -50,7 +50,8 @@ class Hysteresis:
     """Hysteretic torque of some joints in all worlds; `attach` makes it.
 
     The arrays are on the device of the simulation, and keep their places: `warp.to_torch` gives
-    views of them, and a CUDA graph may use them. They are as of the last `step` or `forward`.
+    views of them, and a CUDA graph may use them. They are as of the last `step` or `forward`, with
+    RK4 of its last stage.
 
     Attributes:
         joints: Names of the joints, which are the columns of the arrays.
@@ -158,7 +159,7 @@ class _Kind:
         self.memory = wp.zeros((worlds, len(joints), source.state), dtype=float, device=device)
         self._numbers = wp.array(np.stack(numbers, axis=1), dtype=float, device=device)
         self._places = wp.array(np.array(places), dtype=wp.vec3i, device=device)
-        self._kernel = _kernel(source)
+        self._kernel = kernel_of(source)
         wp.load_module(self._kernel.module, device=device)  # not while a graph is captured
 
     def launch(self, m: Any, d: Any, into: Hysteresis) -> None:
@@ -190,7 +191,7 @@ def _forget(worlds: wp.array[bool], steps: wp.array2d[Step]):
 
 
 @cache
-def _kernel(source: Source) -> Any:
+def kernel_of(source: Source) -> Any:
     """Returns the kernel that resists with one kind of models."""
 
     @wp.func_native(source.code)
