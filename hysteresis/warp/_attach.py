@@ -11,10 +11,10 @@ from ..around import Wrapper
 from ..c_code import LARGEST
 from ..protocol import HysteresisModel, State
 from ..safety import require_certificate
-from ._source import Source, row_of, source_of
+from .source import Source, row_of, source_of
 
 if TYPE_CHECKING:
-    from ._hysteresis import Hysteresis
+    from .worlds import Hysteresis
 
 JOINT_TYPES = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 Models = HysteresisModel | Sequence[HysteresisModel]
@@ -41,11 +41,11 @@ def attach(
         m: Model of MuJoCo Warp, whose passive callback is changed.
         d: Its data, for whose worlds the memory is; its present times are not used.
         mjm: MuJoCo model from which both were made.
-        models: By name of a hinge joint (rad) or a slide joint (m), its model, or one model for
-            each world. The models of a joint are of one kind and size.
-        starts: By name of a joint, the state in which its memory begins, from `model.start`,
-            or one state for each world; by default at the joint's reference position, without
-            torque.
+        models: Model of each joint, or a list of one for each world, by name of a hinge joint (rad)
+            or a slide joint (m). The models of a joint are of one kind and size.
+        starts: State in which the memory of each joint begins, from `model.start`, or a list of one
+            for each world, by name of the joint; by default at the joint's reference position,
+            without torque.
         allow_uncertified: Whether to accept models without a certificate. At a pole the torque then
             keeps its last valid value, and the fault flag is set until the world's next reset.
 
@@ -61,7 +61,7 @@ def attach(
     try:
         import mujoco_warp
 
-        from ._hysteresis import Hysteresis, Joint
+        from .worlds import Hysteresis, Joint
     except ImportError as error:
         raise InputError(
             f"MuJoCo Warp is not installed ({error}): run pip install 'activesuit[gpu]'"

@@ -23,7 +23,7 @@ from activesuit.hysteresis.engine import fault_slots, replace_model
 from activesuit.hysteresis.protocol import follow
 from activesuit.hysteresis.references import EXAMPLES
 from activesuit.hysteresis.warp import attach
-from activesuit.hysteresis.warp._source import source_of
+from activesuit.hysteresis.warp.source import source_of
 from maxwell_slip import MaxwellSlip
 
 wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-gpu")
@@ -32,8 +32,8 @@ mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-
 WORLDS, SAMPLES = 64, 10_000
 GIVEN, CLOSED = 3e-4, 1e-3  # N·m, largest difference on given motions, and in a closed loop
 NEAR_POLE = 1e-3  # N·m, the same without a certificate, where a slope may be steep
-kernel_of = pytest.importorskip("activesuit.hysteresis.warp._hysteresis").kernel_of
-wp.config.quiet = True
+kernel_of = pytest.importorskip("activesuit.hysteresis.warp.worlds").kernel_of
+wp.config.log_level = wp.LOG_WARNING
 DEVICES = ["cpu", *(["cuda:0"] if wp.is_cuda_available() else [])]
 FAR = {"J-A elbow-sa-pso", "elbow-sa-pso in a range", "backlash, elbow-sa-pso"}  # to 40 rad
 RATE = {"damping": 0.2, "relaxation_stiffness": 3.0, "relaxation_time": 0.15}

@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...errors import InputError
 from ..around import Viscoelastic
 from ..protocol import HysteresisModel, State
-from ._source import ANGLE, BEGIN, COMMIT, EXTRA, TORQUE, TRIAL, Source
+from .source import ANGLE, BEGIN, COMMIT, EXTRA, TORQUE, TRIAL, Source
 
 # Of the last step of a joint: time, angle, torque of the slow part, torque, and what rounding has
 # taken from the work (compensated summation of Kahan).
