@@ -31,6 +31,7 @@ mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-
 
 WORLDS, SAMPLES = 64, 10_000
 GIVEN, CLOSED = 3e-4, 1e-3  # N·m, largest difference on given motions, and in a closed loop
+SHARE = 3e-5  # of the peak, the same where the peak exceeds 10 N·m
 NEAR_POLE = 1e-3  # N·m, the same without a certificate, where a slope may be steep
 kernel_of = pytest.importorskip("activesuit.hysteresis.warp.worlds").kernel_of
 wp.config.log_level = wp.LOG_WARNING
@@ -132,6 +133,7 @@ def test_given_motions(device):
             expected = torques(model, one.low, start.torque, given)
             difference = np.abs(found[1:, world, column] - expected).max()
             allowed = GIVEN if model.certificate().certified else NEAR_POLE
+            allowed = max(allowed, SHARE * np.abs(expected).max())
             assert difference <= allowed, (name, world, difference, np.abs(expected).max())
 
 
