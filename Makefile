@@ -4,11 +4,11 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo train test check docs bench clean
+.PHONY: demo train test test-gpu check docs bench clean
 
 # `pip install .` in .venv would put a copy of the tree there, which hides it: then install again.
 ifeq (,$(wildcard .venv/lib/python3*/site-packages/__editable__.activesuit-*))
-.PHONY: .venv/core .venv/train .venv/docs .venv/dev
+.PHONY: .venv/core .venv/train .venv/docs .venv/dev .venv/gpu
 endif
 
 demo: .venv/core
@@ -21,6 +21,10 @@ train: .venv/train
 test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/dev
 	$(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal --durations 10
+
+# MuJoCo Warp on a GPU where there is one, else on the processor; the first run compiles its kernels.
+test-gpu: .venv/dev .venv/gpu
+	$(BIN)/python -m pytest -q tests/hysteresis/warp tests/envs/model/test_for_warp.py tests/test_docs.py -k 'warp or gpu'
 
 check: .venv/dev
 	$(BIN)/ruff check .
@@ -55,4 +59,8 @@ clean:
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
 	$(PIP) -e '.[train,onnx,compare,cluster,report,video,dev]'
+	touch $@
+
+.venv/gpu: pyproject.toml constraints.txt | .venv/bin/python
+	$(PIP) -e '.[gpu]'
 	touch $@

@@ -28,6 +28,7 @@ Topic = Literal[
     "identify",
     "exactness",
     "device",
+    "gpu",
     "sensitivity",
     "bound",
     "hindered",
@@ -48,6 +49,7 @@ def bench(
     out: Path | None = None,
     force: Force = False,
     json: Json = False,
+    worlds: tuple[int, ...] = (),
 ) -> None:
     """Measure speed, each row against something else in turn in this very run.
 
@@ -55,12 +57,13 @@ def bench(
         topic: Part whose speed is measured (train needs the extra train), or all of them; or
             exactness, which compares the kernels with their readable references, with SciPy and
             with the engine; or device, which compares the C code of models with Python (needs a C
-            compiler); or sensitivity, which halves and doubles assumed numbers (about an
-            hour); or bound, which changes the best known plan at random under wearers who adapt to
-            each change (half an hour); or hindered, which locks and throws the arm in every task;
-            or honesty, which counts how often intervals, verdicts and searches of identify are
-            right on random truths; or first-use, which compiles everything that a first environment
-            needs.
+            compiler); or gpu, which steps many worlds in MuJoCo Warp (needs the extra gpu), on the
+            first CUDA device where there is one; or sensitivity, which halves and doubles assumed
+            numbers (about an hour); or bound, which changes the best known plan at random under
+            wearers who adapt to each change (half an hour); or hindered, which locks and throws the
+            arm in every task; or honesty, which counts how often intervals, verdicts and searches
+            of identify are right on random truths; or first-use, which compiles everything that a
+            first environment needs.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
             each cell, 200 by default; of bands, which take long, a third of it; of bound the
             changes of each of 20 motions, 10 by default.
@@ -68,10 +71,13 @@ def bench(
         seed: Seed of the first case (honesty).
         out: Folder that keeps each case as it is finished, so that the same command goes on where
             it was stopped (honesty).
+        worlds: Numbers of worlds, by default 1024 4096 16384 (gpu).
     """
     if repeats is not None:
         at_least("repeats", repeats, 1)
     check_seed(seed)
+    if worlds and topic != "gpu":
+        raise InputError(f"--worlds belongs to gpu, not to {topic}: leave it out")
     if topic == "honesty":
         folder = RunFolder(out, "bench honesty", force=force) if out else None
         _count(repeats or (FEW if quick else MANY), seed, folder, json)
@@ -83,7 +89,12 @@ def bench(
     import mujoco  # noqa: F401  (so that its warnings are kept; slow, so not for the help)
 
     with engine_warnings():
-        _measure(topic, repeats or (CHANGES if topic == "bound" else PAIRS), json)
+        if topic == "gpu":
+            from . import gpu
+
+            gpu.report(repeats or PAIRS, worlds, json)
+        else:
+            _measure(topic, repeats or (CHANGES if topic == "bound" else PAIRS), json)
 
 
 def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> None:

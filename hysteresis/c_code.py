@@ -162,6 +162,19 @@ static inline as_real {name}_step({name}_state *s, as_real angle)
         return "\n\n".join(parts) + "\n"
 
 
+def numbers(model: HysteresisModel, memory: Sequence[float]) -> list[float]:
+    """Returns the numbers of all constant tables of a model, in the order of its header.
+
+    Args:
+        model: The model.
+        memory: Memory with which the functions `NAME_init` begin, with its zeros.
+    """
+    if isinstance(model, Wrapper):
+        size = model.model.memory_size
+        return [*numbers(model.model, memory[:size]), *_numbers(model), *memory[size:]]
+    return [*model.parameter_vector.tolist(), *memory]
+
+
 def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Array:
     """Returns the torques that `NAME_step` computes, by the kernels of Python.
 

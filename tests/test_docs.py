@@ -48,6 +48,8 @@ def examples(name):
 
 @pytest.mark.parametrize("name", [name for name in PAGES if examples(name)])
 def test_examples_of_a_page_run_in_order(name, folder):
+    if name == "gpu.md":
+        pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
     names = {"__name__": "__main__"}
     for number, block in enumerate(examples(name)):
         exec(compile(block, f"{name}, example {number}", "exec"), names)

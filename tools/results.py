@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..benchmarks.device import columns
+from ..benchmarks.gpu import columns as gpu_columns
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
 from ..envs.benchmark.suite import Setting
@@ -19,7 +20,7 @@ from ..envs.policies.network import read_card
 from ..envs.policies.trained import shipped_policies
 from ..scripts.output import markdown_table
 from .leaderboard import DOCS, RESULTS
-from .measure import TRAININGS, kept
+from .measure import EXPERIMENTS, TRAININGS, kept
 
 WEIGHTLESS = "microgravity"
 CUFFS = DOCS / "cuffs.jsonl"
@@ -586,6 +587,12 @@ def device_models() -> str:
     return markdown_table(*columns(kept("bench-device")["result"]["rows"]))
 
 
+def warp_worlds() -> str:
+    """Returns the table of steps of many worlds in MuJoCo Warp, on each device."""
+    found = [kept(name)["result"] for name in EXPERIMENTS if name.startswith("bench-gpu")]
+    return markdown_table(*gpu_columns(found))
+
+
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
     "reproduction.md": {"fits": demo_fits, "claims": claims, "dispatch": dispatch},
@@ -607,5 +614,6 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     },
     "environments.md": {"speed": lambda: speed("env")},
     "device.md": {"models": device_models},
+    "gpu.md": {"warp": warp_worlds},
 }
 """The tables by page and mark."""

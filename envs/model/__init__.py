@@ -3,6 +3,7 @@
 from .compose import arm_spec, bare_arm, compose, resisting_joints, suit_of_config
 from .config import GRAVITY, ArmConfig, Payload
 from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_clip, thermal_step
+from .for_warp import for_warp
 from .mirroring import mirror
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "arm_spec",
     "bare_arm",
     "compose",
+    "for_warp",
     "mirror",
     "quantize",
     "resisting_joints",
