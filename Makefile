@@ -24,7 +24,7 @@ test: .venv/dev
 
 # MuJoCo Warp on a GPU where there is one, else on the processor; the first run compiles its kernels.
 test-gpu: .venv/dev .venv/gpu
-	$(BIN)/python -m pytest -q tests/hysteresis/warp tests/envs/model/test_for_warp.py tests/test_docs.py -k 'warp or gpu'
+	$(BIN)/python -m pytest -q tests/hysteresis/warp tests/envs/model/test_for_warp.py tests/benchmarks/test_gpu.py tests/test_docs.py -k 'warp or gpu'
 
 check: .venv/dev
 	$(BIN)/ruff check .

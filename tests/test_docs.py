@@ -55,6 +55,17 @@ def test_examples_of_a_page_run_in_order(name, folder):
         exec(compile(block, f"{name}, example {number}", "exec"), names)
 
 
+def test_the_learner_in_mujoco_warp_runs(folder, capsys):
+    pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+    pytest.importorskip("torch")
+    program = (DOCS / "learners" / "with_warp.py").read_text(encoding="utf-8")
+    for usual, few in (("(4096, 150)", "(8, 2)"), ("(64, 50)", "(8, 2)"), ("5, 4.0", "5, 1.2")):
+        assert usual in program
+        program = program.replace(usual, few)
+    exec(compile(program, "with_warp.py", "exec"), {"__name__": "__main__"})
+    assert re.search(r"effort with motors off \d", capsys.readouterr().out)
+
+
 def test_the_loops_page_prints_what_it_says(folder, capsys):
     names = {}
     for block in examples("loops.md"):
