@@ -87,6 +87,7 @@ EXPERIMENTS = {
     "bench-env": "bench env",
     "bench-train": "bench train",
     "bench-device": "bench device",
+    "bench-gpu-h200": "bench gpu --repeats 9",
     "bench-gpu-cpu": "bench gpu --worlds 64 1024 --repeats 49",
 }
 """Command lines by the name of their result."""
