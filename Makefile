@@ -54,5 +54,5 @@ clean:
 	touch $@
 
 .venv/dev: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[train,onnx,compare,cluster,report,video,dev]'
+	$(PIP) -e '.[train,onnx,compare,cluster,report,video,muscles,dev]'
 	touch $@

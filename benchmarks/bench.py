@@ -31,6 +31,7 @@ Topic = Literal[
     "sensitivity",
     "bound",
     "hindered",
+    "muscles",
     "honesty",
     "first-use",
 ]
@@ -58,6 +59,7 @@ def bench(
             compiler); or sensitivity, which halves and doubles assumed numbers (about an
             hour); or bound, which changes the best known plan at random under wearers who adapt to
             each change (half an hour); or hindered, which locks and throws the arm in every task;
+            or muscles, which compares MyoArm with our arm (needs the extra muscles);
             or honesty, which counts how often intervals, verdicts and searches of identify are
             right on random truths; or first-use, which compiles everything that a first environment
             needs.
@@ -115,7 +117,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     alone = {
         **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
-        **{"hindered": _hindered, "device": device.report},
+        **{"hindered": _hindered, "device": device.report, "muscles": _muscles},
     }
     if topic == "bound":
         _bound(repeats, json)
@@ -192,6 +194,12 @@ def _hindered(json: bool) -> None:
         print(to_json({"tasks": [one.to_dict() for one in found]}))
     else:
         table("arms that are hindered", *hindered.hindered_table(found))
+
+
+def _muscles(json: bool) -> None:
+    from . import muscles
+
+    muscles.report(json)
 
 
 def _first_use(json: bool) -> None:

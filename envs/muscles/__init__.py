@@ -1,0 +1,16 @@
+"""What motions cost the muscles: MyoArm's muscles give the wearer's torque (extra `muscles`)."""
+
+from .analysis import CONVENTIONS, STANDARD
+from .myoarm import GROUPS, MyoArm
+from .scores import MuscleScore, muscle_relief, muscle_scores, relief_range
+
+__all__ = [
+    "CONVENTIONS",
+    "GROUPS",
+    "STANDARD",
+    "MuscleScore",
+    "MyoArm",
+    "muscle_relief",
+    "muscle_scores",
+    "relief_range",
+]
