@@ -1,6 +1,6 @@
 """What motions cost the muscles: MyoArm's muscles give the wearer's torque (extra `muscles`)."""
 
-from .analysis import CONVENTIONS, STANDARD
+from .analysis import CONVENTIONS, STANDARD, muscle_activation
 from .myoarm import GROUPS, MyoArm
 from .scores import MuscleScore, muscle_relief, muscle_scores, relief_range
 
@@ -10,6 +10,7 @@ __all__ = [
     "STANDARD",
     "MuscleScore",
     "MyoArm",
+    "muscle_activation",
     "muscle_relief",
     "muscle_scores",
     "relief_range",

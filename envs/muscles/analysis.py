@@ -172,6 +172,20 @@ def share_among_muscles(arm: MyoArm, demand: Demand, convention: Convention) -> 
     return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal], missed)
 
 
+def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
+    """Returns the activations of a motion, shape (samples, muscles), as `MyoArm.muscles` orders.
+
+    Args:
+        trace: The motion.
+        convention: Name of a convention.
+
+    Raises:
+        InputError: As `muscle_scores`.
+    """
+    arm = MyoArm.load()
+    return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation
+
+
 def cost_of(name: str, arm: MyoArm) -> Cost:
     """Returns what is least under a name of `COSTS`.
 
