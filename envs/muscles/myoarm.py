@@ -114,7 +114,7 @@ class MyoArm:
         Raises:
             InputError: The extra is missing, or its model lacks a joint or a muscle.
         """
-        model = _lean(myoarm_spec())
+        model = lean(myoarm_spec())
         coupled, gain = _coupled(model), model.actuator_gainprm
         low, high = model.actuator_lengthrange.T
         trunk = _trunk(model)
@@ -268,7 +268,7 @@ def _quiet() -> Iterator[None]:
         mujoco.set_mju_user_warning(before)
 
 
-def _lean(spec: mujoco.MjSpec) -> mujoco.MjModel:
+def lean(spec: mujoco.MjSpec) -> mujoco.MjModel:
     """Compiles the arm with its 32 muscles only."""
     by_name = {actuator.name: actuator for actuator in spec.actuators}
     for name in by_name.keys() - set(MUSCLES):
