@@ -335,4 +335,6 @@ def bare_table(found: Sequence[ArmWork]) -> Rows:
 
 
 def _with_factor(power: float, published: float | None) -> str:
-    return f"{power:.0f}" if published is None else f"{power:.0f}, x {power / published:.2f}"
+    return (
+        f"{round(power) or 0}" if published is None else f"{power:.0f}, x {power / published:.2f}"
+    )

@@ -74,7 +74,7 @@ class MusclePanel:
         right = np.cross([0.0, 1.0, 0.0], back)
         up = np.cross(back, right)
         spec.worldbody.add_camera(
-            name=CAMERA, pos=shoulder + axes @ EYE, xyaxes=[*(axes @ right), *(axes @ up)], fovy=40
+            name=CAMERA, pos=shoulder + axes @ EYE, xyaxes=[*(axes @ right), *(axes @ up)], fovy=33
         )
         whole = spec.visual.global_
         whole.offwidth, whole.offheight = self._size
