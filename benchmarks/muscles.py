@@ -14,13 +14,15 @@ from ..assets import JOINTS
 from ..envs.evaluation import rollout
 from ..envs.making import make_arms
 from ..envs.model import ArmConfig, bare_arm
+from ..envs.model.config import NO_SUIT
 from ..envs.muscles import CONVENTIONS, STANDARD, MyoArm, muscle_scores
 from ..envs.muscles.analysis import Convention, Demand, demand_of, share_among_muscles
 from ..envs.muscles.constraint import constraint_torques
+from ..envs.muscles.elbow import MuscleElbow
 from ..envs.muscles.mapping import AXES, OWN
 from ..envs.muscles.metabolic import LEAST_HEAT, MODELS, muscle_masses
 from ..envs.muscles.myoarm import CHEST
-from ..envs.person import Person, isometric_strength, segments, strength_limits
+from ..envs.person import Person, VoluntaryControl, isometric_strength, segments, strength_limits
 from ..envs.person.strength import PROVENANCE
 from ..envs.policies import make_policy
 from ..envs.simulation.inverse_dynamics import Chain
@@ -260,6 +262,100 @@ def _work(
     return ArmWork(what=what, power=power, work=work, published=published, source=source)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Pushed:
+    """An elbow that is pushed, weightless and without a suit.
+
+    Attributes:
+        wearer: What holds the elbow.
+        contraction: Co-contraction [N·m].
+        stiffness: Stiffness at rest, before any feedback [N·m/rad].
+        early: Deviation when the push ends [mrad].
+        peak: Largest deviation [mrad].
+        later: Deviation half a second after its beginning [mrad].
+    """
+
+    wearer: str
+    contraction: float
+    stiffness: float
+    early: float
+    peak: float
+    later: float
+
+
+PUSH, PUSHED, WATCHED = 2.0, 0.1, 0.8  # N·m, s, s
+ELBOW = JOINTS.index("elbow_flexion")
+
+
+def pushes() -> list[Pushed]:
+    """Returns how the elbow of muscles, and that of the net-torque wearer, answers to a push."""
+    found = []
+    for contraction in (0.0, 3.0, 10.0):
+        env = MuscleElbow(suit=NO_SUIT, gravity="microgravity", contraction=contraction)
+        away, stiffness = _deviation(env)
+        found.append(_pushed("muscles", contraction, stiffness, away))
+        inertia = env.inertia
+        base, slope, _, relaxation, usual = VoluntaryControl().impedance(MAN)[:, ELBOW]
+        stiffness = float(base + slope * (contraction - usual))
+        away = _net_torque(inertia, stiffness, float(relaxation * stiffness))
+        found.append(_pushed("net torque, without reflex", contraction, stiffness, away))
+    return found
+
+
+def _pushed(wearer: str, contraction: float, stiffness: float, away: Array) -> Pushed:
+    return Pushed(
+        wearer=wearer,
+        contraction=contraction,
+        stiffness=stiffness,
+        early=1e3 * float(away[round(PUSHED / DT)]),
+        peak=1e3 * float(np.abs(away).max()),
+        later=1e3 * float(away[round(0.5 / DT)]),
+    )
+
+
+def _deviation(env: MuscleElbow) -> tuple[Array, float]:
+    """Returns where a push moves the elbow of muscles [rad], and its stiffness before."""
+    ways = []
+    stiffness = 0.0
+    for push in (0.0, PUSH):
+        env.push = push
+        env.reset(seed=0)
+        angle = []
+        for step in range(round((1.0 + WATCHED) / DT)):
+            if step == round(1.0 / DT):
+                stiffness = env.stiffness()
+            env.step(np.zeros(1, np.float32))
+            angle.append(env.data.qpos[0])
+        ways.append(np.array(angle[round(1.0 / DT) - 1 :]))
+    return ways[1] - ways[0], stiffness
+
+
+def _net_torque(inertia: float, stiffness: float, damping: float) -> Array:
+    """Returns where the push moves a spring and damper with an inertia [rad]."""
+    from scipy.integrate import solve_ivp  # slow to import
+
+    def change(time: float, state: Array) -> list[float]:
+        push = PUSH if time < PUSHED else 0.0
+        return [state[1], (push - stiffness * state[0] - damping * state[1]) / inertia]
+
+    time = np.arange(round(WATCHED / DT) + 1) * DT
+    found = solve_ivp(change, (0.0, time[-1]), [0.0, 0.0], t_eval=time, max_step=DT / 5)
+    return np.asarray(found.y[0])
+
+
+def pushed_table(found: Sequence[Pushed]) -> Rows:
+    """Returns the table of pushes."""
+    header = ["wearer", "co-contraction\n[N·m]", "stiffness\n[N·m/rad]", "after 0.1 s\n[mrad]"]
+    rows = [
+        [
+            *(one.wearer, f"{one.contraction:.0f}", f"{one.stiffness:.1f}"),
+            *(f"{value:.0f}" for value in (one.early, one.peak, one.later)),
+        ]
+        for one in found
+    ]
+    return [*header, "largest\n[mrad]", "after 0.5 s\n[mrad]"], rows
+
+
 def cost() -> dict[str, float]:
     """Returns what scoring takes: ms a sample, and seconds for 20 motions of ArmTracking."""
     arm = MyoArm.load()
@@ -287,12 +383,14 @@ def cost() -> dict[str, float]:
 
 def report(json: bool) -> None:
     """Prints all of it."""
-    errors, strong, bare, spent = map_errors(), strengths(), bare_arms(), cost()
+    errors, strong, bare, hit = map_errors(), strengths(), bare_arms(), pushes()
+    spent = cost()
     if json:
         content = {
             "map": errors,
             "strength": [{**asdict(one), "apart": one.apart} for one in strong],
             "bare": [asdict(one) for one in bare],
+            "pushes": [asdict(one) for one in hit],
             "cost": spent,
         }
         print(to_json(content))
@@ -300,6 +398,7 @@ def report(json: bool) -> None:
     table("MyoArm in our posture, random over the range", *_map_table(errors))
     table("strength of the average man [N·m]", *strength_table(strong), left=2)
     table("metabolic power of the bare arm on Earth, above rest", *bare_table(bare))
+    table(f"an elbow pushed by {PUSH:g} N·m for {PUSHED:g} s", *pushed_table(hit), left=1)
     table("cost", ["what", "value"], [[name, f"{value:.3g}"] for name, value in spent.items()])
 
 

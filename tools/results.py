@@ -11,7 +11,14 @@ import numpy as np
 
 from ..assets import JOINTS
 from ..benchmarks.device import columns
-from ..benchmarks.muscles import ArmWork, Strength, bare_table, strength_table
+from ..benchmarks.muscles import (
+    ArmWork,
+    Pushed,
+    Strength,
+    bare_table,
+    pushed_table,
+    strength_table,
+)
 from ..envs.benchmark.results import read_results
 from ..envs.benchmark.standings import Standing, Standings
 from ..envs.benchmark.suite import Setting
@@ -712,6 +719,13 @@ def muscle_bare() -> str:
     return markdown_table([name.replace("\n", " ") for name in header], rows)
 
 
+def muscle_pushes() -> str:
+    """Returns the table of pushed elbows."""
+    found = [Pushed(**one) for one in kept("bench-muscles")["result"]["pushes"]]
+    header, rows = pushed_table(found)
+    return markdown_table([name.replace("\n", " ") for name in header], rows)
+
+
 def muscle_strength() -> str:
     """Returns the table of strengths, those of one joint and way below each other."""
     found = kept("bench-muscles")["result"]["strength"]
@@ -744,6 +758,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
         "power": muscle_power,
         "conventions": muscle_conventions,
         "bare": muscle_bare,
+        "pushes": muscle_pushes,
     },
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {

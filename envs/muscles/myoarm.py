@@ -234,7 +234,7 @@ def myoarm_spec() -> mujoco.MjSpec:
         import myo_sim
     except ImportError:
         raise InputError(f"muscles need {EXTRA}: install it") from None
-    with _quiet():
+    with quiet():
         try:
             spec = myo_sim.load_spec("myoarm_r")
         except (ValueError, AttributeError, OSError) as error:
@@ -256,7 +256,7 @@ def myoarm_spec() -> mujoco.MjSpec:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Drops the warnings with which myo-sim puts its parts together."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(deque(maxlen=0).append)
@@ -277,7 +277,7 @@ def lean(spec: mujoco.MjSpec) -> mujoco.MjModel:
     for tendon in list(spec.tendons):
         if tendon.name not in kept:
             spec.delete(tendon)
-    with _quiet():
+    with quiet():
         return spec.compile()
 
 
