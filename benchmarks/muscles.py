@@ -214,17 +214,19 @@ EFFICIENCY = 0.25
 _DAVIES = "Davies and Sargeant 1974, 8 men: light arm cranking has an efficiency of 0.25"
 _NOTHING = "no value found"
 CYCLES, DT = 2, 0.01
-_HELD = {
+_POSTURES = {
     "hanging": (0.0, 0.0, 0.0, 0.0),
-    "upper arm level, elbow bent by 90 degrees, held": (0.0, np.pi / 2, np.pi / 2, 0.0),
-    "straight arm level, held": (0.0, np.pi / 2, 0.0, 0.0),
+    "upper arm level, elbow bent by 90 degrees": (0.0, np.pi / 2, np.pi / 2, 0.0),
+    "straight arm level": (0.0, np.pi / 2, 0.0, 0.0),
 }
 
 
 def bare_arms() -> list[ArmWork]:
     """Returns what arm work takes that others have measured, without co-contraction."""
     still = np.zeros(len(JOINTS))
-    found = [_work(what, posture, still, 60.0, source=_NOTHING) for what, posture in _HELD.items()]
+    found = [
+        _work(what, posture, still, 60.0, source=_NOTHING) for what, posture in _POSTURES.items()
+    ]
     beat = {"published": _TANG, "source": _WHO}
     elbow, shoulder = np.array([0, 0, 0.9, 0]), np.array([0, 0.7, 0, 0])
     found.append(_work("elbow flexion, 40 a minute", (0, 0, 1.0, 0), elbow, 40.0, **beat))
