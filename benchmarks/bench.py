@@ -32,6 +32,7 @@ Topic = Literal[
     "sensitivity",
     "bound",
     "hindered",
+    "muscles",
     "honesty",
     "first-use",
 ]
@@ -61,8 +62,9 @@ def bench(
             first CUDA device where there is one; or sensitivity, which halves and doubles assumed
             numbers (about an hour); or bound, which changes the best known plan at random under
             wearers who adapt to each change (half an hour); or hindered, which locks and throws the
-            arm in every task; or honesty, which counts how often intervals, verdicts and searches
-            of identify are right on random truths; or first-use, which compiles everything that a
+            arm in every task; or muscles, which compares MyoArm with our arm (needs the extra
+            muscles); or honesty, which counts how often intervals, verdicts and searches of
+            identify are right on random truths; or first-use, which compiles everything that a
             first environment needs.
         repeats: Number of pairs of measurements of each row, 9 by default; of honesty the cases of
             each cell, 200 by default; of bands, which take long, a third of it; of bound the
@@ -126,7 +128,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     alone = {
         **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
-        **{"hindered": _hindered, "device": device.report},
+        **{"hindered": _hindered, "device": device.report, "muscles": _muscles},
     }
     if topic == "bound":
         _bound(repeats, json)
@@ -203,6 +205,12 @@ def _hindered(json: bool) -> None:
         print(to_json({"tasks": [one.to_dict() for one in found]}))
     else:
         table("arms that are hindered", *hindered.hindered_table(found))
+
+
+def _muscles(json: bool) -> None:
+    from . import muscles
+
+    muscles.report(json)
 
 
 def _first_use(json: bool) -> None:

@@ -88,10 +88,10 @@ def _default(label: str) -> str:
 
 
 def environments() -> list[str]:
-    """Returns the ids of the registered environments of this package, and the form of others."""
-    import gymnasium
+    """Returns the ids of the registered arms of this package, and the form of others."""
+    from .. import TASKS
 
-    return [*(name for name in gymnasium.registry if name.startswith("ActiveSuit/")), "MODULE:ID"]
+    return [*(f"ActiveSuit/{task}-v0" for task in TASKS), "MODULE:ID"]
 
 
 def policies() -> list[str]:

@@ -27,7 +27,7 @@ FEWEST = 8  # length of the shortest list of one number for each motion, of whic
 DIGITS = 6  # number of significant digits that are kept
 KEPT = {  # fields of a score that pages may report
     *("policy", "effort", "torque", "tracking", "reward", "beginning", "success", "cuff_peak"),
-    *("relief", "share_of_bound", "unadapted_effort", "unadapted_tracking"),
+    *("relief", "share_of_bound", "unadapted_effort", "unadapted_tracking", "muscles"),
 }
 TOLERANCE = 0.01  # greatest difference from a kept number, relative to it if it is above 1
 
@@ -41,6 +41,16 @@ _MISLED = " ".join(
 )
 _ALONE = "train --task ArmTracking --gravity microgravity --seeds 0-2 --steps 600000"
 _SMALL = "--history 5 --hyperparameters small_exploration.yml"
+_OF_MUSCLES = (
+    "none transparent gravity feedforward complement compensation adaptive iterative impedance "
+    "amplification observer disturbance-observer proportional oscillators radial-basis oracle "
+    "best-known-plan"
+)
+MUSCLE_SETTINGS = {
+    f"muscles-{suit.partition('-')[0]}-{place}": (suit, place)
+    for suit in ("mock-suit", "emu-like")
+    for place in ("earth", "moon", "microgravity")
+}
 TRAININGS = {  # options of trainings, some of which name files in docs/learners
     "alone": "--history 5",
     "small": _SMALL,
@@ -81,6 +91,14 @@ EXPERIMENTS = {
     **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
+    "bench-muscles": "bench muscles",
+    **{
+        name: (
+            f"evaluate --muscles --episodes 8 --suit {suit} --gravity {place} --policies "
+            f"{_OF_MUSCLES}"
+        )
+        for name, (suit, place) in MUSCLE_SETTINGS.items()
+    },
     "bench-hysteresis": "bench hysteresis",
     "bench-engine": "bench engine",
     "bench-model": "bench model",

@@ -37,11 +37,12 @@ def interval(found: Mapping[str, float] | None) -> str:
     """Returns a value with its 95 % interval, as "0.70 (0.66 to 0.73)"."""
     if found is None:
         return "-"
-    value, low, high = (_signed(found[name]) for name in ("value", "low", "high"))
+    value, low, high = (signed(found[name]) for name in ("value", "low", "high"))
     return f"{value} ({low} to {high})"
 
 
-def _signed(value: float) -> str:
+def signed(value: float) -> str:
+    """Returns a number with two digits, and never as -0.00."""
     return f"{value:.2f}".replace("-0.00", "0.00")
 
 
@@ -80,7 +81,7 @@ def door() -> str:
     earth, space = scores("earth"), scores(WEIGHTLESS)
     bare, suited = ([percent(p[name]["effort"]) for p in (earth, space)] for name in REFERENCES)
     policies = ("compensation", "best-known-plan")
-    given = [_signed(space[name]["relief"]["value"]) for name in policies]
+    given = [signed(space[name]["relief"]["value"]) for name in policies]
     return (
         f"{table}\n\nThe suit raises effort from {bare[0]} to {suited[0]} of strength on Earth, "
         f"and from {bare[1]} to {suited[1]} in weightlessness.\n"
@@ -255,7 +256,7 @@ def laws() -> str:
                 misled = shift.get(f"{name}:suit=mock-suit") or shift[name]
                 found = [*(place["scores"][name] for place in places), misled]
                 title = f"`{name}`" + (", cuffs" if coupling == "cuffs" else "")
-                rows.append([title, *(_signed(one["relief"]["value"]) for one in found)])
+                rows.append([title, *(signed(one["relief"]["value"]) for one in found)])
     header = ["policy", "Earth, mock-suit", "weightless, emu-like", "shift"]
     return markdown_table(header, rows)
 
@@ -366,7 +367,7 @@ def faults() -> str:
         score = one["score"]
         lost = f", {score['failures']} lost" if score.get("failures") else ""
         success = f"{percent(score['success'], 0)}{lost}"
-        relief = "-" if one["relief"] is None else _signed(one["relief"]["value"])
+        relief = "-" if one["relief"] is None else signed(one["relief"]["value"])
         moved, loaded = f"{1e3 * one['moved']['value']:.0f}", f"{one['loaded']['value']:.1f}"
         rows.append([f"`{one['policy']}`", one["fault"], success, relief, moved, loaded])
     header = ["policy", "fault", "success", "relief", "moves the arm [mrad]"]
@@ -384,7 +385,7 @@ def knowledge() -> str:
             mine, best = one["beliefs"][belief], one["best_without_memory"]
             gain = mine["gain"]
             more = f"<br>{interval(gain)}" if gain else "<br>best without memory" * (belief == best)
-            cells.append(f"{_signed(mine['mean_relief']['value'])}{more}")
+            cells.append(f"{signed(mine['mean_relief']['value'])}{more}")
         rows.append(cells)
     return markdown_table(header, rows)
 
@@ -395,7 +396,7 @@ def sensitivity() -> str:
     for one in kept("sensitivity")["result"]["cases"]:
         relief, success = one["relief"], one["success"]
         cells = [
-            "-" if relief is None else f"{_signed(relief[name])}, {percent(success[name], 0)}"
+            "-" if relief is None else f"{signed(relief[name])}, {percent(success[name], 0)}"
             for name in ("none", "feedforward", "compensation", "observer")
         ]
         flips = "; ".join(one["flipped"]) or "none"
@@ -410,7 +411,7 @@ def bound() -> str:
     for one in kept("bound")["result"]["attacks"]:
         gain = "-" if one["gain"] is None else f"{one['gain']:+.3f}"
         better = "-" if one["better"] is None else percent(one["better"], 0)
-        relief = "-" if one["relief"] is None else _signed(one["relief"])
+        relief = "-" if one["relief"] is None else signed(one["relief"])
         setting = [one["task"], one["level"], one["suit"], relief]
         rows.append([*setting, percent(one["last_pass"], 2), gain, better])
     header = ["task", "level", "suit", "relief of the plan", "last pass took"]
@@ -465,10 +466,10 @@ def learning() -> str:
     rows = []
     for place in settings:
         at = [one for one in found["beside"] if (one["task"], one["level"]) == place]
-        by_policy = {one["policy"]: _signed(one["value"]) for one in at}
+        by_policy = {one["policy"]: signed(one["value"]) for one in at}
         ends = [one for one in found["ends"] if (one["task"], one["level"]) == place]
         by_way = {
-            one["way"]: interval(one) if "low" in one else _signed(one["value"]) for one in ends
+            one["way"]: interval(one) if "low" in one else signed(one["value"]) for one in ends
         }
         cells = (by_policy.get(name, "-") for name in beside)
         rows.append([*place, *cells, *(by_way.get(way, "-") for way in ways)])
@@ -523,7 +524,7 @@ def _reached(setting: Setting, policy: str) -> str:
     success = percent(float(np.mean(found.success)), 0)
     if relief is None or policy in REFERENCES:
         return success
-    return f"{success}<br>{_signed(float(relief.mean()))}"
+    return f"{success}<br>{signed(float(relief.mean()))}"
 
 
 @cache
@@ -579,7 +580,7 @@ def shares(one: Standing) -> str:
 def relief_at(policy: str, level: str) -> str:
     """Returns the mean relief of a policy at a level of the leaderboard, as "0.87"."""
     found = standing(policy, level).relief
-    return "-" if found is None else _signed(found.value)
+    return "-" if found is None else signed(found.value)
 
 
 def device_models() -> str:

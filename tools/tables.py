@@ -19,6 +19,7 @@ from ..errors import InputError
 from ..files import write_text
 from ..scripts.output import markdown_table
 from .changes import CHANGES
+from .muscle_results import MUSCLE_TABLES, muscle_strength
 from .results import RESULT_TABLES
 
 DOCS = Path(__file__).parent.parent / "docs"
@@ -115,7 +116,8 @@ def _number(value: float) -> str:
 
 TABLES: dict[str, dict[str, Callable[[], str]]] = {
     **RESULT_TABLES,
-    "model.md": {"gains": gains, **RESULT_TABLES["model.md"]},
+    "model.md": {"gains": gains, **RESULT_TABLES["model.md"], "strengths": muscle_strength},
+    "muscles.md": MUSCLE_TABLES,
     "changes_of_numbers.md": CHANGES,
     "tasks.md": {"tasks": tasks, "levels": levels, **RESULT_TABLES["tasks.md"]},
     "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},

@@ -12,6 +12,7 @@ from ..person import strength_limits
 from ..policies.base import Policy
 from ..policies.guard import Guard
 from ..reward import cost_terms
+from ..simulation.inverse_dynamics import Chain
 from ..simulation.kinematics import Arm
 from ..simulation.measurements import COLUMNS
 from ..tasks import Task
@@ -61,6 +62,7 @@ class Trace:
         terminated: Whether the episode ended by failure.
         periods: Number of control periods of the whole motion, however early the episode ended.
         arm: The wearer's arm.
+        dressed: Links of the arm with the suit on it and its load, but without exoskeleton.
     """
 
     time: Array
@@ -86,6 +88,7 @@ class Trace:
     terminated: bool
     periods: int
     arm: Arm
+    dressed: Chain
 
     @property
     def success(self) -> bool:
@@ -168,6 +171,7 @@ def rollout(
             periods=int(limits[row]),
             task=arms.episodes.task,
             arm=simulation.arm_of(int(wearers[row])),
+            dressed=simulation.dressed(row),
             peak_torque=simulation.addresses.peak_torque if arms.episodes.motors else None,
             has=frozenset(simulation.columns),
         )
@@ -186,6 +190,7 @@ def _trace(
     periods: int,
     task: Task,
     arm: Arm,
+    dressed: Chain,
     peak_torque: Array | None,
     has: frozenset[str],
 ) -> Trace:
@@ -214,4 +219,5 @@ def _trace(
         terminated=terminated,
         periods=periods,
         arm=arm,
+        dressed=dressed,
     )

@@ -13,6 +13,7 @@ from ..model import ArmConfig, Payload, bare_arm, compose
 from ..model.cuffs import shift_exoskeleton, strap_again
 from ..model.workplace import Edits
 from ..person import Person, isometric_strength
+from .inverse_dynamics import Chain
 from .kinematics import Arm
 
 BODY = "payload"
@@ -55,7 +56,7 @@ class Differing:
     """
 
     def __init__(self, config: ArmConfig, variety: Variety, edits: Edits | None = None) -> None:
-        self._variety = variety
+        self._variety, self._dressed = variety, dict[int, Chain]()
         loads = variety.loads
         if loads and not config.payload.mass > 0:
             composed = replace(config, payload=Payload(mass=1.0))
@@ -83,6 +84,12 @@ class Differing:
             fields = (getattr(model, name) for name in LOADED)
             self._put(config.payload, grip, *fields)
             mujoco.mj_setConst(model, mujoco.MjData(model))
+
+    def dressed(self, wearer: int) -> Chain:
+        """Returns the arm of the wearer with a number, with suit and load."""
+        if wearer not in self._dressed:
+            self._dressed[wearer] = Chain.of(self._models[wearer], dressed=True)
+        return self._dressed[wearer]
 
     def begin(self, batch: Batch) -> None:
         """Prepares a batch of the model; call it once."""

@@ -25,7 +25,7 @@ from .bound import bound
 from .cycle import after, before
 from .differing import Differing, Variety
 from .faults import Bus, Faults, reception_of
-from .inverse_dynamics import arm_torques
+from .inverse_dynamics import Chain, arm_torques
 from .kinematics import Arm
 from .measurements import COLUMNS
 from .plan import Plan, checked_plan
@@ -276,6 +276,14 @@ class Simulation:
     def arm_of(self, wearer: int) -> Arm:
         """Returns the bare arm of the wearer with a number."""
         return self._differing.arms[wearer]
+
+    def dressed(self, row: int) -> Chain:
+        """Returns the arm of a row in its suit, with the load of the configuration if it has one.
+
+        Loads that a task puts into the hand later are not part of it, nor is an exoskeleton.
+        """
+        chain = self._differing.dressed(int(self.state.conditions.wearer[row]))
+        return replace(chain, gravity=self.state.wearer.arm.gravity[row, None].copy())
 
     def own_torque(self, rows: Rows) -> Array:
         """Returns the torque that moves the bare arms along their intentions [N·m].

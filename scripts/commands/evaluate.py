@@ -19,7 +19,7 @@ from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..html.motions import write_motions
 from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName, Trust
-from ..output import RunFolder, conclude, progress
+from ..output import Rows, RunFolder, conclude, progress
 from ..reports.motions import (
     agreement,
     cuff_remarks,
@@ -63,6 +63,7 @@ def evaluate(
     suit: Suit = None,
     gravity: Gravity = None,
     unadapted: bool = False,
+    muscles: bool = False,
     table: bool = False,
     out: Path | None = None,
     force: Force = False,
@@ -84,12 +85,16 @@ def evaluate(
         seed: Seed of the first motion.
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
+        muscles: Score the muscles of the arm too: metabolic power and activation, by static
+            optimization on MyoArm (needs the extra muscles).
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
         out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
             with --table: a new or an empty one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
+    if table and muscles:
+        raise InputError("--table has no muscles: leave out --table or --muscles")
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
     scenes = list(
@@ -106,7 +111,7 @@ def evaluate(
         )
     )
     for chosen in scenes[:1]:
-        _check(chosen)
+        _check(chosen, muscles=muscles)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
@@ -140,6 +145,9 @@ def evaluate(
                 *cuff_remarks(scores),
                 *guard_remarks(scores),
             ]
+        if muscles:
+            tables["Muscles"], sentences = _add_muscles(found, results[-1], folder)
+            remarks += sentences
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
@@ -151,7 +159,7 @@ def evaluate(
     result |= {"settings": results} if table else results[0]
     options = {} if table else scenes[0].options
     settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
-    settings_of_run |= {"seed": seed, "unadapted": unadapted, **options}
+    settings_of_run |= {"seed": seed, "unadapted": unadapted, "muscles": muscles, **options}
     conclude(
         *(result, tables, remarks),
         folder=folder,
@@ -193,6 +201,23 @@ def run(
         )
 
 
+def _add_muscles(
+    found: Evaluation, result: dict[str, Any], folder: RunFolder | None
+) -> tuple[Rows, list[str]]:
+    """Scores the muscles, adds them to a result, draws them, and returns table and remarks."""
+    # An optional extra, and slow to import.
+    from ...envs.muscles.figures import activation_figure
+    from ..reports import muscles
+
+    scores = muscles.scored(found)
+    for name, values in muscles.muscle_values(scores).items():
+        result["scores"][name]["muscles"] = values
+    if folder:
+        shown = muscles.shown_motions(found, scores)
+        folder.figure("muscles", activation_figure({name: found.traces[name][0] for name in shown}))
+    return muscles.muscle_table(scores), list(muscles.muscle_remarks(scores))
+
+
 def _scenes(
     arm: ArmOptions,
     policies: tuple[str, ...],
@@ -218,11 +243,20 @@ def _scenes(
         yield replace(chosen, options={**chosen.options, "coupling": coupling})
 
 
-def _check(chosen: Scene) -> None:
+def _check(chosen: Scene, *, muscles: bool) -> None:
     """Reports a mistake before a folder is made."""
     named_policies(chosen.policies)
+    if muscles:
+        from ...envs.muscles import MyoArm
+
+        MyoArm.load()
     for policy in chosen.policies:
         needed = {} if policy in BOUNDS else needed_options(policy)
         arms = make_arms(chosen.env, 1, **{**chosen.options, **needed})
+        if muscles and arms.episodes.simulation.fatigue:
+            raise InputError(
+                "--muscles scales MyoArm by one factor, and this wearer tires: choose another "
+                "task, or --set fatigue=false"
+            )
         if policy not in BOUNDS:
             make_policy(policy, arms)

@@ -86,6 +86,8 @@ def _evaluate(folder: Path, contents: Contents) -> Iterator[Section]:
             layout=layout,
         )
         yield Section(title="Relief", blocks=[chart])
+    muscles = Picture(name="muscles.png", title="Activation of the muscles in the first motion")
+    yield Section(title="Muscles", blocks=[muscles])
     yield from _motions(folder, contents)
 
 

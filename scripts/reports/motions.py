@@ -13,6 +13,9 @@ from ...envs.model import ASSISTED
 from ...envs.model.cuffs import FORCE_LIMITS
 from ..output import Rows, RunFolder, markdown_table
 
+SIDEWAYS = "shoulder_abduction"
+NOTED = 1.0  # [N·m], additional torque of abduction that is named
+
 
 def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -> Rows:
     """Returns one row per policy: effort, relief, torque by joint, tracking and success.
@@ -105,6 +108,7 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         relief = evaluation.relief("none")
         remark = "" if relief is None else f": relief {interval_text(relief)}"
         yield f"The exoskeleton with its motors off adds {change:.1f} points{remark}."
+    yield from _abduction(evaluation)
     for name in evaluation.scores:
         relief = evaluation.relief(name)
         if name in ("unsuited", "suited", "none") or relief is None:
@@ -115,6 +119,23 @@ def story(evaluation: Evaluation) -> Iterator[str]:
         yield f"{name}: relief {interval_text(relief)}{remark}{carried}."
     if evaluation.relief("suited") is None:
         yield "The suit costs less than 1 % of strength here, so that relief has no meaning."
+
+
+def _abduction(evaluation: Evaluation) -> Iterator[str]:
+    """Yields what the wearer's shoulder carries because no motor turns it aside."""
+    suited = evaluation.scores["suited"].human_rms[SIDEWAYS]
+    others = {
+        name: score.human_rms[SIDEWAYS]
+        for name, score in evaluation.scores.items()
+        if name not in REFERENCES
+    }
+    name = min(others, key=lambda one: others[one], default="")
+    if name and others[name] > suited + NOTED:
+        yield (
+            f"The exoskeleton hangs beside the arm and no motor abducts it: under every policy the "
+            f"wearer gives {others[name]:.1f} N·m of abduction or more, and {suited:.1f} N·m "
+            "without exoskeleton, one joint of the four that effort is the mean of."
+        )
 
 
 def relief_matrix(evaluations: Mapping[str, Evaluation]) -> Rows:

@@ -1,0 +1,175 @@
+"""Metabolic power of muscles: heat and work, after Umberger 2010 and Bhargava et al. 2004.
+
+Both add the heat of being active, the heat of shortening or lengthening, and mechanical work; no
+muscle has less heat than 1 W/kg, and what a muscle takes from the arm is no work given back. They
+differ in how heat depends on activation and speed. The papers themselves were not at hand: the
+equations and constants are those that OpenSim documents for its probes of both models
+(opensim-core, Apache-2.0: the headers of Umberger2010MuscleMetabolicsProbe and
+Bhargava2004MuscleMetabolicsProbe), with the options that its documentation names "as published":
+the share of slow fibres does not change with activation, negative work does not count, and
+lengthening heat has the coefficient 0.3.
+
+Excitation and activation are taken as equal. Tendons are rigid, as in MuJoCo's muscles.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...arrays import Array
+from ..provenance import Quantity
+from .myoarm import Geometry, MyoArm
+
+_OPENSIM = "OpenSim's documentation of its probe of {}, opensim-core"
+_UMBERGER = _OPENSIM.format("Umberger (2010), J. R. Soc. Interface 7, 1329-1340")
+_BHARGAVA = _OPENSIM.format("Bhargava, Pandy and Anderson (2004), J. Biomech. 37, 81-88")
+
+
+def _umberger(name: str, value: float, unit: str) -> Quantity:
+    return Quantity(f"metabolic.umberger.{name}", value, unit, _UMBERGER, "transcribed")
+
+
+def _bhargava(name: str, value: float, unit: str) -> Quantity:
+    return Quantity(f"metabolic.bhargava.{name}", value, unit, _BHARGAVA, "transcribed")
+
+
+_DENSITY = Quantity("metabolic.density", 1059.7, "kg/m³", _UMBERGER, "transcribed")
+_TENSION = Quantity(
+    "metabolic.specific_tension",
+    0.5e6,
+    "Pa",
+    "ours, of the size that models of this arm use; with OpenSim's default, 0.25 MPa, all masses "
+    "and heats are twice as large",
+    "assumed",
+)
+_SLOW = Quantity(
+    "metabolic.slow_fibres",
+    0.5,
+    "1",
+    "OpenSim's default for muscles of unknown composition",
+    "assumed",
+)
+_LEAST_HEAT = Quantity(
+    "metabolic.least_heat",
+    1.0,
+    "W/kg",
+    f"Umberger et al. (2003), page 104; {_UMBERGER}",
+    "transcribed",
+)
+_AEROBIC = _umberger("aerobic", 1.5, "1")
+_ACTIVE = _umberger("active", 25.0, "W/kg")
+_ACTIVE_FAST = _umberger("active.fast", 128.0, "W/kg")
+_EXPONENT = _umberger("active.exponent", 0.6, "1")
+_BEYOND = _umberger("active.share_of_force", 0.6, "1")
+_SHORTENING_FAST = _umberger("shortening.fast", 153.0, "W/kg")
+_SHORTENING_SLOW = _umberger("shortening.slow", 100.0, "W/kg")
+_SLOWER = _umberger("shortening.slower", 2.5, "1")
+_LENGTHENING = _umberger("lengthening", 0.3, "1")
+_ACTIVATION = tuple(
+    _bhargava(f"activation.{kind}", value, "W/kg")
+    for kind, value in (("slow", 40.0), ("fast", 133.0))
+)
+_MAINTENANCE = tuple(
+    _bhargava(f"maintenance.{kind}", value, "W/kg")
+    for kind, value in (("slow", 74.0), ("fast", 111.0))
+)
+_OF_LENGTH = tuple(
+    _bhargava(f"maintenance.at_{length:g}_of_optimal_length", share, "1")
+    for length, share in ((0.0, 0.5), (0.5, 0.5), (1.0, 1.0), (1.5, 0.0))
+)
+_LENGTHS = (0.0, 0.5, 1.0, 1.5)
+_ISOMETRIC = _bhargava("shortening.isometric", 0.16, "1")
+_SHORTENING = _bhargava("shortening.force", 0.18, "1")
+_LENGTHENED = _bhargava("lengthening.force", 0.157, "1")
+
+LEAST_HEAT = _LEAST_HEAT.value
+"""Least heat of a muscle [W/kg]: that of a muscle at rest."""
+
+PROVENANCE: tuple[Quantity, ...] = (
+    *(_DENSITY, _TENSION, _SLOW, _LEAST_HEAT),
+    *(_AEROBIC, _ACTIVE, _ACTIVE_FAST, _EXPONENT, _BEYOND),
+    *(_SHORTENING_FAST, _SHORTENING_SLOW, _SLOWER, _LENGTHENING),
+    *(*_ACTIVATION, *_MAINTENANCE, *_OF_LENGTH, _ISOMETRIC, _SHORTENING, _LENGTHENED),
+)
+
+
+def muscle_masses(arm: MyoArm) -> Array:
+    """Returns the mass of each muscle of the average man [kg], shape (muscles,).
+
+    It is peak force over specific tension, times optimal length, times density.
+    """
+    return arm.peak / _TENSION.value * arm.optimal * _DENSITY.value
+
+
+def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
+    """Returns the metabolic power of each muscle after Umberger (2010) [W].
+
+    Heat of activation and maintenance (25 + 128 fast) a^0.6 and heat of shortening in proportion to
+    a² and speed, or of lengthening to a and speed, per kilogram; both less where the fibres are
+    longer than optimal, and times 1.5 for aerobic work.
+
+    Args:
+        arm: The muscles of the average man.
+        geometry: The muscles along the motion.
+        activation: Activations, shape (samples, muscles).
+
+    Returns:
+        The power, shape (samples, muscles).
+    """
+    fast, aerobic = 1 - _SLOW.value, _AEROBIC.value
+    long, share = geometry.length > 1, geometry.isometric / arm.peak
+    active = (_ACTIVE.value + _ACTIVE_FAST.value * fast) * activation**_EXPONENT.value
+    active = active * np.where(long, 1 - _BEYOND.value * (1 - share), 1)
+    shortening = np.maximum(-geometry.speed, 0) / arm.optimal / arm.fastest
+    lengthening = np.maximum(geometry.speed, 0) / arm.optimal / arm.fastest
+    slow_rate = _SHORTENING_SLOW.value * _SLOWER.value
+    slow = np.minimum(slow_rate * shortening, _SHORTENING_SLOW.value)
+    moving = activation**2 * (_SLOW.value * slow + fast * _SHORTENING_FAST.value * shortening)
+    moving = moving + activation * _LENGTHENING.value * slow_rate * lengthening
+    heat = aerobic * (active + moving * np.where(long, share, 1))
+    return _with_work(arm, geometry, activation, muscle_masses(arm) * heat)
+
+
+def bhargava(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
+    """Returns the metabolic power of each muscle after Bhargava et al. (2004) [W].
+
+    Fibres are recruited in order: slow ones as sin(pi a / 2), fast ones as 1 - cos(pi a / 2). The
+    heat of shortening is 0.16 of the isometric force and 0.18 of the force, times speed. In
+    lengthening 0.157 of the work that the muscle takes in is heat that it does not make.
+
+    Args:
+        arm: The muscles of the average man.
+        geometry: The muscles along the motion.
+        activation: Activations, shape (samples, muscles).
+
+    Returns:
+        The power, shape (samples, muscles).
+    """
+    recruited = (
+        _SLOW.value * np.sin(np.pi / 2 * activation),
+        (1 - _SLOW.value) * (1 - np.cos(np.pi / 2 * activation)),
+    )
+    active, maintained = (
+        sum(rate.value * part for rate, part in zip(rates, recruited, strict=True))
+        for rates in (_ACTIVATION, _MAINTENANCE)
+    )
+    shares = [share.value for share in _OF_LENGTH]
+    heat = active + np.interp(geometry.length, _LENGTHS, shares) * maintained
+    force = activation * geometry.full
+    shortening = _ISOMETRIC.value * activation * geometry.isometric + _SHORTENING.value * force
+    lengthened = _LENGTHENED.value * force
+    moving = np.where(geometry.speed <= 0, shortening, lengthened) * -geometry.speed
+    return _with_work(arm, geometry, activation, muscle_masses(arm) * heat + moving)
+
+
+def _with_work(arm: MyoArm, geometry: Geometry, activation: Array, heat: Array) -> Array:
+    least = LEAST_HEAT * muscle_masses(arm)
+    work = activation * geometry.full * np.maximum(-geometry.speed, 0)
+    return np.maximum(heat, least) + work
+
+
+MODELS: dict[str, Callable[[MyoArm, Geometry, Array], Array]] = {
+    "Umberger 2010": umberger,
+    "Bhargava 2004": bhargava,
+}
+"""Models of metabolic power, by author and year."""

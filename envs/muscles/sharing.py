@@ -1,0 +1,247 @@
+"""Static optimization: the muscles that give wanted torques at the least cost, by their dual.
+
+    min  sum over muscles of (linear a + square a²/2 + cubic a³/3)  +  |reserve|² / (2 softness)
+    with lever a + reserve = wanted, in the last rows >= wanted,   low <= a <= high
+
+The dual has one unknown per row, x: each muscle's activation is where its marginal cost is what
+its lever earns, lever' x, within its bounds, and reserve = softness · x. In the last rows x is at
+least 0. The gradient of the dual is piecewise smooth and the dual strongly convex, so that a
+semismooth Newton method (Qi and Sun 1993), projected on the bounds of x (Bertsekas 1982), with a
+line search on the dual, converges from anywhere. A sample starts from the last one.
+
+Activation cannot change at once. From one control period to the next it stays between what a muscle
+at rest and one at full excitation would reach, by MuJoCo's activation dynamics after Millard et al.
+2013: rate = (excitation - a) / tau with tau = 10 ms (0.5 + 1.5 a) upwards and 40 ms / (0.5 + 1.5 a)
+downwards.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from ...arrays import Array
+from ...kernels import inner
+
+TRIES, HALVINGS = 100, 30
+CLOSE = 1e-7  # [N·m], greatest miss of the equations
+SLOPE = 1e-4  # share of the expected decrease that a step must have (Armijo)
+ROUNDING = 1e-13  # share of the dual that may be lost to rounding
+CURVED = 1e-12  # cubic coefficient below which the cost is a parabola
+
+
+class Cost(NamedTuple):
+    """What is minimized, as coefficients of activation.
+
+    Attributes:
+        linear: Coefficient of a, shape (muscles,).
+        square: Coefficient of a²/2.
+        cubic: Coefficient of a³/3.
+        softness: Square of the reserve torque that is worth a cost of 1/2 [N²·m²].
+    """
+
+    linear: Array
+    square: float
+    cubic: float
+    softness: float
+
+
+@inner
+def activated(drive: float, square: float, cubic: float) -> float:
+    """Returns the activation whose marginal cost is `drive`, at least 0."""
+    if drive <= 0.0:
+        return 0.0
+    if cubic < CURVED:
+        return drive / square
+    return (math.sqrt(square * square + 4.0 * cubic * drive) - square) / (2.0 * cubic)
+
+
+@inner
+def evaluate(
+    x: Array,
+    lever: Array,
+    wanted: Array,
+    low: Array,
+    high: Array,
+    cost: Cost,
+    a: Array,
+    miss: Array,
+) -> float:
+    """Computes activations and what the equations miss; returns the dual function."""
+    axes, muscles = lever.shape
+    value = 0.0
+    for k in range(axes):
+        miss[k] = cost.softness * x[k] - wanted[k]
+        value += 0.5 * cost.softness * x[k] * x[k] - wanted[k] * x[k]
+    for m in range(muscles):
+        earned = 0.0
+        for k in range(axes):
+            earned += lever[k, m] * x[k]
+        each = activated(earned - cost.linear[m], cost.square, cost.cubic)
+        each = min(max(each, low[m]), high[m])
+        a[m] = each
+        price = cost.linear[m] + each * (0.5 * cost.square + each * cost.cubic / 3.0)
+        value += each * (earned - price)
+        for k in range(axes):
+            miss[k] += lever[k, m] * each
+    return value
+
+
+@inner
+def solve(matrix: Array, vector: Array) -> None:
+    """Solves a positive definite system in place (Cholesky)."""
+    n = vector.size
+    for j in range(n):
+        for k in range(j):
+            for i in range(j, n):
+                matrix[i, j] -= matrix[i, k] * matrix[j, k]
+        root = math.sqrt(matrix[j, j])
+        for i in range(j, n):
+            matrix[i, j] /= root
+    for i in range(n):
+        for k in range(i):
+            vector[i] -= matrix[i, k] * vector[k]
+        vector[i] /= matrix[i, i]
+    for back in range(n):
+        i = n - 1 - back
+        for k in range(i + 1, n):
+            vector[i] -= matrix[k, i] * vector[k]
+        vector[i] /= matrix[i, i]
+
+
+@inner
+def farthest(x: Array, miss: Array, equal: int) -> float:
+    """Returns the greatest miss: of the last rows, what is below, or above while x is not 0."""
+    found = 0.0
+    for k in range(x.size):
+        if k < equal or x[k] > 0.0 or miss[k] < 0.0:
+            found = max(found, abs(miss[k]))
+    return found
+
+
+@inner
+def newton(
+    x: Array,
+    lever: Array,
+    equal: int,
+    low: Array,
+    high: Array,
+    cost: Cost,
+    a: Array,
+    miss: Array,
+    hessian: Array,
+    step: Array,
+) -> None:
+    """Computes the step of Newton's method; unknowns that stay at their bound do not move."""
+    axes, muscles = lever.shape
+    step[:], hessian[:] = -miss, 0.0
+    for k in range(axes):
+        hessian[k, k] = cost.softness
+    for m in range(muscles):
+        if low[m] < a[m] < high[m]:
+            slope = 1.0 / (cost.square + 2.0 * cost.cubic * a[m])
+            for k in range(axes):
+                for i in range(k + 1):
+                    hessian[k, i] += slope * lever[k, m] * lever[i, m]
+    for k in range(equal, axes):
+        if x[k] <= 0.0 and miss[k] > 0.0:
+            hessian[k, :k], hessian[k + 1 :, k] = 0.0, 0.0
+            step[k], hessian[k, k] = 0.0, 1.0
+    solve(hessian, step)
+
+
+@inner
+def minimize(
+    x: Array,
+    lever: Array,
+    wanted: Array,
+    equal: int,
+    low: Array,
+    high: Array,
+    cost: Cost,
+    a: Array,
+) -> float:
+    """Shares one torque; returns the greatest miss [N·m].
+
+    Args:
+        x: Unknowns of the dual, whose start is improved in place, shape (axes,).
+        lever: Torque of each muscle at full activation [N·m], shape (axes, muscles).
+        wanted: Torques [N·m], shape (axes,).
+        equal: Number of rows that are equations; the others are inequalities.
+        low: Least activation, shape (muscles,).
+        high: Greatest activation, shape (muscles,).
+        cost: What is minimized.
+        a: The activations, shape (muscles,).
+    """
+    axes = x.size
+    miss, before = np.empty(axes), np.empty(axes)
+    step, other = np.empty(axes), np.empty(axes)
+    hessian = np.empty((axes, axes))
+    value = evaluate(x, lever, wanted, low, high, cost, a, miss)
+    for _ in range(TRIES):
+        if farthest(x, miss, equal) < CLOSE:
+            break
+        newton(x, lever, equal, low, high, cost, a, miss, hessian, step)
+        before[:] = miss
+        length, new = 1.0, value
+        for _ in range(HALVINGS):
+            promised = 0.0
+            for k in range(axes):
+                other[k] = x[k] + length * step[k]
+                if k >= equal:
+                    other[k] = max(other[k], 0.0)
+                promised += before[k] * (other[k] - x[k])
+            new = evaluate(other, lever, wanted, low, high, cost, a, miss)
+            if new <= value + SLOPE * promised + ROUNDING * abs(value):
+                break
+            length *= 0.5
+        x[:] = other
+        value = new
+    return farthest(x, miss, equal)
+
+
+@njit(cache=True, nogil=True)
+def share(
+    arms: Array,
+    force: Array,
+    wanted: Array,
+    equal: int,
+    least: Array,
+    dt: float,
+    cost: Cost,
+    activation: Array,
+    reserve: Array,
+    missed: Array,
+) -> None:
+    """Shares the torques of a motion among muscles, sample after sample.
+
+    Args:
+        arms: Moment arms [m], shape (samples, axes, muscles).
+        force: Force at full activation [N], shape (samples, muscles).
+        wanted: Torques [N·m], shape (samples, axes).
+        equal: Number of rows whose torque is wanted exactly; in the others more is as well.
+        least: Least activation, shape (samples, muscles).
+        dt: Time between samples, in which activation changes [s]; infinite for samples that have
+            nothing to do with each other.
+        cost: What is minimized.
+        activation: The activations, shape (samples, muscles).
+        reserve: Torque that muscles do not give [N·m], shape (samples, axes).
+        missed: Greatest miss [N·m], shape (samples,).
+    """
+    samples, axes, muscles = arms.shape
+    x, lever = np.zeros(axes), np.empty((axes, muscles))
+    low, high = np.empty(muscles), np.ones(muscles)
+    for n in range(samples):
+        for m in range(muscles):
+            low[m] = least[n, m]
+            if n > 0 and dt < math.inf:
+                a = activation[n - 1, m]
+                change = 0.5 + 1.5 * a
+                low[m] = max(low[m], a * math.exp(-dt * change / 0.04))
+                high[m] = max(low[m], 1.0 - (1.0 - a) * math.exp(-dt / (0.01 * change)))
+            for k in range(axes):
+                lever[k, m] = arms[n, k, m] * force[n, m]
+        missed[n] = minimize(x, lever, wanted[n], equal, low, high, cost, activation[n])
+        for k in range(axes):
+            reserve[n, k] = cost.softness * x[k]

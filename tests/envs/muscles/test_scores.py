@@ -1,0 +1,127 @@
+"""Scores of muscles on short motions: what they must say, and bad input."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.muscles import (
+    CONVENTIONS,
+    STANDARD,
+    muscle_relief,
+    muscle_scores,
+    relief_range,
+)
+from activesuit.envs.person import Person, isometric_strength, strength_limits
+from activesuit.errors import InputError
+
+TASK, SHORT = "ActiveSuit/ElbowFlexion-v0", {"max_episode_steps": 60}
+
+
+def motions(policies=("none",), episodes=2, **options):
+    options = {"gravity": "earth", "adapted": False, **SHORT, **options}
+    return evaluate(TASK, list(policies), episodes=episodes, **options).traces
+
+
+@pytest.fixture(scope="module")
+def traces():
+    return motions(episodes=8)
+
+
+@pytest.fixture(scope="module")
+def scores(traces):
+    return {name: muscle_scores(one) for name, one in traces.items()}
+
+
+def test_each_motion_has_a_value_under_each_convention(scores):
+    for score in scores.values():
+        assert set(score.power) == set(score.effort) == set(CONVENTIONS)
+        assert all(len(values) == 8 for values in score.power.values())
+        assert min(score.power[STANDARD]) > score.rest > 1
+        assert score.reserve < 0.01 and score.saturated == 0 and score.outside == 0
+        assert len(score.loaded) == 3
+
+
+def test_suit_and_exoskeleton_cost_the_muscles(scores):
+    power = {name: np.mean(score.power[STANDARD]) for name, score in scores.items()}
+    assert power["unsuited"] < power["suited"] < power["none"]
+    relief = muscle_relief(*(scores[name] for name in ("unsuited", "suited", "none")))
+    assert relief is not None and relief.high < 0
+    low, high = relief_range(*(scores[name] for name in ("unsuited", "suited", "none")))
+    assert low <= relief.value <= high and high - low > 0.01
+
+
+def test_the_relief_of_the_references_is_known(scores):
+    for what in ("power", "effort"):
+        for name, value in (("unsuited", 1), ("suited", 0)):
+            found = muscle_relief(scores["unsuited"], scores["suited"], scores[name], what)
+            assert found is not None and found.value == pytest.approx(value)
+    assert muscle_relief(scores["suited"], scores["suited"], scores["none"]) is None
+
+
+def test_conventions_move_scores_the_way_they_must(scores):
+    for score in scores.values():
+        power, effort = (
+            {name: np.mean(values) for name, values in one.items()}
+            for one in (score.power, score.effort)
+        )
+        assert power["relaxed"] < power[STANDARD]
+        assert effort["rotation free"] < effort[STANDARD] + 1e-9
+        assert effort[STANDARD] < min(effort["cubes"], effort["volume"])
+        assert effort["least activation"] > effort[STANDARD]
+        assert effort["Bhargava 2004"] == effort[STANDARD]
+
+
+def test_a_weaker_wearer_needs_more_of_weaker_muscles(traces):
+    one = traces["unsuited"][0]
+    weaker = replace(one, strength=one.strength / 2, effort=one.effort * 2)
+    man, other = (muscle_scores([trace], conventions=["relaxed"]) for trace in (one, weaker))
+    assert other.effort["relaxed"][0] == pytest.approx(2 * man.effort["relaxed"][0], rel=0.02)
+    assert other.rest == pytest.approx(man.rest / 2)
+
+
+def test_progress_and_threads(traces):
+    seen = []
+    one, many = (
+        muscle_scores(traces["none"], conventions=[], threads=n, on_motion=lambda: seen.append(1))
+        for n in (1, 2)
+    )
+    assert one == many and len(seen) == 16
+
+
+def test_plain_values_have_units(scores):
+    plain = scores["none"].to_dict()
+    assert set(plain["units"]) == set(plain) - {"units"}
+
+
+def test_motions_that_end_at_once_have_no_value(traces):
+    one = traces["none"][0]
+    cut = ("time", "angle", "rate", "human_torque", "effort", "strength")
+    short = replace(one, **{name: getattr(one, name)[:2] for name in cut})
+    found = muscle_scores([one, short], conventions=[])
+    assert np.isfinite(found.power[STANDARD][0]) and np.isnan(found.power[STANDARD][1])
+    with pytest.raises(InputError, match="no motion has 3 samples"):
+        muscle_scores([short])
+
+
+def test_wearers_who_tire_cannot_be_scaled():
+    tired = motions(episodes=1, references=False, fatigue=True)
+    with pytest.raises(InputError, match="MyoArm is scaled by one factor: leave fatigue out"):
+        muscle_scores(tired["none"])
+
+
+def test_postures_outside_the_ranges_are_refused(traces):
+    one = traces["none"][0]
+    angle = np.tile([0.0, 0.5, 2.35, 0.0], (len(one.time), 1))
+    average = isometric_strength(Person.percentile("male", 50))
+    low, high = strength_limits(average, angle, np.zeros_like(angle))
+    bent = replace(one, angle=angle, strength=np.stack([-low, high], axis=1))
+    with pytest.raises(InputError, match="100% of the postures are outside"):
+        muscle_scores([bent])
+
+
+def test_bad_input():
+    with pytest.raises(InputError, match="unknown convention 'squared'"):
+        muscle_scores([], conventions=["squared"])
+    with pytest.raises(InputError, match="there are no motions"):
+        muscle_scores([])
