@@ -85,8 +85,10 @@ EXPERIMENTS = {
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",
-    "learning": (
-        "benchmark learning --tasks ArmTracking --ways residual --seeds 0-4 --steps 200000"
+    "learning": "benchmark learning --ways ppo residual --seeds 0-9 --steps 200000",
+    "learning-drawn": (
+        "benchmark learning --tasks ArmTracking --levels shift --ways residual-history "
+        "residual-drawn --seeds 0-4 --steps 200000"
     ),
     **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
     "study": "reproduce li-2022",

@@ -457,9 +457,9 @@ def weightless() -> str:
     return markdown_table(["options", "interquartile mean", "lowest to highest"], rows)
 
 
-def learning() -> str:
+def learning(name: str = "learning") -> str:
     """Returns the relief that ways of training reach in each task, beside other policies."""
-    found = kept("learning")["result"]
+    found = kept(name)["result"]
     settings = list(dict.fromkeys((one["task"], one["level"]) for one in found["ends"]))
     ways = list(dict.fromkeys(one["way"] for one in found["ends"]))
     beside = list(dict.fromkeys(one["policy"] for one in found["beside"]))
@@ -610,7 +610,8 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
-        **{"learning": learning, "tuned": tuned, "weightless": weightless, "shipped": shipped},
+        **{"learning": learning, "drawn": lambda: learning("learning-drawn")},
+        **{"tuned": tuned, "weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
     "environments.md": {"speed": lambda: speed("env")},
