@@ -20,6 +20,7 @@ from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
 from ..errors import InputError, shown, unknown_name
 from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
+from .extensions import import_from_here
 from .options import ENV, GRAVITY
 from .own_files import is_own
 
@@ -102,7 +103,7 @@ def scene(
     for folder in [*_runs_among(policies), *([str(run)] if run else [])]:
         options = run_options(folder)
         if not trusted:
-            _check_module(options["env"], env, folder)
+            _allow_module(options["env"], env, folder)
         same = given if run is not None and folder == str(run) else _of_arm(given)
         _check_same(same, options, COMMAND, folder)
         if found:
@@ -186,7 +187,7 @@ def _runs_among(policies: Sequence[str]) -> list[str]:
     return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
 
 
-def _check_module(trained_on: str, given: str | None, folder: str) -> None:
+def _allow_module(trained_on: str, given: str | None, folder: str) -> None:
     if ":" not in trained_on or given == trained_on:
         return
     if not is_own((Path(folder) / CARD).read_bytes()):
@@ -194,6 +195,7 @@ def _check_module(trained_on: str, given: str | None, folder: str) -> None:
             f"the run in {folder!r} needs {shown(trained_on)}, and its {CARD} is not of this "
             f"machine: add --env {trained_on} if that module may be imported"
         )
+    import_from_here()
 
 
 def _check_same(

@@ -264,12 +264,21 @@ def test_environments_that_cannot_be(own, capsys, command, env, message):
 
 
 @pytest.mark.slow
-def test_a_run_in_your_own_environment(own, capsys):
+def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
+    """Its module is found in the working folder, although only the card names it."""
     pytest.importorskip("stable_baselines3")
+    before = [*sys.path]
+
+    def in_another_process():
+        monkeypatch.setattr("sys.path", [*before])
+        sys.modules.pop("mine_quick")
+
     quick = ["--rows", "8", "--hyperparameters", "quick.yml"]
     Path("quick.yml").write_text("default: {n_steps: 32}")
     main(["train", "--env", own, "--steps", "256", "--out", "run", *quick])
+    in_another_process()
     main(["train", "--resume", "--steps", "512", "--out", "run"])
+    in_another_process()
     capsys.readouterr()
     main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"])
     assert json.loads(capsys.readouterr().out)["env"] == own

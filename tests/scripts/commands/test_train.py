@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -376,6 +377,19 @@ def test_schedules_and_own_hyperparameters(tmp_path):
     }
 
 
+def test_own_networks_keep_the_shipped_exploration(tmp_path):
+    from activesuit.scripts.training.hyperparameters import hyperparameters
+
+    shipped = hyperparameters("ppo", "x")["policy_kwargs"]
+    file, layers = tmp_path / "mine.yml", {"pi": [128], "vf": [128]}
+    file.write_text("default: {policy_kwargs: {net_arch: {pi: [128], vf: [128]}}}")
+    found = hyperparameters("ppo", "x", file)["policy_kwargs"]
+    assert found == {"log_std_init": shipped["log_std_init"], "net_arch": layers}
+    kept = Path("docs/learners/small_exploration.yml")
+    found = hyperparameters("ppo", "x", kept)["policy_kwargs"]
+    assert found == {**shipped, "log_std_init": -3.0}
+
+
 def test_tensorboard_has_the_costs_of_episodes(run):
     from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
@@ -601,6 +615,22 @@ def test_a_student_learns_from_its_teacher(tmp_path, capsys):
 )
 def test_mistakes_of_options(tmp_path, capsys, given, message):
     assert message in fails(capsys, "train", *WEIGHTLESS, *given, "--out", tmp_path / "run")
+
+
+def test_a_resumed_run_finds_its_reward_in_the_working_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("calm_here.py").write_text("def calm(terms, measured):\n    return -terms['effort']\n")
+    before = [*sys.path]
+    for more in (["--reward", "calm_here:calm"], ["--resume"]):
+        monkeypatch.setattr("sys.path", [*before])
+        sys.modules.pop("calm_here", None)  # as in another process
+        train("run", *more, steps=ROLLOUT * (1 + ("--resume" in more)))
+    assert steps_done(tmp_path / "run") == 2 * ROLLOUT
+    monkeypatch.setattr("sys.path", [*before])
+    sys.modules.pop("calm_here")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
+    assert "add --trust" in fails(capsys, "train", "--resume", "--steps", "9999", "--out", "run")
+    assert "calm_here" not in sys.modules and sys.path == before
 
 
 def test_a_reward_of_a_card_of_somebody_else(corrected, tmp_path, monkeypatch, capsys):
