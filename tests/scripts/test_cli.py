@@ -143,7 +143,7 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
 def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     options = ["--policies", "none", "gravity", "--episodes", "8", "--out", tmp_path]
     out = run(capsys, "evaluate", *options)
-    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, rigid, 8 motions" in out
+    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, level nominal, rigid, 8 motions" in out
     assert "The suit raises the wearer's effort from" in out
     assert "gravity: relief " in out
     written = json.loads((tmp_path / "result.json").read_text())

@@ -115,7 +115,7 @@ def test_the_options_of_a_run_hold(tmp_path):
     assert chosen.env == ENVIRONMENT["env"]
     expected = {name: value for name, value in ENVIRONMENT.items() if name != "env"}
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
-    expected |= {"preconditioned": False}  # which runs of before do not tell
+    expected |= {"preconditioned": False, "level": "nominal"}  # which runs of before do not tell
     assert chosen.options == expected
     plant = run_folder(tmp_path / "worn", preconditioned=True)
     assert scene(ArmOptions(), policies=(plant,)).options["preconditioned"]
@@ -180,6 +180,28 @@ def test_runs_of_different_options_are_not_compared(tmp_path):
         InputError, match=r"the run in .*same' has --gravity 'moon', .*'mars': give runs"
     ):
         scene(ArmOptions(), policies=(one, same, other))
+
+
+def test_the_level_of_a_run_holds_unless_one_is_given(tmp_path):
+    own = {"suit": "mock-suit", "gravity": "mars", "pressure": None}
+    run = run_folder(tmp_path / "run", level="shift", **own)
+    found = scene(ArmOptions(), policies=(run,))
+    assert {name: found.options[name] for name in own} == own  # not those of the level
+    assert found == scene(ArmOptions(), level="shift", policies=(run,))
+    assert found.place == "ActiveSuit/ElbowFlexion-v0, mars, mock-suit, level shift"
+    nominal = scene(ArmOptions(), level="nominal", policies=(run,))
+    assert nominal.options == {**found.options, "level": "nominal"}
+    other = run_folder(tmp_path / "other", **own)
+    with pytest.raises(InputError, match=r"--level 'shift', .* with 'nominal': add --level"):
+        scene(ArmOptions(), policies=(run, other))
+    both = scene(ArmOptions(), level="randomized", policies=(run, other))
+    assert both.options == {**found.options, "level": "randomized"}
+    shifted = scene(ArmOptions(), level="shift", policies=(other,)).options
+    assert (shifted["suit"], shifted["pressure"]) == ("emu-like", 40)
+
+
+def test_the_level_is_in_every_title():
+    assert scene(ArmOptions()).place.endswith(", earth, mock-suit, level nominal")
 
 
 def test_options_of_a_run_that_have_no_flag_hold(tmp_path):

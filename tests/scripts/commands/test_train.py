@@ -322,11 +322,12 @@ def test_nothing_to_resume(tmp_path, capsys):
 def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
     scene = ["--task", "ArmTracking", "--level", "shift", "--sensors", "encoders", "--history", "2"]
     train(tmp_path / "run", *scene, algo=algo, steps=60)
-    capsys.readouterr()
+    hint = f"activesuit evaluate --level shift --policies none {tmp_path / 'run'}"
+    assert hint in capsys.readouterr().out.replace("\n", " ")
     score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
     main([*score, "none", str(tmp_path / "run"), "compensation"])
     result = json.loads(capsys.readouterr().out)
-    assert result["env"] == "ActiveSuit/ArmTracking-v0"
+    assert (result["env"], result["level"]) == ("ActiveSuit/ArmTracking-v0", "shift")
     assert len(result["scores"]) == 5
 
 
