@@ -1,6 +1,7 @@
 """What all commands have in common: signals, MuJoCo's warnings, control characters, workers."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -140,6 +141,26 @@ def test_tables_and_bars_escape_names(capsys):
     assert "\x1b" not in captured.out + captured.err
     assert captured.out.count("\\x1b[31mred") >= 2
     assert "\x1b" not in markdown_table(["a"], [[ESCAPE]])
+
+
+def test_no_table_is_cut(capsys, monkeypatch):
+    names = [f"my_policies:PDSuit:kp=5,kd={i}" for i in range(2)]
+    header = ["policy", *(f"relief, 95 % interval {i}" for i in range(8))]
+    rows = [[name, *(f"0.{i} of a long cell in one line" for i in range(8))] for name in names]
+    table("A title", header, rows)
+    lines = capsys.readouterr().out.splitlines()
+    for row in rows:
+        (line,) = [line for line in lines if row[0] in line]
+        assert all(cell in line for cell in row)
+    for columns in ("80", "160"):
+        monkeypatch.setenv("COLUMNS", columns)
+        monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+        table("A title", header, rows)
+        shown = capsys.readouterr().out
+        assert "…" not in shown
+        shown = re.sub(r"\x1b\[[0-9;]*m|[ \n─━]", "", shown)
+        cells = ["A title", *header, *(cell for row in rows for cell in row)]
+        assert sorted(shown) == sorted("".join(cells).replace(" ", ""))
 
 
 def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
