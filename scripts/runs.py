@@ -19,7 +19,7 @@ from ..envs.setup import OF_ARM
 from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
 from ..errors import InputError, shown, unknown_name
-from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
+from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options, usual_size
 from .extensions import import_from_here
 from .options import ENV, GRAVITY
 from .own_files import is_own
@@ -111,8 +111,8 @@ def scene(
             _check_same(found, theirs, f"the run in {of!r}", folder)
         found, of = options, folder
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
-    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), "level": NOMINAL, **(usual or {})}
-    flat = {**usual, **found}
+    own = {"gravity": _place(chosen), "level": NOMINAL, **usual_size(given)}
+    flat = {**USUAL_OPTIONS, **own, **(usual or {}), **found}
     if level not in (None, flat["level"]):  # a run has what its own level says
         flat |= {**_of_level(level, given), "level": level}
     flat |= given

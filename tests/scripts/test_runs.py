@@ -109,6 +109,15 @@ def test_without_a_run_the_usual_holds():
     assert scene(ArmOptions(), usual=usual).env == usual["env"]
 
 
+def test_a_woman_has_the_size_of_women_where_none_is_given():
+    woman = {"stature": 1.629, "mass": 67.8, "sex": "female", "strength": 20}
+    by_set = set_("wearer.sex=female wearer.strength=20")
+    for given in (ArmOptions(sex="female", strength=20), by_set):
+        assert scene(given).options["wearer"] == pytest.approx(woman)
+        assert given.config(None, None)["wearer"] == pytest.approx(woman)
+    assert scene(ArmOptions(sex="female", stature=1.7)).options["wearer"]["stature"] == 1.7
+
+
 def test_the_options_of_a_run_hold(tmp_path):
     run = run_folder(tmp_path / "run", side="left", tilt=[0.1, 0.0], allow_uncertified=True)
     chosen = scene(ArmOptions(), policies=("none", run), usual={"gravity": "mars"})
