@@ -50,6 +50,11 @@ def unknown_name(
     return InputError(begin + names + hint)
 
 
+def install_line(extra: str) -> str:
+    """Returns the command that installs an extra, in a clone of the repository: docs/install.md."""
+    return f"pip install -e '.[{extra}]' -c constraints.txt"
+
+
 def shown(value: Any) -> str:
     """Returns a value as an error message shows it: its repr, without the middle if it is long."""
     try:

@@ -90,23 +90,34 @@ class Bar:
 
 
 class _Lines:
-    """Prints a line for a tenth of the way, for logs; none where the whole way is short."""
+    """Prints a line for a tenth of the way, for logs; none where the whole way is short.
+
+    The time left follows from all steps but the first, in which kernels may have been compiled.
+    """
 
     def __init__(self, description: str, total: int) -> None:
         self._description, self._total, self._tenth = description, total, 0
         self._begin = self._said = time.monotonic()
+        self._first: tuple[float, float] | None = None  # steps and time
 
     def __call__(self, done: float) -> None:
         now, tenth = time.monotonic(), int(10 * done / max(self._total, 1))
+        if self._first is None and done > 0:
+            self._first = (done, now)
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
             percent, taken = 100 * done / self._total, now - self._begin
-            left = taken * (self._total - done) / done
             print(
-                f"{self._description}: {percent:.0f} % after {taken:.0f} s, "
-                f"about {left:.0f} s left",
+                f"{self._description}: {percent:.0f} % after {taken:.0f} s{self._left(done, now)}",
                 file=sys.stderr,
             )
+
+    def _left(self, done: float, now: float) -> str:
+        steps, begin = self._first or (done, now)
+        if not steps < done < self._total:
+            return ""
+        left = (now - begin) / (done - steps) * (self._total - done)
+        return f", about {left:.0f} s left"
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:

@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, shown, unknown_name
+from ...errors import InputError, install_line, shown, unknown_name
 from ...files import content_of
 
 ALGORITHMS = {
@@ -38,7 +38,7 @@ def algorithm_class(name: str) -> Any:
     except ImportError as error:
         raise InputError(
             f"training by {name} needs {module.replace('_', '-')}: use `make train` in a clone of "
-            "the repository, or pip install -e '.[train]' -c constraints.txt"
+            f"the repository, or {install_line('train')}"
         ) from error
 
 

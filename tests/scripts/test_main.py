@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit, load_suit, save_suit
 from activesuit.scripts import main as main_module
+from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
 from activesuit.scripts.main import main
 from activesuit.scripts.output import markdown_table, progress, table
@@ -141,6 +142,22 @@ def test_tables_and_bars_escape_names(capsys):
     assert "\x1b" not in captured.out + captured.err
     assert captured.out.count("\\x1b[31mred") >= 2
     assert "\x1b" not in markdown_table(["a"], [[ESCAPE]])
+
+
+def test_the_time_left_is_without_the_first_item(capsys, monkeypatch):
+    """The first one may have compiled kernels: 100 s, and the others 10 s each."""
+    clock = iter([0.0, 100.0, 110.0, 120.0, 130.0, 140.0])
+    monkeypatch.setattr(output.time, "monotonic", lambda: next(clock))
+    with progress("work", 5) as bar:
+        for _ in range(5):
+            bar.advance()
+    assert capsys.readouterr().err.splitlines() == [
+        "work: 20 % after 100 s",
+        "work: 40 % after 110 s, about 30 s left",
+        "work: 60 % after 120 s, about 20 s left",
+        "work: 80 % after 130 s, about 10 s left",
+        "work: 100 % after 140 s",
+    ]
 
 
 def test_no_table_is_cut(capsys, monkeypatch):
