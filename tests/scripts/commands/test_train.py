@@ -323,7 +323,9 @@ def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
     scene = ["--task", "ArmTracking", "--level", "shift", "--sensors", "encoders", "--history", "2"]
     train(tmp_path / "run", *scene, algo=algo, steps=60)
     hint = f"activesuit evaluate --level shift --policies none {tmp_path / 'run'}"
-    assert hint in capsys.readouterr().out.replace("\n", " ")
+    said = capsys.readouterr()
+    assert hint in said.out.replace("\n", " ")
+    assert NEGATIVE not in said.err  # that of the shipped reward
     score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
     main([*score, "none", str(tmp_path / "run"), "compensation"])
     result = json.loads(capsys.readouterr().out)
@@ -523,12 +525,14 @@ def test_a_corrected_run_resumes_to_the_last_bit(tmp_path):
     assert one.read_bytes() == other.read_bytes()
 
 
-def test_training_ends_on_a_plateau(tmp_path, monkeypatch):
+def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("activesuit.scripts.training.evaluations.BETTER", 10.0)
     train(tmp_path, *WEIGHTLESS, "--motions", "8", "--patience", "1", steps=20 * ROLLOUT)
     results = json.loads((tmp_path / "evaluations.json").read_text())["results"]
     assert len(results) == 2
     assert steps_done(tmp_path) < 20 * ROLLOUT
+    assert max(one["relief"]["value"] for one in results) < 0  # after so few steps
+    assert "This policy costs the wearer more" in " ".join(capsys.readouterr().err.split())
 
 
 def test_several_seeds(tmp_path, capsys):
@@ -632,6 +636,33 @@ def test_a_resumed_run_finds_its_reward_in_the_working_folder(tmp_path, monkeypa
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
     assert "add --trust" in fails(capsys, "train", "--resume", "--steps", "9999", "--out", "run")
     assert "calm_here" not in sys.modules and sys.path == before
+
+
+NEGATIVE = "note: the mean reward begins at -"
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_a_negative_reward_is_noted_once(tmp_path, capsys, algo):
+    train(tmp_path / "run", "--reward", "own_rewards:costly", algo=algo, steps=ROLLOUT)
+    said = " ".join(capsys.readouterr().err.split())
+    assert said.count(NEGATIVE) == 1
+    assert "so that it may pay to lose the arm: keep the reward above 0" in said
+    train(tmp_path / "run", "--resume", algo=algo, steps=2 * ROLLOUT)
+    assert NEGATIVE not in capsys.readouterr().err
+
+
+def test_a_policy_that_costs_effort_is_noted(corrected):
+    from activesuit.envs.policies.network import read_card
+    from activesuit.scripts.training.page import advice
+
+    card = read_card(corrected)
+    alone = card.model_copy(update={"residual": None})
+    worse = [{"relief": {"value": -4.82}}, {"relief": None}]
+    (said,) = advice(alone, worse)
+    assert "(relief -4.82): begin with --residual compensation" in said
+    assert "a smaller --residual-scale" in " ".join(advice(card, worse))
+    for fine in ([], [{"relief": None}], [*worse, {"relief": {"value": 0.0}}]):
+        assert not [*advice(alone, fine)]
 
 
 def test_a_reward_of_a_card_of_somebody_else(corrected, tmp_path, monkeypatch, capsys):
