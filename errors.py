@@ -22,20 +22,37 @@ class InputError(ValueError):
         super().__init__(shortened(one_line(str(message)), LONGEST))
 
 
-def unknown_name(kind: str, name: object, allowed: Iterable[str]) -> InputError:
+def unknown_name(
+    kind: str, name: object, allowed: Iterable[str], elsewhere: Iterable[str] = ()
+) -> InputError:
     """Returns the error for a name that is not in `allowed`, with the closest name as a hint.
 
     Names in the middle are left out where the message would be too long.
+
+    Args:
+        kind: What the name is of, for the message.
+        name: The name.
+        allowed: The names that there are.
+        elsewhere: Names in other places, as "place.name", up to three of which are the hint where
+            they are closer.
     """
     allowed = sorted(allowed)
-    close = difflib.get_close_matches(str(name)[:LONGEST], allowed, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
+    known = {path.rpartition(".")[2]: path for path in elsewhere} | {one: one for one in allowed}
+    close = difflib.get_close_matches(str(name)[:LONGEST], known, n=3)
+    if close and close[0] in allowed:
+        close = close[:1]
+    hint = f"; did you mean {' or '.join(repr(known[one]) for one in close)}?" if close else ""
     begin = f"unknown {kind} {shown(name)}: use one of "
     names, half = ", ".join(allowed), len(allowed) // 2
     while len(begin + names + hint) > LONGEST and half > 1:
         half -= 1
         names = ", ".join([*allowed[:half], "...", *allowed[-half:]])
     return InputError(begin + names + hint)
+
+
+def install_line(extra: str) -> str:
+    """Returns the command that installs an extra, in a clone of the repository: docs/install.md."""
+    return f"pip install -e '.[{extra}]' -c constraints.txt"
 
 
 def shown(value: Any) -> str:

@@ -8,8 +8,9 @@ from ..errors import InputError, unknown_name
 from .model.config import NO_SUIT
 from .randomization import Randomization
 
+NOMINAL = "nominal"  # where nothing differs
 LEVELS: dict[str, dict[str, Any]] = {
-    "nominal": {},
+    NOMINAL: {},
     "randomized": {
         "randomize": {
             "pressure": 0.2,
@@ -42,7 +43,7 @@ drift by up to 5 % in each decade of time (Interlink FSR 400, data sheet): here 
 of 100 N, and as much again in 40 s. The shares of late and lost readings are assumed.
 """
 
-COMPARED = ("nominal", "randomized", "shift")
+COMPARED = (NOMINAL, "randomized", "shift")
 """Levels of the benchmark and of the tables of tasks; "faults" is a question of its own."""
 
 
@@ -56,7 +57,7 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
         InputError: There is no such level, or randomize is no dict of terms.
     """
     given = {name: value for name, value in options.items() if name != "level"}
-    level = options.get("level", "nominal")
+    level = options.get("level", NOMINAL)
     if not isinstance(level, str) or level not in LEVELS:
         raise unknown_name("level", level, LEVELS)
     usual = dict(LEVELS[level])

@@ -1,7 +1,7 @@
 """The setup of an environment: all its options but the number of rows, checked and complete."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
 from ..checks import flag, within
@@ -79,6 +79,7 @@ class Setup:
         for name in options:
             if name not in OPTIONS:
                 raise unknown_name("option", name, OPTIONS)
+        _check_fields(options)
         found = {"gravity": task.place} | with_level(options)
         arm = ArmConfig.from_dict({name: found[name] for name in found.keys() & OF_ARM})
         own = {name: found[name] for name in found.keys() - OF_ARM if found[name] is not None}
@@ -125,6 +126,27 @@ USUAL: dict[str, Any] = {
     "belief": None,
     "reward": None,
 }
+
+
+_FIELDS = {
+    group: {one.name for one in fields(default)}
+    for group, default in {
+        **vars(ArmConfig()),
+        **{"control": VoluntaryControl(), "randomize": Randomization()},
+        **{"sensing": Sensing(), "faults": Faults()},
+    }.items()
+    if is_dataclass(default)
+}
+_PATHS = [f"{group}.{name}" for group, names in _FIELDS.items() for name in names]
+
+
+def _check_fields(options: Mapping[str, Any]) -> None:
+    """Refuses a field that its group lacks, with the closest field of all groups as a hint."""
+    for group, known in _FIELDS.items():
+        value = options.get(group)
+        for name in value if isinstance(value, Mapping) else ():
+            if name not in known:
+                raise unknown_name(f"field of {group}", name, known, elsewhere=_PATHS)
 
 
 def _usual_control(control_dt: float) -> VoluntaryControl:

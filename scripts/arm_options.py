@@ -1,6 +1,6 @@
 """The wearer, the coupling and the load, as command line options that several commands share."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
 
@@ -8,7 +8,7 @@ import tyro
 
 from ..envs.model import ArmConfig
 from ..envs.model.config import COUPLINGS, SIDES, place_of
-from ..envs.person.anthropometry import SEXES
+from ..envs.person.anthropometry import SEXES, Person
 from ..errors import InputError, shown
 from .options import GRAVITY, SUIT, choice, optional_number
 from .settings import joined, settings
@@ -19,6 +19,7 @@ _NESTED = {  # options whose place in `ArmConfig` is deeper
     "payload": ("payload", "mass"),
 }
 _GROUPS = ("wearer", "payload")
+_OR = ", or with --sex female the mean of women"
 
 # Each `--set` takes several values, and may be there several times.
 Settings = Annotated[
@@ -57,8 +58,8 @@ class ArmOptions:
     preconditioned: bool = False
     coupling: Annotated[str | None, choice(lambda: COUPLINGS, usual=_USUAL.coupling)] = None
     side: Annotated[str | None, choice(lambda: SIDES, usual=_USUAL.side)] = None
-    stature: Annotated[float | None, optional_number(f"{_USUAL.wearer.stature}")] = None
-    mass: Annotated[float | None, optional_number(f"{_USUAL.wearer.mass}")] = None
+    stature: Annotated[float | None, optional_number(f"{_USUAL.wearer.stature}{_OR}")] = None
+    mass: Annotated[float | None, optional_number(f"{_USUAL.wearer.mass}{_OR}")] = None
     sex: Annotated[str | None, choice(lambda: SEXES, usual=_USUAL.wearer.sex)] = None
     strength: Annotated[float | None, optional_number(f"{_USUAL.wearer.strength}")] = None
     payload: Annotated[float | None, optional_number(f"{_USUAL.payload.mass}")] = None
@@ -91,7 +92,8 @@ class ArmOptions:
 
     def config(self, suit: str | None, gravity: str | None) -> dict[str, Any]:
         """Returns the fields of `ArmConfig` where no training run is involved, as plain values."""
-        return nested_options({**USUAL_OPTIONS, **self.given(suit=suit, gravity=gravity)})
+        given = self.given(suit=suit, gravity=gravity)
+        return nested_options({**USUAL_OPTIONS, **usual_size(given), **given})
 
     def split(self, names: Collection[str]) -> tuple[dict[str, Any], "ArmOptions"]:
         """Returns what `--set` gives of some options of the environment, and the options without.
@@ -103,6 +105,16 @@ class ArmOptions:
         mine = [one for one in given if one.partition("=")[0].split(".")[0] in names]
         others = tuple(one for one in given if one not in mine)
         return settings(mine), replace(self, set=(others,))
+
+
+def usual_size(given: Mapping[str, Any]) -> dict[str, float]:
+    """Returns stature [m] and mass [kg] of a wearer of whom only the sex may be given.
+
+    Raises:
+        InputError: There is no such sex.
+    """
+    person = Person(sex=given.get("sex", _USUAL.wearer.sex))
+    return {"stature": person.stature, "mass": person.mass}
 
 
 def flat_options(config: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import joblib
 from joblib import Parallel, delayed
 
 from ..checks import workers as check_workers
-from ..errors import InputError
+from ..errors import InputError, install_line
 
 Backend = Literal["threading", "loky", "ray", "dask"]
 Result = TypeVar("Result")
@@ -40,7 +40,7 @@ def check_backend(backend: Backend, workers: int) -> None:
     except ImportError as error:
         raise InputError(
             f"--backend {backend} needs packages that are not installed ({error}): run "
-            "pip install 'activesuit[cluster]'"
+            f"{install_line('cluster')} in the clone of the repository"
         ) from error
 
 

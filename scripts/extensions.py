@@ -1,5 +1,10 @@
-"""Extensions: installed packages whose models and fits the command line has beside our own."""
+"""Code from outside this package: extensions that are installed, and modules of a user.
 
+Extensions have models and fits beside our own. The modules are policies, environments and rewards.
+"""
+
+import os
+import sys
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 
@@ -19,6 +24,17 @@ def load_extensions() -> None:
     """
     for extension in entry_points(group=GROUP):
         _load(extension)
+
+
+def import_from_here() -> None:
+    """Lets a module of the working folder be imported, after all that are installed.
+
+    Only where the user names a module, or trusts a file that names one: on the command line, or in
+    the card of a training run of this user on this machine.
+    """
+    here = os.getcwd()
+    if here not in sys.path:
+        sys.path.append(here)
 
 
 def _load(extension: EntryPoint) -> None:

@@ -203,24 +203,17 @@ def _bench() -> Callable[..., None]:
 
 
 def _run_command(name: str, command: Callable[..., None], arguments: Sequence[str]) -> None:
-    from .extensions import load_extensions
+    from .extensions import import_from_here, load_extensions
     from .parsing import parsed
 
     refuse_old_names(arguments, OLD_OPTIONS)
     load_extensions()
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):
-        _import_from_here()
+        import_from_here()
     call = parsed(command, name, arguments)
     with engine_warnings():
         call()
-
-
-def _import_from_here() -> None:
-    """Lets a module of the working folder be imported, after all that are installed."""
-    here = os.getcwd()
-    if here not in sys.path:
-        sys.path.append(here)
 
 
 def _stop(message: str) -> None:

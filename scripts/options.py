@@ -202,7 +202,7 @@ Level = Annotated[
         levels,
         "How much differs from what a controller was made for; options that are given replace "
         "those of the level.",
-        "nominal",
+        "that of a trained policy, else nominal",
     ),
 ]
 SuitName = Annotated[str, choice(suits, "Name of a shipped suit, or path of a suit file.")]

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich import box
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
@@ -21,7 +22,6 @@ __all__ = [
     "Rows",
     "RunFolder",
     "conclude",
-    "console",
     "markdown_table",
     "messages",
     "progress",
@@ -32,10 +32,10 @@ __all__ = [
     "visible",
 ]
 
-# Tables keep their width: on a narrow terminal lines wrap, but nothing is left out.
-console = Console(highlight=False, width=max(100, shutil.get_terminal_size().columns))
 Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
+NARROWEST = 100  # columns of a terminal; a narrower one wraps the lines
+BETWEEN = 4  # more than the columns between two cells
 QUIET = 3.0  # [s], least time from one line about progress to the next
 messages = Console(stderr=True)  # progress and remarks, so that --json leaves stdout clean
 
@@ -90,37 +90,61 @@ class Bar:
 
 
 class _Lines:
-    """Prints a line for a tenth of the way, for logs; none where the whole way is short."""
+    """Prints a line for a tenth of the way, for logs; none where the whole way is short.
+
+    The time left follows from all steps but the first, in which kernels may have been compiled.
+    """
 
     def __init__(self, description: str, total: int) -> None:
         self._description, self._total, self._tenth = description, total, 0
         self._begin = self._said = time.monotonic()
+        self._first: tuple[float, float] | None = None  # steps and time
 
     def __call__(self, done: float) -> None:
         now, tenth = time.monotonic(), int(10 * done / max(self._total, 1))
+        if self._first is None and done > 0:
+            self._first = (done, now)
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
             percent, taken = 100 * done / self._total, now - self._begin
-            left = taken * (self._total - done) / done
             print(
-                f"{self._description}: {percent:.0f} % after {taken:.0f} s, "
-                f"about {left:.0f} s left",
+                f"{self._description}: {percent:.0f} % after {taken:.0f} s{self._left(done, now)}",
                 file=sys.stderr,
             )
 
+    def _left(self, done: float, now: float) -> str:
+        steps, begin = self._first or (done, now)
+        if not steps < done < self._total:
+            return ""
+        left = (now - begin) / (done - steps) * (self._total - done)
+        return f", about {left:.0f} s left"
+
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:
-    """Prints a table; the first `left` columns are aligned left, the others right, as numbers."""
+    """Prints a table; the first `left` columns are aligned left, the others right, as numbers.
+
+    Nothing is left out: in a terminal long cells are broken, elsewhere a table is as wide as it is.
+    """
     header, rows = _visible(header), [_visible(row) for row in rows]
     shown = Table(
         title=Text(visible(title)), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1)
     )
+    longest = [
+        max(cell_len(line) for row in [header, *rows] for line in row[i].split("\n"))
+        for i in range(len(header))
+    ]
+    least = [min(length, WIDEST) for length in longest]
     for i, name in enumerate(header):
-        longest = max(len(line) for row in [header, *rows] for line in row[i].split("\n"))
         justify = "left" if i < left else "right"
-        shown.add_column(Text(name), justify=justify, min_width=min(longest, WIDEST))
+        shown.add_column(Text(name), justify=justify, min_width=least[i], overflow="fold")
     for row in rows:
         shown.add_row(*map(Text, row))
+    if sys.stdout.isatty():
+        terminal = max(NARROWEST, shutil.get_terminal_size().columns)
+        width = max(terminal, sum(length + BETWEEN for length in least))
+    else:
+        width = max(cell_len(visible(title)), sum(length + BETWEEN for length in longest))
+    console = Console(highlight=False, width=width)
     with console.capture() as text:  # printed by print, which leaves a closed pipe to `main`
         console.print(shown)
     print(text.get(), end="")

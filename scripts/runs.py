@@ -9,7 +9,7 @@ from typing import Any
 
 from ..assets import load_suit
 from ..envs.evaluation import BOUNDS
-from ..envs.levels import with_level
+from ..envs.levels import NOMINAL, with_level
 from ..envs.making import OURS
 from ..envs.policies import POLICIES, PolicySpec, needed_options, policy_spec
 from ..envs.policies.build import is_saved
@@ -19,12 +19,13 @@ from ..envs.setup import OF_ARM
 from ..envs.tasks import TASKS
 from ..envs.tasks.recorded import MOTION
 from ..errors import InputError, shown, unknown_name
-from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options
+from .arm_options import USUAL_OPTIONS, ArmOptions, flat_options, nested_options, usual_size
+from .extensions import import_from_here
 from .options import ENV, GRAVITY
 from .own_files import is_own
 
 COMMAND = "this command"
-FLAGS = ("env", *USUAL_OPTIONS)
+FLAGS = ("env", "level", *USUAL_OPTIONS)
 OUR_MODULE = "activesuit:"  # prefix of an id, for Gymnasium's worker processes
 
 
@@ -51,8 +52,8 @@ class Scene:
     def place(self) -> str:
         """Title of a table: task, place, suit and level."""
         task = self.options.get("task", self.env)
-        level = f", {self.options['level']}" if "level" in self.options else ""
-        return f"{task}, {self.options['gravity']}, {self.options['suit']}{level}"
+        place, suit, level = (self.options[name] for name in ("gravity", "suit", "level"))
+        return f"{task}, {place}, {suit}, level {level}"
 
 
 def scene(
@@ -72,7 +73,7 @@ def scene(
 
     An option is the one given, else that of the training runs, else the usual one. What is given of
     the arm must be as in the training runs; sensing, faults and others may differ from it, as the
-    level may.
+    level may. The level is always among the options.
 
     Args:
         arm: Options of wearer, coupling and load, and those of `--set`.
@@ -102,19 +103,21 @@ def scene(
     for folder in [*_runs_among(policies), *([str(run)] if run else [])]:
         options = run_options(folder)
         if not trusted:
-            _check_module(options["env"], env, folder)
+            _allow_module(options["env"], env, folder)
         same = given if run is not None and folder == str(run) else _of_arm(given)
         _check_same(same, options, COMMAND, folder)
         if found:
-            _check_same(found, options, f"the run in {of!r}", folder)
+            theirs = options if level is None else {**options, "level": found["level"]}
+            _check_same(found, theirs, f"the run in {of!r}", folder)
         found, of = options, folder
     chosen = {"env": ENV, **(usual or {}), **found, **given}["env"]
-    usual = {**USUAL_OPTIONS, "gravity": _place(chosen), **(usual or {})}
-    of_level = {} if level is None else _of_level(level, given)  # a run is tried at any level
-    flat = {**usual, **found, **of_level, **given}
+    own = {"gravity": _place(chosen), "level": NOMINAL, **usual_size(given)}
+    flat = {**USUAL_OPTIONS, **own, **(usual or {}), **found}
+    if level not in (None, flat["level"]):  # a run has what its own level says
+        flat |= {**_of_level(level, given), "level": level}
+    flat |= given
     flat |= {name: {**found[name], **given[name]} for name in given if _fields(name, given, found)}
     flat.pop("env", None)
-    beside |= {} if level is None else {"level": level}
     read = tuple(
         policy_spec(one, trust=True) if trusted and is_saved(one) else one for one in policies
     )
@@ -176,17 +179,17 @@ def run_options(folder: str) -> dict[str, Any]:
     Raises:
         InputError: The folder is not a training run, or an option is unknown or cannot be used.
     """
-    beside = ("level", *OBSERVATION)
-    found = {name: value for name, value in environment_of(folder).items() if name not in beside}
+    found = environment_of(folder)
+    found = {name: value for name, value in found.items() if name not in OBSERVATION}
     env = found["env"].removeprefix(OUR_MODULE)
-    return {**USUAL_OPTIONS, **flat_options(found), "env": env}
+    return {**USUAL_OPTIONS, "level": NOMINAL, **flat_options(found), "env": env}
 
 
 def _runs_among(policies: Sequence[str]) -> list[str]:
     return [name for name in policies if name not in POLICIES and os.path.isdir(name)]
 
 
-def _check_module(trained_on: str, given: str | None, folder: str) -> None:
+def _allow_module(trained_on: str, given: str | None, folder: str) -> None:
     if ":" not in trained_on or given == trained_on:
         return
     if not is_own((Path(folder) / CARD).read_bytes()):
@@ -194,6 +197,7 @@ def _check_module(trained_on: str, given: str | None, folder: str) -> None:
             f"the run in {folder!r} needs {shown(trained_on)}, and its {CARD} is not of this "
             f"machine: add --env {trained_on} if that module may be imported"
         )
+    import_from_here()
 
 
 def _check_same(
@@ -204,11 +208,12 @@ def _check_same(
         other: Any = trained.get(name)
         same = _same_suit if name == "suit" else operator.eq
         if not same(value, other):
+            others = "add --level" if name == "level" else "give runs of the same options"
             option = f"--{name.replace('_', '-')}" if name in FLAGS else f"--set {name}"
             raise InputError(
                 f"{whose} has {option} {_shown(name, options)}, and the run in {folder!r} was "
                 f"trained with {_shown(name, trained)}: "
-                + (f"leave {option} out" if whose == COMMAND else "give runs of the same options")
+                + (f"leave {option} out" if whose == COMMAND else others)
             )
 
 

@@ -9,6 +9,11 @@ def gentle(terms, measured):
     return np.where(measured["lost"], -1.0, 1 / (1 + cost))
 
 
+def costly(terms, measured):
+    """Without a lower bound, so that ending an episode early pays."""
+    return -terms["effort"]
+
+
 def nan(terms, measured):
     return np.full(len(terms["effort"]), np.nan)
 

@@ -35,6 +35,14 @@ def test_names_in_the_middle_are_left_out_whole():
     assert text.endswith("; did you mean 'policy-050'?")
 
 
+def test_the_closest_name_may_be_elsewhere():
+    places = ["exo.encoder_bits", "exo.encoder_delay", "exo.cuff", "sensing.noise"]
+    text = str(unknown_name("field", "encoder_noise", ["noise", "emg_noise"], places))
+    assert text.endswith("did you mean 'exo.encoder_bits' or 'exo.encoder_delay' or 'emg_noise'?")
+    text = str(unknown_name("field", "nois", ["noise", "emg_noise"], places))
+    assert text.endswith("did you mean 'noise'?")
+
+
 def test_a_message_is_one_line_that_no_terminal_obeys():
     text = str(InputError("curve \x1b[31m\nred\r\x07 \u202e is bad"))
     assert text == r"curve \x1b[31m red\r\x07 \u202e is bad"

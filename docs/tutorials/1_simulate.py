@@ -5,8 +5,9 @@
 # why the suit is called *hysteretic*, and measured how much an exoskeleton helps.
 #
 # **It takes** five minutes of reading and half a minute of computing. The first use of ActiveSuit
-# on a computer compiles code, which takes up to a minute more. You need Python and [an
-# installation](../install.md). You need to know nothing of MuJoCo, which simulates the physics.
+# on a computer compiles code, which takes up to a minute more, and three minutes on a busy
+# computer. You need Python and [an installation](../install.md). You need to know nothing of
+# MuJoCo, which simulates the physics.
 #
 # This page is a program: [1_simulate.py](1_simulate.py). Run it as a whole with `python
 # 1_simulate.py`, or open it in VS Code, Spyder or Jupyter (with Jupytext) and run it cell by

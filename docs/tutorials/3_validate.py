@@ -4,9 +4,9 @@
 # **At the end you have** an answer to the question for which models are made: how well does a
 # controller work that uses *this* model, and what does a wrong model cost?
 #
-# **It takes** five minutes of reading and half a minute of computing. Run [tutorial
-# 2](2_identify.md) first, in the same folder: it makes the suit file `my-suit/suit.json`. The
-# program of this page is [3_validate.py](3_validate.py).
+# **It takes** five minutes of reading and half a minute of computing, two minutes on a busy
+# computer. Run [tutorial 2](2_identify.md) first, in the same folder: it makes the suit file
+# `my-suit/suit.json`. The program of this page is [3_validate.py](3_validate.py).
 
 # %%
 import json

@@ -4,9 +4,9 @@
 # **At the end you have** trained a network that corrects a controller whose model of the suit is
 # wrong, seen its learning curve, and compared it in motions that it never met.
 #
-# **It takes** five minutes of reading and one minute of computing. It needs the extra `train`:
-# `pip install '.[train]' -c constraints.txt` in a clone of the repository. The program of this
-# page is [5_train.py](5_train.py).
+# **It takes** five minutes of reading and one to two minutes of computing. It needs the extra
+# `train`: `pip install '.[train]' -c constraints.txt` in a clone of the repository. The program
+# of this page is [5_train.py](5_train.py).
 
 # %%
 import json

@@ -15,6 +15,7 @@ from ...assets import JOINTS, AnySuit, SuitJoint
 from ...checks import at_least
 from ...errors import InputError
 from ..belief import Belief
+from ..levels import NOMINAL
 from ..making import make_arms
 from ..model import ASSISTED, resisting_joints
 from ..policies import AnyPolicy, PolicySpec, make_policy, needed_options, policy_spec
@@ -34,7 +35,7 @@ without hysteresis is not valid.
 """
 NOT_VALID = "not valid"
 # Options with which the simulated suit is the one that is named.
-AS_IS = {"pressure": None, "preconditioned": False, "level": None}
+AS_IS = {"pressure": None, "preconditioned": False, "level": NOMINAL}
 TRUE, BOUND = "true model", "best-known-plan"
 LEAST_TORQUE = 0.01  # [N·m], least resistance of a joint that is judged
 FARTHEST = 0.2  # [s], greatest lag that is sought
@@ -191,7 +192,7 @@ def validate(
     policies |= {_named(name): with_belief(policy, suit) for name, suit in believed.items()}
     options = {"episodes": episodes, "seed": seed, "on_policy": on_policy, **env_options}
     found = evaluate(env_id, policies, **options)
-    as_is = all(env_options.get(other, usual) is usual for other, usual in AS_IS.items())
+    as_is = all(env_options.get(other, usual) == usual for other, usual in AS_IS.items())
     return found, {
         name: Validation(
             same=env_options.get("suit") == believed[name] and as_is,

@@ -225,6 +225,8 @@ def _updated(default: Config, values: Mapping[str, Any], where: str) -> Config:
             raise unknown_name(f"field of {where}", name, known)
         old = getattr(default, name)
         new[name] = nested(f"{where}.{name}", value, old) if is_dataclass(old) else value
+    if default == Person():
+        return type(default)(**new)  # whose sex decides the size that is not given
     return replace(default, **new)
 
 

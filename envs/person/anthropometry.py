@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import radians
 from numbers import Real
 from statistics import NormalDist
-from typing import Literal
+from typing import Literal, cast
 
 from ...assets import JOINTS
 from ...errors import InputError, unknown_name
@@ -22,6 +22,11 @@ _POPULATION = {
 _POPULATION_SOURCE: dict[str, tuple[str, str, Grade]] = {
     "stature": ("m", _ANSUR, "transcribed"),
     "mass": ("kg", _RECALLED, "assumed"),
+}
+
+_USUAL = {
+    "male": {"stature": 1.78, "mass": 80.0},
+    "female": {what: mean for what, (mean, _) in _POPULATION["female"].items()},
 }
 
 _DE_LEVA = "de Leva 1996, J. Biomech. 29(9), 1223-1230"
@@ -91,8 +96,10 @@ class Person:
     """A wearer. All fields are plain values, which convert to JSON.
 
     Attributes:
-        stature: Standing height [m], 1.4 to 2.1.
-        mass: Body mass without suit [kg], 40 to 140.
+        stature: Standing height [m], 1.4 to 2.1; by default 1.78 of a man, and of a woman the mean
+            of ANSUR II.
+        mass: Body mass without suit [kg], 40 to 140; by default 80 of a man, and of a woman the
+            mean of ANSUR II.
         sex: Sex of the wearer, "male" or "female".
         strength: Percentile of strength among people of this sex and mass, 1 to 99.
 
@@ -100,14 +107,17 @@ class Person:
         InputError: a value is outside its range.
     """
 
-    stature: float = 1.78
-    mass: float = 80.0
+    stature: float = cast(float, None)  # what the sex decides
+    mass: float = cast(float, None)
     sex: Literal["male", "female"] = "male"
     strength: float = 50.0
 
     def __post_init__(self) -> None:
         if self.sex not in SEXES:
             raise unknown_name("sex", self.sex, SEXES)
+        for what, usual in _USUAL[self.sex].items():
+            if getattr(self, what) is None:
+                object.__setattr__(self, what, usual)
         _check("stature", self.stature, "meters", 1.4, 2.1, _stature_hint(self.stature))
         _check("mass", self.mass, "kilograms", 40, 140)
         _check("strength", self.strength, "a percentile", 1, 99)

@@ -11,6 +11,7 @@ from .network import Network
 from .no_assist import NoAssist
 from .oracle import Oracle
 from .saving import save_policy
+from .trained import environment_of
 
 __all__ = [
     "POLICIES",
@@ -30,6 +31,7 @@ __all__ = [
     "Policy",
     "PolicySpec",
     "TorquePolicy",
+    "environment_of",
     "make_policy",
     "needed_options",
     "policy_spec",

@@ -39,7 +39,14 @@ def folder_of(name: str) -> str | None:
 
 
 def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns the environment that a policy was trained in: env, suit, gravity, sensors, ...
+    """Returns the scene that a policy was trained in: env, level, suit, gravity, sensors, ...
+
+    Args:
+        folder: Folder of the policy.
+
+    Returns:
+        The id of the environment as "env", and its options as plain data, so that
+        `gymnasium.make(scene.pop("env"), **scene)` makes it.
 
     Raises:
         InputError: The folder has no card, or an option is unknown or cannot be used.

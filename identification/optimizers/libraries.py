@@ -19,7 +19,7 @@ from scipy.optimize import OptimizeResult
 
 from ...arrays import Array
 from ...checks import at_least
-from ...errors import InputError
+from ...errors import InputError, install_line
 from .swarm import Bounds, Objective, checked_bounds, finite_scores
 
 POPULATION = 50  # individuals of the genetic algorithm: as many as particles of the swarms
@@ -268,5 +268,5 @@ def _library(module: str, package: str, method: str) -> Any:
     except ImportError as error:
         raise InputError(
             f"{method} needs the package {package}, which is not installed: run "
-            "pip install 'activesuit[compare]'"
+            f"{install_line('compare')} in the clone of the repository"
         ) from error

@@ -24,6 +24,7 @@ from ..options import tasks as task_names
 from ..output import RunFolder, progress, say, table, telling, to_json
 from ..reports.leaderboard import (
     best_policies,
+    contract_remarks,
     difference_rows,
     level_rows,
     page,
@@ -155,12 +156,8 @@ def _report(
             table(f"{level}: success and relief by task", *rows, left=1)
     for remark in benchmark_remarks(found):
         say(remark)
-    contract = str(standings.protocol.get("contract"))
-    if contract not in {known.contract for known in SUITES.values()}:
-        say(
-            f"note: no suite of this version has the contract {shown(contract)} of these results, "
-            "so that they are not comparable with its leaderboard"
-        )
+    for remark in contract_remarks(standings):
+        say(remark)
     for one in found:
         if one.failed:
             say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")

@@ -11,7 +11,7 @@ from importlib import metadata
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
-from ...errors import InputError
+from ...errors import InputError, install_line
 from ..options import Json
 from ..output import say, to_json
 
@@ -125,7 +125,7 @@ def _extra(extra: str, parts: list[Requirement]) -> Check:
         name=f"extra {extra}",
         ok=not missing,
         found=f"lacks {', '.join(missing)}" if missing else ", ".join(present),
-        mend=f"run pip install '{PACKAGE}[{extra}]' to use it" if missing else "",
+        mend=f"run {install_line(extra)} in the clone to use it" if missing else "",
         needed=False,
     )
 

@@ -75,7 +75,8 @@ def evaluate(
 
     Beside them are the same motions without suit and exoskeleton (unsuited) and without the
     exoskeleton (suited). Relief is the share of the suit's cost that a policy gives back.
-    Trained policies are evaluated in the task and with the options that they were trained with.
+    Trained policies are evaluated in the task, at the level and with the options that they were
+    trained with; --level chooses another level.
 
     Args:
         policies: Names of policies and bounds, or folders of training runs, which must have the

@@ -15,7 +15,7 @@ from ...envs.policies.build import is_saved
 from ...envs.policies.c_export import exportable, policy_header
 from ...envs.policies.network import read_card, read_network
 from ...envs.policies.trained import folder_of
-from ...errors import InputError, shown, unknown_name
+from ...errors import InputError, install_line, shown, unknown_name
 from ...files import check_target, replacing
 from ...hysteresis.c_code import BYTES, identifier
 from ...json_files import read_json
@@ -168,7 +168,7 @@ def export_network(policy: Path, out: Path, force: bool) -> None:
     except ImportError as error:
         raise InputError(
             f"--onnx needs a package that is not installed ({error}): run "
-            "pip install 'activesuit[onnx]'"
+            f"{install_line('onnx')} in the clone of the repository"
         ) from error
     with np.errstate(all="ignore"):  # what is too large for 32 bits differs
         model = onnx_model(card, network)

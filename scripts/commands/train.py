@@ -7,10 +7,11 @@ from typing import Annotated, Any
 import tyro
 
 from ...checks import at_least, check_seed
+from ...envs.levels import NOMINAL
 from ...envs.policies.build import residual_of
 from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
-from ...envs.policies.trained import OBSERVATION, portable
+from ...envs.policies.trained import OBSERVATION, environment_of, portable
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
@@ -135,9 +136,11 @@ def train(
     )
     if seeds is None:
         done = request.one(out) if teacher is None else request.student(out, teacher)
+        level = environment_of(out).get("level", NOMINAL)
+        at = "" if level == NOMINAL else f"--level {level} "
         say(
             f"trained {done} steps; compare, in this task and with these options: "
-            f"activesuit evaluate --policies none {out}"
+            f"activesuit evaluate {at}--policies none {out}"
         )
         return
     if teacher is not None:

@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, install_line
 from ...files import content_of
 from ..text import visible
 from .blocks import Chart, Picture, Player, Section, Table
@@ -21,7 +21,8 @@ from .player import player_parts
 PLOTLY = ("package_data", "plotly.min.js")  # in the folder of the package plotly
 NO_PLOTLY = (
     "Figures are still pictures here, because plotly was not installed when this page was made: "
-    "pip install 'activesuit[report]', then make the page again with: activesuit report FOLDER."
+    f"{install_line('report')} in the clone of the repository, then make the page again with: "
+    "activesuit report FOLDER."
 )
 # The page takes nothing from anywhere: a browser that reads this refuses what would.
 POLICY = (

@@ -1,15 +1,18 @@
 """The benchmark as tables, a page and a figure."""
 
+import sys
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
-from ...envs.benchmark.suite import BASELINE, Setting
+from ...envs.benchmark.suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 from ...envs.evaluation import Interval
+from ...envs.levels import COMPARED
 from ...envs.policies import POLICIES, needed_options
 from ...envs.policies.trained import shipped_policies
+from ...errors import shown
 from ..output import Rows, markdown_table
 from ..text import without_markup
 from .motions import interval_text
@@ -55,11 +58,41 @@ def _ends(interval: Interval | None) -> str:
 
 
 def _sensors(policy: str) -> str:
-    """Returns the sensor suites that a policy of this package needs, by its label."""
-    name = policy.partition(":")[0].removesuffix("-tuned")
+    """Returns the sensor suites that a policy needs, by its label; a dash if they are not known.
+
+    Those of a class of a user's own are known where it has run; results of others import nothing.
+    """
+    name, _, attribute = policy.partition(":")
+    name = name.removesuffix("-tuned")
     if name in shipped_policies():
         return ", ".join(needed_options(name)["sensors"])
-    return ", ".join(getattr(POLICIES.get(name), "sensors", ())) or "-"
+    own = getattr(sys.modules.get(name), attribute.partition(":")[0], None)
+    sensors = getattr(POLICIES.get(name, own), "sensors", None)
+    known = isinstance(sensors, list | tuple) and all(isinstance(one, str) for one in sensors)
+    return (", ".join(sensors) if known and sensors else "") or "-"
+
+
+def contract_remarks(standings: Standings) -> Iterator[str]:
+    """Yields a sentence where results cannot be compared with the leaderboard: why not."""
+    protocol = standings.protocol
+    contract = str(protocol.get("contract"))
+    if contract in {known.contract for known in SUITES.values()}:
+        return
+    suits = {setting.believed for setting in standings.settings} - {*BELIEVED}
+    levels = {setting.level for setting in standings.settings} - {*COMPARED}
+    options = protocol.get("options")
+    version = protocol.get("suite_version")
+    reasons = [
+        *(f"the suit {one}" for one in sorted(suits)),
+        *(f"the level {one}" for one in sorted(levels)),
+        *([f"the options {', '.join(options)}"] if isinstance(options, dict) else []),
+        *([f"version {version} of the suites"] if version != VERSION else []),
+    ]
+    because = " and ".join(reasons) or "other tasks, levels, suits or wearers in their version"
+    yield (
+        f"note: because of {because} these results can be compared with each other, and not with "
+        f"the leaderboard; their contract is {shown(contract)} (docs/benchmark.md#contract)"
+    )
 
 
 def task_rows(standings: Standings, level: str) -> Rows:

@@ -266,7 +266,7 @@ def _median(values: Sequence[float]) -> float:
     return float(np.median(known)) if known else np.nan
 
 
-UNITS = ("above_limit", "endurance_s", "hand_sparc", "completion_s", "wrong_way_work_j")
+UNITS = ("above_limit_share", "endurance_s", "hand_sparc", "completion_s", "wrong_way_work_j")
 
 
 def _units(score: Score) -> tuple[Sequence[float], ...]:
@@ -277,15 +277,23 @@ def _units(score: Score) -> tuple[Sequence[float], ...]:
 
 
 def write_scores(folder: RunFolder, name: str, scores: Sequence[Score], first_seed: int) -> None:
-    """Writes one line per policy and motion: effort, torque, tracking, reward and success."""
+    """Writes one line per policy and motion: effort, torque, tracking, reward, success, strength.
+
+    Names of columns end with their units; a share has the unit 1. Where muscles tire, the fatigued
+    part of each joint's at the end of the motion is there.
+    """
     joints = [f"{joint}_torque_nm" for joint in JOINTS]
-    header = ["policy", "seed", "effort", *joints, "tracking_rad", "reward", "success", *UNITS]
+    header = ["policy", "seed", "effort_share", *joints, "tracking_rad", "reward", "success"]
+    header += [*UNITS, *(f"{joint}_least_strength_nm" for joint in JOINTS)]
+    tired = any(score.fatigued for score in scores)
+    header += [f"{joint}_fatigued_share" for joint in JOINTS if tired]
     rows = []
     for score in scores:
         for i, effort in enumerate(score.effort):
             torque = [f"{score.torque[joint][i]:.6g}" for joint in JOINTS]
             rest = [f"{score.tracking[i]:.6g}", f"{score.reward[i]:.6g}", f"{score.success[i]:d}"]
-            units = [f"{values[i]:.6g}" for values in _units(score)]
+            by_joint = [*score.strength_left.values(), *score.fatigued.values()]
+            units = [f"{values[i]:.6g}" for values in (*_units(score), *by_joint)]
             rows.append(
                 [score.policy, str(first_seed + i), f"{effort:.6g}", *torque, *rest, *units]
             )

@@ -18,7 +18,7 @@ from ...envs.plant import Plant
 from ...envs.policies import make_policy, needed_options
 from ...envs.policies.network import Card, Network, files_of
 from ...envs.vector_env import ArmVectorEnv
-from ...errors import InputError
+from ...errors import InputError, install_line
 from ..output import RunFolder, messages, progress
 from ..reports.learning import learning_figure
 from .checkpoints import write_own
@@ -53,8 +53,8 @@ def distill(
         import torch
     except ImportError as error:
         raise InputError(
-            "a student needs torch: use `make train` in a clone of the repository, or pip install "
-            "-e '.[train]' -c constraints.txt"
+            "a student needs torch: use `make train` in a clone of the repository, or "
+            f"{install_line('train')}"
         ) from error
     env, training = card.environment["env"], card.training
     own = {name: training[name] for name in ("randomize",) if name in training}

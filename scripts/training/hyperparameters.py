@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError, shown, unknown_name
+from ...errors import InputError, install_line, shown, unknown_name
 from ...files import content_of
 
 ALGORITHMS = {
@@ -17,6 +17,7 @@ ALGORITHMS = {
     "recurrent-ppo": ("sb3_contrib", "RecurrentPPO"),
 }
 DEFAULT = "default"  # what applies to environments that a file does not name
+NETWORKS = "policy_kwargs"  # arguments of the networks, a hyperparameter of several parts
 LARGEST = 1_000_000  # bytes
 _COUNTS = ("n_envs", "n_timesteps")
 _OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
@@ -37,7 +38,7 @@ def algorithm_class(name: str) -> Any:
     except ImportError as error:
         raise InputError(
             f"training by {name} needs {module.replace('_', '-')}: use `make train` in a clone of "
-            "the repository, or pip install -e '.[train]' -c constraints.txt"
+            f"the repository, or {install_line('train')}"
         ) from error
 
 
@@ -48,7 +49,7 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
         algo: Name of the algorithm.
         env: Id of the environment, which a file may name.
         path: YAML file in the syntax of rl-zoo3: hyperparameters by the id of an environment, or
-            below "default".
+            below "default". Those of `policy_kwargs` replace the shipped ones one by one.
 
     Returns:
         Arguments of the algorithm as plain data, with `policy`, `n_envs` and `n_timesteps`.
@@ -67,6 +68,9 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
         raise InputError(f"{str(path)!r} has neither {env!r} nor 'default': name one of them")
     given = {name: _as_number(value) for name, value in given.items()}
     _check(algo, given, path)
+    networks = given.get(NETWORKS)
+    if isinstance(networks, dict):
+        given[NETWORKS] = {**usual[NETWORKS], **networks}
     return {**usual, **given}
 
 

@@ -30,17 +30,36 @@ def write_training_page(
     algorithm, env = card.training["algo"], card.environment["env"]
     write_report(
         *(folder, "train", f"{algorithm} on {env}, {done} steps"),
-        answer=_answer(done, results, card.training.get("motions", 0)),
+        answer=_answer(card, done, results),
         tables={"Evaluations during the training": _table(results)} if results else {},
         settings={"environment": card.environment, "training": card.training},
     )
 
 
-def _answer(done: int, results: Sequence[Mapping[str, Any]], motions: int) -> Iterator[str]:
+def advice(card: Card, results: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yields what to do where even the best policy costs the wearer effort.
+
+    Args:
+        card: Card of the policy.
+        results: Results of the evaluations.
+    """
+    relief = max(results, key=value)["relief"] if results else None
+    if relief is None or relief["value"] >= 0:
+        return
+    begin = "begin with --residual compensation"
+    if card.residual is not None:
+        begin = "begin with less exploration (log_std_init) or a smaller --residual-scale"
+    yield (
+        f"This policy costs the wearer more than the suit without an exoskeleton does (relief "
+        f"{relief['value']:.2f}): {begin}, or train for more steps."
+    )
+
+
+def _answer(card: Card, done: int, results: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     if not results:
         yield f"A policy was trained for {done} steps, and not evaluated."
         return
-    best = max(results, key=value)
+    best, motions = max(results, key=value), card.training.get("motions", 0)
     gives = "has no relief, as it loses arms or the suit costs nothing"
     if best["relief"] is not None:
         gives = f"has a relief of {_relief(best)}"
@@ -48,6 +67,7 @@ def _answer(done: int, results: Sequence[Mapping[str, Any]], motions: int) -> It
         f"The best policy, after {best['steps']} of {done} steps, {gives}, and succeeds in "
         f"{best['success']:.0%} of {motions} motions that are in no training."
     )
+    yield from advice(card, results)
     yield (
         "Relief is the share of the suit's cost in effort that adapted wearers get back: 0 is the "
         "suit without an exoskeleton, 1 is no suit."

@@ -13,6 +13,7 @@ from ...envs.policies.build import base_of
 from ...envs.policies.network import CARD, WEIGHTS, Card, Residual, read_card
 from ...envs.policies.trained import OBSERVATION, environment_of, training_of
 from ...errors import InputError, shown
+from ..extensions import import_from_here
 from ..output import RunFolder, telling
 from ..own_files import is_own
 from ..runs import Scene
@@ -161,11 +162,13 @@ def _before(out: Path, trust: bool) -> dict[str, Any]:
     if residual is not None:
         base_of(residual)
         found["residual"] = residual
-    if "reward" in found and not (trust or is_own((out / CARD).read_bytes())):
-        raise InputError(
-            f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its {CARD} is "
-            "not of this machine: add --trust if that module may be imported"
-        )
+    if "reward" in found:
+        if not (trust or is_own((out / CARD).read_bytes())):
+            raise InputError(
+                f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its "
+                f"{CARD} is not of this machine: add --trust if that module may be imported"
+            )
+        import_from_here()
     return found
 
 

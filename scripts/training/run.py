@@ -22,9 +22,10 @@ from .checkpoints import (
 )
 from .evaluations import Evaluations
 from .learners import new_learner, threads, training_environments
-from .page import write_training_page
+from .page import advice, write_training_page
 
 CHECKPOINTS = 10  # number per run
+JUDGED = 200  # control periods after which the reward of a new training is judged
 TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
 
 
@@ -87,6 +88,8 @@ def learn(
         folder.figure("learning_curve", learning_figure({algo: run.evaluations.results}))
     results = [] if run.evaluations is None else run.evaluations.results
     write_training_page(folder, card, learner.num_timesteps, results)
+    for sentence in advice(card, results):
+        messages.print(f"note: {sentence}")
     return learner.num_timesteps
 
 
@@ -110,6 +113,11 @@ class _Run:
         self._next = done + self._every
         self._evaluated = done if done else -1  # steps at the last evaluation
         self.stopped, self._resumed = False, done > 0
+
+    @property
+    def resumed(self) -> bool:
+        """Whether this goes on with a training, until its next rollout begins."""
+        return self._resumed
 
     def between_updates(self) -> None:
         """Makes a checkpoint where one is due."""
@@ -171,20 +179,38 @@ def report(result: dict[str, Any]) -> str:
     return f"{result['steps']} steps: {text}, success {result['success']:.0%}"
 
 
+def judge(reward: float) -> None:
+    """Says what follows where the mean reward of the first control periods is negative."""
+    if reward < 0:
+        messages.print(
+            f"note: the mean reward begins at {reward:.2g}, and an episode that ends early has no "
+            "more of it, so that it may pay to lose the arm: keep the reward above 0, as the "
+            "shipped one is"
+        )
+
+
 def _callback(run: _Run, bar: Bar) -> Any:
     """Returns a callback that makes checkpoints, logs episodes and moves the progress bar."""
     from stable_baselines3.common.callbacks import BaseCallback
 
     class Between(BaseCallback):
+        judged, rewards = run.resumed, 0.0
+
         def _on_rollout_start(self) -> None:  # between updates, so that a resume can be exact
             run.between_updates()
 
         def _on_step(self) -> bool:
             bar.move_to(self.num_timesteps)
+            self.rewards += self.locals["rewards"].sum()
             for info in self.locals["infos"]:
                 for name, cost in info.get("episode_costs", {}).items():
                     self.logger.record_mean(f"arm/{name}", cost)
             return not run.stopped
+
+        def _on_rollout_end(self) -> None:
+            if not self.judged and self.num_timesteps >= JUDGED:
+                self.judged = True
+                judge(float(self.rewards) / self.num_timesteps)
 
     return Between()
 

@@ -270,3 +270,9 @@ def test_scores_contain_effort_and_cuff_forces():
     assert result.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
     worst = max(force / list(FORCE_LIMITS.values()))
     assert result.costs["cuff_force"] == (pytest.approx(worst),)
+
+
+def test_a_field_of_another_group_is_the_hint():
+    message = r"field of sensing 'encoder_noise': .* did you mean .*'exo.encoder_bits'"
+    with pytest.raises(InputError, match=message):
+        ArmEnv(sensing={"encoder_noise": 0.01})

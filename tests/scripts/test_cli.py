@@ -1,5 +1,6 @@
 """The command line: answers a program can read, and one clear sentence for every mistake."""
 
+import csv
 import json
 import subprocess
 import sys
@@ -7,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from activesuit.assets import FOLDER, curves_path, load_suit
+from activesuit.assets import FOLDER, JOINTS, curves_path, load_suit
 from activesuit.benchmarks import engine as engine_bench
 from activesuit.benchmarks import env as env_bench
 from activesuit.benchmarks import identify as identify_bench
@@ -143,13 +144,14 @@ def test_interrupted_identification_keeps_the_finished_trials(capsys, tmp_path, 
 def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     options = ["--policies", "none", "gravity", "--episodes", "8", "--out", tmp_path]
     out = run(capsys, "evaluate", *options)
-    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, rigid, 8 motions" in out
+    assert "ActiveSuit/ArmTracking-v0, earth, mock-suit, level nominal, rigid, 8 motions" in out
     assert "The suit raises the wearer's effort from" in out
     assert "gravity: relief " in out
     written = json.loads((tmp_path / "result.json").read_text())
     assert list(written["scores"]) == ["unsuited", "suited", "none", "gravity"]
     rows = (tmp_path / "motions.csv").read_text().splitlines()
-    assert rows[0].startswith("policy,seed,effort,shoulder_abduction_torque_nm")
+    assert rows[0].startswith("policy,seed,effort_share,shoulder_abduction_torque_nm")
+    assert "fatigued" not in rows[0]
     assert len(rows) == 1 + 4 * 8
     assert rows[-1].startswith("gravity,10007,")
     assert json.loads(run(capsys, "evaluate", *options, "--json")) == written
@@ -158,6 +160,21 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
     for name, score in written["scores"].items():
         assert f"{score['relief']['low']:.2f} to {score['relief']['high']:.2f}" in out, name
         assert len(score["effort"]) == 8
+
+
+@pytest.mark.usefixtures("short")
+def test_the_motions_have_what_muscles_have_left(capsys, tmp_path):
+    options = ["--policies", "none", "--suit", "none", "--episodes", "1", "--set", "fatigue=true"]
+    run(capsys, "evaluate", *options, "--out", tmp_path)
+    (row,) = csv.DictReader((tmp_path / "motions.csv").read_text().splitlines())
+    score = json.loads((tmp_path / "result.json").read_text())["scores"]["none"]
+    for joint in JOINTS:
+        for column, name in (
+            ("fatigued_share", "fatigued"),
+            ("least_strength_nm", "strength_left"),
+        ):
+            assert float(row[f"{joint}_{column}"]) == pytest.approx(score[name][joint][0], rel=1e-5)
+    assert any(share[0] > 0 for share in score["fatigued"].values())
 
 
 @pytest.mark.usefixtures("short")

@@ -1,6 +1,7 @@
 """What all commands have in common: signals, MuJoCo's warnings, control characters, workers."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit, load_suit, save_suit
 from activesuit.scripts import main as main_module
+from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
 from activesuit.scripts.main import main
 from activesuit.scripts.output import markdown_table, progress, table
@@ -140,6 +142,42 @@ def test_tables_and_bars_escape_names(capsys):
     assert "\x1b" not in captured.out + captured.err
     assert captured.out.count("\\x1b[31mred") >= 2
     assert "\x1b" not in markdown_table(["a"], [[ESCAPE]])
+
+
+def test_the_time_left_is_without_the_first_item(capsys, monkeypatch):
+    """The first one may have compiled kernels: 100 s, and the others 10 s each."""
+    clock = iter([0.0, 100.0, 110.0, 120.0, 130.0, 140.0])
+    monkeypatch.setattr(output.time, "monotonic", lambda: next(clock))
+    with progress("work", 5) as bar:
+        for _ in range(5):
+            bar.advance()
+    assert capsys.readouterr().err.splitlines() == [
+        "work: 20 % after 100 s",
+        "work: 40 % after 110 s, about 30 s left",
+        "work: 60 % after 120 s, about 20 s left",
+        "work: 80 % after 130 s, about 10 s left",
+        "work: 100 % after 140 s",
+    ]
+
+
+def test_no_table_is_cut(capsys, monkeypatch):
+    names = [f"my_policies:PDSuit:kp=5,kd={i}" for i in range(2)]
+    header = ["policy", *(f"relief, 95 % interval {i}" for i in range(8))]
+    rows = [[name, *(f"0.{i} of a long cell in one line" for i in range(8))] for name in names]
+    table("A title", header, rows)
+    lines = capsys.readouterr().out.splitlines()
+    for row in rows:
+        (line,) = [line for line in lines if row[0] in line]
+        assert all(cell in line for cell in row)
+    for columns in ("80", "160"):
+        monkeypatch.setenv("COLUMNS", columns)
+        monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+        table("A title", header, rows)
+        shown = capsys.readouterr().out
+        assert "…" not in shown
+        shown = re.sub(r"\x1b\[[0-9;]*m|[ \n─━]", "", shown)
+        cells = ["A title", *header, *(cell for row in rows for cell in row)]
+        assert sorted(shown) == sorted("".join(cells).replace(" ", ""))
 
 
 def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):

@@ -109,13 +109,22 @@ def test_without_a_run_the_usual_holds():
     assert scene(ArmOptions(), usual=usual).env == usual["env"]
 
 
+def test_a_woman_has_the_size_of_women_where_none_is_given():
+    woman = {"stature": 1.629, "mass": 67.8, "sex": "female", "strength": 20}
+    by_set = set_("wearer.sex=female wearer.strength=20")
+    for given in (ArmOptions(sex="female", strength=20), by_set):
+        assert scene(given).options["wearer"] == pytest.approx(woman)
+        assert given.config(None, None)["wearer"] == pytest.approx(woman)
+    assert scene(ArmOptions(sex="female", stature=1.7)).options["wearer"]["stature"] == 1.7
+
+
 def test_the_options_of_a_run_hold(tmp_path):
     run = run_folder(tmp_path / "run", side="left", tilt=[0.1, 0.0], allow_uncertified=True)
     chosen = scene(ArmOptions(), policies=("none", run), usual={"gravity": "mars"})
     assert chosen.env == ENVIRONMENT["env"]
     expected = {name: value for name, value in ENVIRONMENT.items() if name != "env"}
     expected |= {"side": "left", "tilt": [0.1, 0.0], "allow_uncertified": True}
-    expected |= {"preconditioned": False}  # which runs of before do not tell
+    expected |= {"preconditioned": False, "level": "nominal"}  # which runs of before do not tell
     assert chosen.options == expected
     plant = run_folder(tmp_path / "worn", preconditioned=True)
     assert scene(ArmOptions(), policies=(plant,)).options["preconditioned"]
@@ -180,6 +189,28 @@ def test_runs_of_different_options_are_not_compared(tmp_path):
         InputError, match=r"the run in .*same' has --gravity 'moon', .*'mars': give runs"
     ):
         scene(ArmOptions(), policies=(one, same, other))
+
+
+def test_the_level_of_a_run_holds_unless_one_is_given(tmp_path):
+    own = {"suit": "mock-suit", "gravity": "mars", "pressure": None}
+    run = run_folder(tmp_path / "run", level="shift", **own)
+    found = scene(ArmOptions(), policies=(run,))
+    assert {name: found.options[name] for name in own} == own  # not those of the level
+    assert found == scene(ArmOptions(), level="shift", policies=(run,))
+    assert found.place == "ActiveSuit/ElbowFlexion-v0, mars, mock-suit, level shift"
+    nominal = scene(ArmOptions(), level="nominal", policies=(run,))
+    assert nominal.options == {**found.options, "level": "nominal"}
+    other = run_folder(tmp_path / "other", **own)
+    with pytest.raises(InputError, match=r"--level 'shift', .* with 'nominal': add --level"):
+        scene(ArmOptions(), policies=(run, other))
+    both = scene(ArmOptions(), level="randomized", policies=(run, other))
+    assert both.options == {**found.options, "level": "randomized"}
+    shifted = scene(ArmOptions(), level="shift", policies=(other,)).options
+    assert (shifted["suit"], shifted["pressure"]) == ("emu-like", 40)
+
+
+def test_the_level_is_in_every_title():
+    assert scene(ArmOptions()).place.endswith(", earth, mock-suit, level nominal")
 
 
 def test_options_of_a_run_that_have_no_flag_hold(tmp_path):
@@ -264,12 +295,21 @@ def test_environments_that_cannot_be(own, capsys, command, env, message):
 
 
 @pytest.mark.slow
-def test_a_run_in_your_own_environment(own, capsys):
+def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
+    """Its module is found in the working folder, although only the card names it."""
     pytest.importorskip("stable_baselines3")
+    before = [*sys.path]
+
+    def in_another_process():
+        monkeypatch.setattr("sys.path", [*before])
+        sys.modules.pop("mine_quick")
+
     quick = ["--rows", "8", "--hyperparameters", "quick.yml"]
     Path("quick.yml").write_text("default: {n_steps: 32}")
     main(["train", "--env", own, "--steps", "256", "--out", "run", *quick])
+    in_another_process()
     main(["train", "--resume", "--steps", "512", "--out", "run"])
+    in_another_process()
     capsys.readouterr()
     main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"])
     assert json.loads(capsys.readouterr().out)["env"] == own

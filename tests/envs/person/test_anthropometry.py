@@ -4,8 +4,10 @@ import json
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
+from activesuit.envs.model import ArmConfig
 from activesuit.envs.person import Person, range_of_motion, segments
 from activesuit.envs.person.anthropometry import PROVENANCE
+from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
 
 GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62}
@@ -132,3 +134,14 @@ def test_every_number_has_a_name_and_a_source():
     names = [quantity.name for quantity in PROVENANCE]
     assert len(set(names)) == len(names)
     assert all(quantity.unit and quantity.source for quantity in PROVENANCE)
+
+
+def test_the_usual_size_is_that_of_the_sex():
+    woman = Person.percentile("female", 50)
+    assert (Person(), Person(sex="male")) == (Person(stature=1.78, mass=80.0),) * 2
+    assert Person(sex="female") == woman
+    assert ArmConfig(wearer={"sex": "female"}).wearer == woman
+    assert ArmConfig.from_dict({"wearer": {"sex": "female", "mass": 60}}).wearer == Person(
+        sex="female", stature=woman.stature, mass=60
+    )
+    assert Randomization(wearers=[{"sex": "female"}]).wearers == (woman,)

@@ -3,11 +3,13 @@
 import json
 import shutil
 import sys
+from types import ModuleType
 
 import pytest
 from activesuit.envs.benchmark import run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
+from activesuit.scripts.reports import leaderboard
 from helpers import short_benchmark
 from pages import checked_page
 
@@ -183,5 +185,21 @@ def test_results_of_a_contract_that_no_suite_has(capsys, tmp_path, whole):
     forged = tmp_path / "forged.jsonl"
     contract = json.loads(text.splitlines()[0])["protocol"]["contract"]
     forged.write_text(text.replace(contract, "0" * 12))
-    said = " ".join(run(capsys, "benchmark", "table", forged).split())
-    assert "note: no suite of this version has the contract '000000000000'" in said
+    said = run(capsys, "benchmark", "table", forged)
+    assert "note: because of other tasks, levels, suits or wearers in their version these" in said
+    assert "their contract is '000000000000' (docs/benchmark.md#contract)" in said
+    own = text.replace(contract, "0" * 12).replace("emu-like", "mine.json")
+    forged.write_text(own.replace('"suite_version": 3', '"suite_version": 2'))
+    said = run(capsys, "benchmark", "table", forged)
+    assert "because of the suit mine.json and version 2 of the suites these" in said
+
+
+def test_sensors_of_a_class_of_your_own(monkeypatch):
+    mine = ModuleType("my_sensors")
+    mine.PD = type("PD", (), {"sensors": ("encoders", "preview")})
+    mine.Odd = type("Odd", (), {"sensors": 5})
+    monkeypatch.setitem(sys.modules, "my_sensors", mine)
+    cases = {"PD:gain=2": "encoders, preview", "PD": "encoders, preview", "Odd": "-", "None": "-"}
+    assert {name: leaderboard._sensors(f"my_sensors:{name}") for name in cases} == cases
+    assert leaderboard._sensors("never_imported:PD") == "-"
+    assert "never_imported" not in sys.modules

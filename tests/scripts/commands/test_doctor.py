@@ -78,7 +78,8 @@ def test_an_extra_may_be_missing(monkeypatch, capsys):
 
     monkeypatch.setattr(module.metadata, "version", version)
     lines, _ = shown(capsys)
-    assert "- extra onnx: lacks onnx; run pip install 'activesuit[onnx]' to use it" in lines
+    install = "pip install -e '.[onnx]' -c constraints.txt"  # as in docs/install.md
+    assert f"- extra onnx: lacks onnx; run {install} in the clone to use it" in lines
 
 
 def test_a_package_that_is_not_installed(monkeypatch, capsys):

@@ -208,7 +208,7 @@ def test_without_the_extra(capsys, tmp_path, monkeypatch, run):
     monkeypatch.setitem(sys.modules, "onnx", None)
     monkeypatch.delitem(sys.modules, "activesuit.envs.policies.onnx_export", raising=False)
     message = fails(capsys, run, "--onnx", "--out", tmp_path / "policy.onnx")
-    assert "pip install 'activesuit[onnx]'" in message
+    assert "pip install -e '.[onnx]' -c constraints.txt" in message
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run"]
 
 

@@ -246,7 +246,7 @@ def test_a_missing_cluster_package(capsys, tmp_path, monkeypatch, backend, packa
     monkeypatch.setitem(sys.modules, package, None)
     message = fails(capsys, "reproduce", "li-2022", "--out", tmp_path, *SMALL, "--backend", backend)
     assert f"--backend {backend} needs packages that are not installed" in message
-    assert "activesuit[cluster]" in message
+    assert "pip install -e '.[cluster]' -c constraints.txt" in message
     assert not list(tmp_path.iterdir())
 
 

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -321,11 +322,14 @@ def test_nothing_to_resume(tmp_path, capsys):
 def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
     scene = ["--task", "ArmTracking", "--level", "shift", "--sensors", "encoders", "--history", "2"]
     train(tmp_path / "run", *scene, algo=algo, steps=60)
-    capsys.readouterr()
+    hint = f"activesuit evaluate --level shift --policies none {tmp_path / 'run'}"
+    said = capsys.readouterr()
+    assert hint in said.out.replace("\n", " ")
+    assert NEGATIVE not in said.err  # that of the shipped reward
     score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
     main([*score, "none", str(tmp_path / "run"), "compensation"])
     result = json.loads(capsys.readouterr().out)
-    assert result["env"] == "ActiveSuit/ArmTracking-v0"
+    assert (result["env"], result["level"]) == ("ActiveSuit/ArmTracking-v0", "shift")
     assert len(result["scores"]) == 5
 
 
@@ -374,6 +378,19 @@ def test_schedules_and_own_hyperparameters(tmp_path):
         "MlpPolicy",
         "MlpLstmPolicy",
     }
+
+
+def test_own_networks_keep_the_shipped_exploration(tmp_path):
+    from activesuit.scripts.training.hyperparameters import hyperparameters
+
+    shipped = hyperparameters("ppo", "x")["policy_kwargs"]
+    file, layers = tmp_path / "mine.yml", {"pi": [128], "vf": [128]}
+    file.write_text("default: {policy_kwargs: {net_arch: {pi: [128], vf: [128]}}}")
+    found = hyperparameters("ppo", "x", file)["policy_kwargs"]
+    assert found == {"log_std_init": shipped["log_std_init"], "net_arch": layers}
+    kept = Path("docs/learners/small_exploration.yml")
+    found = hyperparameters("ppo", "x", kept)["policy_kwargs"]
+    assert found == {**shipped, "log_std_init": -3.0}
 
 
 def test_tensorboard_has_the_costs_of_episodes(run):
@@ -508,12 +525,14 @@ def test_a_corrected_run_resumes_to_the_last_bit(tmp_path):
     assert one.read_bytes() == other.read_bytes()
 
 
-def test_training_ends_on_a_plateau(tmp_path, monkeypatch):
+def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("activesuit.scripts.training.evaluations.BETTER", 10.0)
     train(tmp_path, *WEIGHTLESS, "--motions", "8", "--patience", "1", steps=20 * ROLLOUT)
     results = json.loads((tmp_path / "evaluations.json").read_text())["results"]
     assert len(results) == 2
     assert steps_done(tmp_path) < 20 * ROLLOUT
+    assert max(one["relief"]["value"] for one in results) < 0  # after so few steps
+    assert "This policy costs the wearer more" in " ".join(capsys.readouterr().err.split())
 
 
 def test_several_seeds(tmp_path, capsys):
@@ -601,6 +620,49 @@ def test_a_student_learns_from_its_teacher(tmp_path, capsys):
 )
 def test_mistakes_of_options(tmp_path, capsys, given, message):
     assert message in fails(capsys, "train", *WEIGHTLESS, *given, "--out", tmp_path / "run")
+
+
+def test_a_resumed_run_finds_its_reward_in_the_working_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("calm_here.py").write_text("def calm(terms, measured):\n    return -terms['effort']\n")
+    before = [*sys.path]
+    for more in (["--reward", "calm_here:calm"], ["--resume"]):
+        monkeypatch.setattr("sys.path", [*before])
+        sys.modules.pop("calm_here", None)  # as in another process
+        train("run", *more, steps=ROLLOUT * (1 + ("--resume" in more)))
+    assert steps_done(tmp_path / "run") == 2 * ROLLOUT
+    monkeypatch.setattr("sys.path", [*before])
+    sys.modules.pop("calm_here")
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another"))
+    assert "add --trust" in fails(capsys, "train", "--resume", "--steps", "9999", "--out", "run")
+    assert "calm_here" not in sys.modules and sys.path == before
+
+
+NEGATIVE = "note: the mean reward begins at -"
+
+
+@pytest.mark.parametrize("algo", ["ppo", "sac"])
+def test_a_negative_reward_is_noted_once(tmp_path, capsys, algo):
+    train(tmp_path / "run", "--reward", "own_rewards:costly", algo=algo, steps=ROLLOUT)
+    said = " ".join(capsys.readouterr().err.split())
+    assert said.count(NEGATIVE) == 1
+    assert "so that it may pay to lose the arm: keep the reward above 0" in said
+    train(tmp_path / "run", "--resume", algo=algo, steps=2 * ROLLOUT)
+    assert NEGATIVE not in capsys.readouterr().err
+
+
+def test_a_policy_that_costs_effort_is_noted(corrected):
+    from activesuit.envs.policies.network import read_card
+    from activesuit.scripts.training.page import advice
+
+    card = read_card(corrected)
+    alone = card.model_copy(update={"residual": None})
+    worse = [{"relief": {"value": -4.82}}, {"relief": None}]
+    (said,) = advice(alone, worse)
+    assert "(relief -4.82): begin with --residual compensation" in said
+    assert "a smaller --residual-scale" in " ".join(advice(card, worse))
+    for fine in ([], [{"relief": None}], [*worse, {"relief": {"value": 0.0}}]):
+        assert not [*advice(alone, fine)]
 
 
 def test_a_reward_of_a_card_of_somebody_else(corrected, tmp_path, monkeypatch, capsys):

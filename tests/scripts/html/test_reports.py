@@ -182,7 +182,7 @@ def test_without_plotly_there_are_pictures_and_a_sentence(copied, monkeypatch):
     monkeypatch.setattr(page_module, "plotly_source", lambda: None)
     main(["report", str(folder)])
     page = checked_page(folder)
-    assert "pip install 'activesuit[report]'" in page.text
+    assert "pip install -e '.[report]' -c constraints.txt" in page.text
     assert len(page.all("img")) == 1
     assert "Plotly.newPlot" in page.scripts[-1][1]  # our own script, which finds none
     assert (folder / "report.html").stat().st_size < interactive / 10
