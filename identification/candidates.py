@@ -1,6 +1,6 @@
 """The candidates of `select`, and the simplest of those that predict curves outside their fits."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
@@ -91,7 +91,12 @@ def as_good(tried: Sequence[Candidate]) -> list[Candidate]:
 
 
 def choose(
-    curves: Sequence[Curve], *, seed: int, workers: int, options: dict[str, dict[str, Any]]
+    curves: Sequence[Curve],
+    *,
+    seed: int,
+    workers: int,
+    options: dict[str, dict[str, Any]],
+    on_candidate: Callable[[Candidate], None] | None = None,
 ) -> Choice:
     """Chooses the model that predicts best, or a simpler one that predicts nearly as well.
 
@@ -107,13 +112,14 @@ def choose(
         seed: Seed of all random numbers.
         workers: Number of threads, which share the candidates.
         options: Options of the candidates' fits, by model.
+        on_candidate: Function that gets each candidate as soon as it was tried.
 
     Raises:
         InputError: There is too little to leave out, or no candidate could be fitted.
     """
     asked = questions(curves)
     calls = [partial(_candidate, name, curves, asked, seed, options.get(name, {})) for name in FITS]
-    found, interrupted = run_threads(calls, workers)
+    found, interrupted = run_threads(calls, workers, on_candidate)
     order = list(FITS)
     tried = sorted(found, key=lambda one: (one.prediction_nrmse, order.index(one.name)))
     best = tried[0]

@@ -25,6 +25,7 @@ Code = Literal[
     "nothing",
     "outliers",
     "tare",
+    "open",
     "rate",
     "lag",
     "play",
@@ -50,8 +51,9 @@ The model: `range` (safe between some angles), `form` (others fit as well), `cer
 `limit` (the fit ended at a limit),
 `misfit`, `nothing` (nothing is explained), `search` (ended early), `wandering` (noise or misfit),
 `memoryless` (no memory is needed), `start` (where curves and model begin).
-Faults of the measurement, or terms that were not found: `tare`, `rate`, `lag`, `play`, `gap`,
-`drift`, `offset` and `gain` of one curve, `softening`.
+Faults of the measurement, or terms that were not found: `tare`, `open` (the offset that was asked
+for is not determined), `rate`, `lag`, `play`, `gap`, `drift`, `offset` and `gain` of one curve,
+`softening`.
 """
 
 _PARTS = {

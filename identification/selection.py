@@ -22,6 +22,7 @@ from .identify import NONE, fits_start, prepared, refuse_unknown, refuse_weights
 from .methods import DEFAULT_MODEL, check_beginning
 from .motion_files import Motion
 from .objective import InitialTorque
+from .remarks import Remark
 from .residual.verdict import DESCRIBES, NOT_BEYOND
 from .tare import is_open
 from .trials import Trial
@@ -81,10 +82,12 @@ class Selection:
             return self.fit.uncertainty(samples=samples, seed=seed)
         found, fit = self.fit.uncertainty(seed=seed), self.fit
         members = drawn(self.ensemble, fit.curves, fit.initial_torque, samples, seed)
+        rivals = (name for one in members for name in one.offset_open if name not in ITS_OWN)
         return replace(
             found,
             samples=tuple(model for one in members for model in one.samples),
             left_open=tuple(dict.fromkeys(open for one in members for open in one.left_open)),
+            offset_open=tuple(dict.fromkeys((*found.offset_open, *rivals))),
         )
 
 
@@ -97,6 +100,7 @@ def select(
     workers: int = -1,
     needed: Coverage | None = None,
     intended: Sequence[Motion] = (),
+    on_candidate: Callable[[Candidate], None] | None = None,
     on_trial: Callable[[Trial], None] | None = None,
     **old: Any,
 ) -> Selection:
@@ -108,7 +112,8 @@ def select(
     Args:
         curves: The measurements; those with role "predict" are kept out and tested.
         corrections: What is taken off the curves, or fitted beside the models; tare and softening
-            are those of Jiles-Atherton.
+            are those of Jiles-Atherton. A fitted tare that a model as good leaves open is not taken
+            off: the models are fitted again without one, and the first remark of the fit says so.
         initial_torque: The torque with which the curves begin, as in `identify`: by default 0 for
             Jiles-Atherton where there are several curves; or "identified".
         seed: Seed of all random numbers.
@@ -116,6 +121,7 @@ def select(
         needed: Coverage of the intended motions, see `identify`; by default that of `intended`.
         intended: Intended motions, on which the kinds of model are compared: the verdict extends to
             loops that the curves do not have if a tested band is narrow there.
+        on_candidate: Function that gets each model as soon as it was tried.
         on_trial: Function that gets the fit of the chosen model.
         **old: Names of version 0.2, which are refused with the new one.
 
@@ -134,9 +140,27 @@ def select(
     ready = prepared(curves, DEFAULT_MODEL, corrections, start, seed)
     refuse_weights(ready.measured)
     ways = dict.fromkeys(FITS, corrections.beside) | {DEFAULT_MODEL: start | corrections.beside}
-    choice = choose(ready.measured, seed=seed, workers=workers, options=ways)
+    choice = choose(
+        ready.measured, seed=seed, workers=workers, options=ways, on_candidate=on_candidate
+    )
     if corrections.tare == "fit":
-        _refuse_open_offset(choice, ready.measured, ready.tare, seed, ways)
+        rival = _open_offset(choice, ready.measured, seed, ways)
+        if rival and choice.interrupted:
+            raise KeyboardInterrupt
+        if rival:
+            whole = select(
+                curves,
+                corrections=replace(corrections, tare=0.0),
+                initial_torque=initial_torque,
+                seed=seed,
+                workers=workers,
+                needed=needed,
+                intended=intended,
+                on_candidate=on_candidate,
+                on_trial=on_trial,
+            )
+            remark = _not_taken_off(ready.tare, rival)
+            return replace(whole, fit=replace(whole.fit, remarks=(remark, *whole.fit.remarks)))
     trial = _trial(choice.chosen)
     if on_trial is not None:
         on_trial(trial)
@@ -173,20 +197,16 @@ def select(
     )
 
 
-def _refuse_open_offset(
-    choice: Choice, curves: Curves, tare: float, seed: int, options: Mapping[str, dict[str, Any]]
-) -> None:
-    """Refuses an offset that Jiles-Atherton finds where a model as good fits with any offset.
+def _open_offset(
+    choice: Choice, curves: Curves, seed: int, options: Mapping[str, dict[str, Any]]
+) -> str | None:
+    """Returns a model as good as Jiles-Atherton that fits with any offset; None without one.
 
     Args:
-        choice: Candidates, fitted to the curves less the offset.
+        choice: Candidates, fitted to the curves less the offset that Jiles-Atherton finds.
         curves: These curves.
-        tare: The offset [N·m].
         seed: Seed of the fits.
         options: Options of the candidates' fits, by model.
-
-    Raises:
-        InputError: There is such a model.
     """
     for rival in choice.good:
         if rival.name in ITS_OWN:
@@ -196,11 +216,18 @@ def _refuse_open_offset(
             return fit_model(name, some, np.random.default_rng(seed), **options[name]).loss
 
         if is_open(curves, error):
-            raise InputError(
-                f"the offset of the torque sensor is not determined: {tare:.3g} N·m by "
-                f"{DEFAULT_MODEL}, any by {rival.name}, which predicts these curves as well: zero "
-                "the sensor, or give the tare as a number"
-            )
+            return rival.name
+    return None
+
+
+def _not_taken_off(tare: float, rival: str) -> Remark:
+    """Returns the remark that an offset was not taken off, since a model fits with any."""
+    return Remark(
+        "open",
+        "no offset of the torque sensor is taken off, because these curves do not determine it: "
+        f"{tare:.3g} N·m by {DEFAULT_MODEL}, any by {rival}, which predicts them as well; zero "
+        "the sensor, or give the tare as a number",
+    )
 
 
 def _weighed(fit: Fit, alike: Agreement | None, needed: Coverage | None) -> Fit:

@@ -147,10 +147,11 @@ for name, score in found.scores.items():
     print(f"{name:15}{np.mean(score.effort):10.1%}   {found.relief(name)}")
 
 # %% [markdown]
-# **Effort** is the torque of the person as a share of strength. In brackets are 95 % intervals:
-# other motions would have given a number in there. `none` is the exoskeleton with its motors off.
-# The person then also moves the friction of its gears, so its relief is below 0. `feedforward`
-# cancels the suit and leaves that friction.
+# **Effort** is the torque of the person as a share of strength. The 10 % without a suit are muscles
+# that pull against each other to stiffen the arm (*co-contraction*). In brackets are 95 %
+# intervals: other motions would have given a number in there. `none` is the exoskeleton with its
+# motors off. The person then also moves the friction of its gears, so its relief is below 0.
+# `feedforward` cancels the suit and leaves that friction.
 #
 # ## Where to go
 #

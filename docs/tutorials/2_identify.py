@@ -75,8 +75,9 @@ main("identify rig.csv --joint elbow_flexion --base emu-like --out my-suit --for
 # - **The verdict** is the sentence to look at. *Describes the curves* means that nothing but
 #   noise is left. If it says *does not describe the curves*, the model is wrong or the
 #   measurement has a fault; [A bad measurement](../bad_measurement.md) shows how to find out
-#   which.
-# - **Notes** say what the record leaves open.
+#   which. *Cannot be judged* [asks](../identification.md#does-the-model-describe-the-curves) for a
+#   second record of the same motion: `activesuit identify first.csv second.csv --method auto`.
+# - **Notes** say what the record leaves open, the most important first.
 #
 # ## Look at it
 #

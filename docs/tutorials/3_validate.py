@@ -62,7 +62,9 @@ main("validate my-suit/suit.json --episodes 8 --out validated --force".split())
 # - **`true model`** is the same controller that knows the true suit. The row **`by suit`**
 #   believes your model. If both are alike, a better model would not help: the rest is the
 #   controller's.
-# - **`best-known-plan`** knows the whole motion in advance. It says what these motors could do.
+# - **`best-known-plan`** knows the whole motion in advance. It says what these motors could do;
+#   *of the bound* is the relief divided by that of this plan.
+# - **`late by`** is how long the believed torque comes after the true one; below 0 it is early.
 # - **The shoulder** was not measured. It is that of the base suit in the model and in all
 #   samples, so that its error is zero here, and says nothing.
 # - **There is no verdict**, because a model cannot be wrong about itself. *Not contained* says

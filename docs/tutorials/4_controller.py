@@ -23,7 +23,8 @@ ARM = {"suit": "emu-like", "gravity": "microgravity"}
 #
 # A controller, or *policy*, is any object with two methods: `reset()`, which forgets the last
 # motion, and `act(observation)`, which returns the action. It is made from a `Plant`. This has
-# what an engineer would know of the device, and nothing that only the simulation knows.
+# what an engineer would know of the device, and nothing that only the simulation knows. You need
+# `Plant.of` where you make a policy by hand; `evaluate` below gives the plant to your class.
 
 # %%
 env = gymnasium.make("ActiveSuit/ArmTracking-v0", **ARM)

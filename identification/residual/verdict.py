@@ -270,7 +270,7 @@ def _remarks(found: _Findings) -> Iterator[Remark]:
         yield Remark(
             "wandering",
             f"{'; '.join(found.doubts)}: that may be noise or misfit; measure every curve twice "
-            "to tell which",
+            "to tell which: repeat the motion with as many samples, and fit both records together",
         )
     best = min(baselines, key=lambda name: baselines[name])
     if baselines[best] <= own:

@@ -89,7 +89,7 @@ def systematic(
     offset, *others = map(term, asked.T, rests.T)
     most, left_open = LARGE * curves.peak, []
     if offset.deviation > most:
-        left_open.append("an offset of the torque sensor")
+        left_open.append("an offset of the torque sensor, if it was not zeroed")
     damping = others[0] if others else None
     if not isinstance(model, Viscoelastic):
         fastest = 0.0 if rate is None else float(np.abs(rate).max())

@@ -64,6 +64,9 @@ class Uncertainty:
             standard deviation; None where they do not limit it.
         left_open: Systematic errors that the curves do not limit, so that no sample has them, as
             phrases.
+        offset_open: Kinds of model that fit the curves with other offsets of the torque sensor as
+            well, such as those whose spring has a rest angle: that of the model if `offset` is
+            None, and in `Selection.uncertainty` those of its samples too.
         noise: Noise of the torque, for a curve of mean weight.
     """
 
@@ -77,6 +80,7 @@ class Uncertainty:
     samples: tuple[HysteresisModel, ...]
     offset: Term | None
     left_open: tuple[str, ...]
+    offset_open: tuple[str, ...]
     noise: Noise
     _coordinates: Coordinates = field(repr=False)
     _covariance: Array = field(repr=False)
@@ -178,6 +182,7 @@ def uncertainty(
         ),
         offset=allowed.offset,
         left_open=allowed.left_open,
+        offset_open=() if allowed.offset else (kind_of(model),),
         noise=noise,
         _coordinates=coordinates,
         _covariance=covariance,
@@ -218,9 +223,14 @@ def _intervals(
 
 def _open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
     names, (low, high) = np.array(coordinates.names), intervals.T
-    for end, is_open in (("lower", low == coordinates.least), ("upper", high == np.inf)):
+    low_open, high_open = low == coordinates.least, high == np.inf
+    for end, is_open in (
+        ("limit", low_open & high_open),
+        ("lower limit", low_open & ~high_open),
+        ("upper limit", high_open & ~low_open),
+    ):
         if is_open.any():
-            yield f"the curves set no {end} limit to {', '.join(names[is_open])}"
+            yield f"the curves set no {end} to {', '.join(names[is_open])}"
 
 
 def _binding(coordinates: Coordinates) -> Array | None:
@@ -236,6 +246,12 @@ def _binding(coordinates: Coordinates) -> Array | None:
 
 def _margin(coordinates: Coordinates, point: Array) -> float:
     return coordinates.at(point)[0].certificate().margin
+
+
+def kind_of(model: HysteresisModel) -> str:
+    """Returns the name of a model without a dashpot, a gap or a range of angles around it."""
+    model = without_play(model.model if isinstance(model, Viscoelastic) else model)
+    return model.model.name if isinstance(model, Clipped) else model.name
 
 
 def _bare(model: HysteresisModel) -> JilesAtherton | None:
@@ -357,11 +373,7 @@ def _refitted(
             row = np.append(row, float(initial_torque))
             initial_torque = "identified"
         return refined(curves, row, initial_torque=initial_torque).model
-    rate, play = rate_of(model), play_of(model)
-    if isinstance(model, Viscoelastic):
-        model = model.model
-    model = without_play(model)
-    name = model.model.name if isinstance(model, Clipped) else model.name
+    rate, play, name = rate_of(model), play_of(model), kind_of(model)
     if name not in FITS:
         raise InputError(f"model is {name!r}, which has no fit that could be repeated: samples=0")
     return fit_model(name, curves, np.random.default_rng(seed), rate=rate, play=play).model

@@ -22,7 +22,7 @@ from ...identification.left_out import questions
 from ...identification.methods import DEFAULT_MODEL, METHODS, Magnetic, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND, UNKNOWN
-from ...identification.uncertainty.uncertainty import Uncertainty
+from ...identification.uncertainty.uncertainty import Uncertainty, kind_of
 from ..curve_joints import joint_of
 from ..html.loops import loop_rows, write_loops
 from ..html.writing import write_report
@@ -46,7 +46,8 @@ from ..reports.parameters import parameter_table
 
 Titled = tuple[str, Rows, int]  # title, table, and how many of its columns are aligned left
 
-NOT_DESCRIBED = 3  # exit code
+NOT_DESCRIBED = 3  # exit code; also where the tare that was to be fitted is not determined
+TARE = "--tare NUMBER"
 AUTO, CERTIFIED = "auto", "certified"  # methods; of auto `select` chooses the model
 MISSING = {  # by verdict: what no sample of the model has
     NOT: "what the model does not describe in its own curves",
@@ -95,7 +96,8 @@ def identify(
     """Identify a hysteresis model from measured angle-torque curves.
 
     Curves with role "predict" are kept out of the fit and used to test it. The verdict says whether
-    the model describes the curves; if it does not, all is written and the exit code is 3.
+    the model describes the curves; if it does not, or if the curves do not determine the tare that
+    was to be fitted, all is written and the exit code is 3.
 
     Args:
         curves: Files of curves: CSV with the columns curve, angle_rad (or angle_deg), torque_nm,
@@ -120,8 +122,8 @@ def identify(
         samples: Number of further models in suit.json that the curves allow too, for `validate` and
             to randomize the simulation with; the uncertainty of the parameters is shown as well.
             They have other noise, and where the curves limit them, another offset of the sensor
-            and another damping. With the method auto they are of all models that predict nearly as
-            well as the best.
+            and another damping; a line below the verdict says what they lack. With the method auto
+            they are of all models that predict nearly as well as the best.
         joint: Joint on which the curves were measured; by default the file name tells it
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
@@ -157,10 +159,18 @@ def identify(
     method = method or _usual_method(family, **beside, quiet=json)
     if method == AUTO:
         _refuse_beside_auto(**beside)
-        run, total = partial(select, family, intended=motions), 1
+        run = partial(
+            select, family, intended=motions, on_candidate=lambda candidate: bar.advance()
+        )
+        total = len(FITS) * (2 if corrections.tare == "fit" else 1)  # again without it, if open
     else:
         chosen = method_of(method, trials=trials, objective=objective, normalize=normalize)
-        run = partial(identify_curves, family, model=model or DEFAULT_MODEL, method=chosen)
+        run = partial(
+            *(identify_curves, family),
+            model=model or DEFAULT_MODEL,
+            method=chosen,
+            on_trial=lambda trial: bar.advance(),
+        )
         total = chosen.trials
     with progress(f"{method} on {family.source}", total) as bar:
         result = run(
@@ -169,11 +179,12 @@ def identify(
             seed=seed,
             workers=workers,
             needed=needed,
-            on_trial=lambda trial: bar.advance(),
         )
     found = result.uncertainty(samples=samples, seed=seed) if samples else None
     summary = _summary(result, seed, use, needed, found)
-    tables, sentences = _tables(result, found), _sentences(result, use, found, summary["band"])
+    tables = _tables(result, found)
+    sentences = _sentences(result, corrections, use, found, summary["band"])
+    sentences += _about_suit(_fit(result), joint_name if out and base is None else None, found)
     if json:
         print(to_json(summary))
     else:
@@ -181,9 +192,11 @@ def identify(
     if folder and joint_name:
         description = _description(result, seed)
         suit = _suit(_fit(result), joint_name, curves[0].stem, description, others, found)
-        given = {"curves": curves, "method": method, **beside, "initial_torque": initial_torque}
-        given |= {"corrections": asdict(corrections), "samples": samples, "seed": seed}
-        given |= {"for": use, "joint": joint_name, "base": base, "data_sha256": family.sha256}
+        given = {
+            **{"curves": curves, "method": method, **beside, "initial_torque": initial_torque},
+            **{"corrections": asdict(corrections), "samples": samples, "seed": seed},
+            **{"for": use, "joint": joint_name, "base": base, "data_sha256": family.sha256},
+        }
         with folder.together() as new:
             suit.save(new / "suit.json")
             _write(new, joint_name, _fit(result), summary)
@@ -301,13 +314,15 @@ def _tables(result: Fit | Selection, found: Uncertainty | None) -> list[Titled]:
 
 def _sentences(
     result: Fit | Selection,
+    corrections: Corrections,
     use: str | None,
     found: Uncertainty | None,
     band: dict[str, float] | None,
 ) -> list[str]:
     """Returns the verdict, and what else there is to say."""
     fit = _fit(result)
-    said = [f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}"]
+    said = [f"tare: {one.sentence} ({TARE})" for one in fit.remarks if one.code == "open"]
+    said += [f"verdict: the model {fit.verdict}{_not_contained(fit) if not use else ''}"]
     if isinstance(result, Selection) and result.agreement:
         said.append(f"agreement: {result.agreement.sentence}")
     if fit.judgement:
@@ -324,8 +339,41 @@ def _sentences(
             "band: none, because nothing tests the model beyond these curves; measure also the "
             "record of activesuit measure design"
         )
-    notes = (*map(advised, fit.remarks), *(found.sloppy if found else ()))
-    return [*said, *(f"note: {sentence}" for sentence in notes)]
+    notes = [advised(one) for one in fit.remarks if one.code != "open"]
+    notes += found.sloppy if found else ()
+    return [*said, *(f"note: {one}" for one in (*_open_offset(result, corrections, found), *notes))]
+
+
+def _open_offset(
+    result: Fit | Selection, corrections: Corrections, found: Uncertainty | None
+) -> Iterator[str]:
+    """Yields that the curves do not determine the sensor's offset, where none is given."""
+    fit = _fit(result)
+    squares = fit.method in (AUTO, CERTIFIED) and fit.judgement is not None
+    if corrections.tare != 0 or not squares:
+        return
+    kinds = (found or result.uncertainty()).offset_open
+    if kinds:
+        yield (
+            "these curves do not determine the offset of the torque sensor (any, by "
+            f"{', '.join(kinds)}): if the sensor was not zeroed, its offset is in the model; zero "
+            f"the sensor, or give its offset ({TARE})"
+        )
+
+
+def _about_suit(fit: Fit, alone: str | None, found: Uncertainty | None) -> Iterator[str]:
+    """Yields which joint the suit file has, if it has one only, and what the samples contain."""
+    if alone is not None:
+        name = alone.replace("_", " ")
+        yield f"suit: it resists {name} only; --base mock-suit adds the other joints"
+    if found:
+        kinds = len({kind_of(one) for one in found.samples})
+        of = "1 kind" if kinds == 1 else f"{kinds} kinds"
+        without = "; ".join(_left_open(fit, found)) or "nothing that is known"
+        yield (
+            f"samples: {len(found.samples)}, of {of} of model, which the curves allow too; not "
+            f"among them: {without}"
+        )
 
 
 def _deviation(fit: Fit, found: Uncertainty | None) -> str:
@@ -404,9 +452,9 @@ def _write(folder: RunFolder, joint: str, fit: Fit, summary: dict[str, Any]) -> 
 
 
 def _end(result: Fit | Selection) -> None:
-    """Ends the command as a fit demands that was interrupted or does not describe the curves."""
+    """Ends the command as a fit demands that was interrupted, or is not what was asked for."""
     fit = _fit(result)
     if fit.interrupted:
         raise KeyboardInterrupt(f"the best of the {_finished(result)} is kept")
-    if fit.verdict == NOT:
+    if fit.verdict == NOT or any(one.code == "open" for one in fit.remarks):
         raise SystemExit(NOT_DESCRIBED)

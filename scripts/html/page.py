@@ -16,6 +16,7 @@ from ...errors import InputError, install_line
 from ...files import content_of
 from ..text import visible
 from .blocks import Chart, Picture, Player, Section, Table
+from .columns import explained
 from .player import player_parts
 
 PLOTLY = ("package_data", "plotly.min.js")  # in the folder of the package plotly
@@ -218,6 +219,8 @@ class _Renderer:
         )
         more = len(table.rows) - len(rows)
         note = f"<p>{more} more rows are in the files of the run.</p>" if more else ""
+        if meaning := explained(table.header):
+            note += f"<p>{text(meaning)}.</p>"
         kind = ' class="sortable"' if sortable else ""
         return (
             f'<div class="scroll" role="region" tabindex="0" aria-label="{caption}">'

@@ -175,6 +175,8 @@ def selection_summary(selection: Selection) -> dict[str, Any]:
 
 def advised(remark: Remark) -> str:
     """Returns a remark with the option of the command line that would act on it."""
+    if remark.code == "wandering":
+        return f"{remark.sentence} (activesuit identify FIRST.csv SECOND.csv --method auto)"
     if remark.option is None:
         return remark.sentence
     name, value = remark.option
@@ -204,6 +206,7 @@ def uncertainty_summary(found: Uncertainty) -> dict[str, Any]:
         "noise_correlation": found.noise.memory,
         "offset": found.offset and found.offset._asdict(),
         "left_open": found.left_open,
+        "offset_open": found.offset_open,
         "samples": [sample.to_dict() for sample in found.samples],
     }
 

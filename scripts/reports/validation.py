@@ -9,11 +9,14 @@ from matplotlib import colormaps
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from ...arrays import Array
 from ...assets import Suit
 from ...envs.evaluation import Evaluation, Interval
+from ...envs.evaluation.statistics import mean_interval
 from ...envs.evaluation.validation import (
     LIMITS,
     NOT_VALID,
+    TRUE,
     CurveError,
     TorqueError,
     Validation,
@@ -31,6 +34,7 @@ RULE = (
 )
 LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
 COLORS = "RdYlGn_r"
+LESS = "less than"
 NOTHING, SAME = "nothing to judge", "the same suit"
 
 
@@ -160,16 +164,14 @@ def answer(
     if nrmse is None:
         return
     count = max(len(entry.samples) for entry in joints.values())
-    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
-    effort, suited = (float(np.mean(one.effort)) for one in (own, evaluation.scores["suited"]))
+    yield _plain_words(policy, evaluation)
     relief = f"a relief of {interval_text(found.relief)}"
     if found.relief is None:
-        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength"
+        relief = "no relief that has a meaning, as the suit costs less than 1 % of strength,"
     yield (
-        f"{policy} with this model has {relief} (effort {effort:.1%}, without motors {suited:.1%} "
-        f"of strength) and a torque error of {nrmse.value:.1%} ({nrmse.low:.1%} to {nrmse.high:.1%}"
-        f") of the peak, where the true suit is drawn among the model and {count} others that its "
-        "curves allow"
+        f"{policy} with this model has {relief} and a torque error of {nrmse.value:.1%} "
+        f"({nrmse.low:.1%} to {nrmse.high:.1%}) of the peak, where the true suit is drawn among "
+        f"the model and {count} others that its curves allow"
     )
     covered = ", ".join(
         f"{joint} from {low:.2f} to {high:.2f} rad"
@@ -179,6 +181,31 @@ def answer(
     yield from _beyond(found, believed, suit)
     left_open = dict.fromkeys(one for entry in joints.values() for one in entry.left_open)
     yield f"not contained: {'; '.join([*left_open, 'other persons, pressures and tasks'])}"
+
+
+def _plain_words(policy: str, evaluation: Evaluation) -> str:
+    """Returns whether the wearer works less than without exoskeleton, and what limits that."""
+    (own,) = (score for name, score in evaluation.scores.items() if name.startswith("by "))
+    suited, true = (np.array(evaluation.scores[name].effort) for name in ("suited", TRUE))
+    effort = np.array(own.effort)
+    text = (
+        f"with {policy} and this model the wearer works {_compared(effort, suited)} without "
+        f"exoskeleton (effort {effort.mean():.1%} against {suited.mean():.1%} of strength), "
+        f"and {_compared(effort, true)} with the true model ({true.mean():.1%})"
+    )
+    if _compared(true, suited) == LESS:
+        return text
+    text += ": the limit is the controller and its motors here, not your measurement"
+    if evaluation.relief("suited") is None:
+        unsuited = float(np.mean(evaluation.scores["unsuited"].effort))
+        return f"{text}; there is little to give back, as the effort without suit is {unsuited:.1%}"
+    return text if policy == "compensation" else f"{text}; try --policy compensation"
+
+
+def _compared(effort: Array, other: Array) -> str:
+    """Returns how the effort of the same motions compares with another, by its 95 % interval."""
+    apart = mean_interval(effort - other)
+    return LESS if apart.high < 0 else "more than" if apart.low > 0 else "as much as"
 
 
 def covered_text(cells: Cells) -> str:

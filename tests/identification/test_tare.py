@@ -43,10 +43,18 @@ def test_auto_takes_the_offset_of_jiles_atherton_where_no_other_model_is_as_good
 
 
 def test_auto_takes_no_offset_that_a_model_as_good_leaves_open(elbow):
-    with pytest.raises(
-        InputError, match=r"not determined: 1.3 N·m by jiles-atherton, any by duhem"
-    ):
-        select(family(elbow), corrections=Corrections(tare="fit"))
+    tried = []
+    found = select(family(elbow), corrections=Corrections(tare="fit"), on_candidate=tried.append)
+    assert found.fit.tare == 0
+    assert found.fit.remarks[0].code == "open"
+    assert "do not determine it: 1.3 N·m by jiles-atherton, any by duhem" in str(
+        found.fit.remarks[0]
+    )
+    plain = select(family(elbow))
+    assert found.fit.model == plain.fit.model
+    assert found.fit.remarks[1:] == plain.fit.remarks
+    assert sorted(one.name for one in tried) == sorted(2 * [one.name for one in plain.candidates])
+    assert plain.uncertainty().offset_open == (plain.fit.model_name,)
 
 
 def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
@@ -63,7 +71,9 @@ def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
 def test_a_spring_with_a_rest_angle_leaves_the_offset_open(elbow):
     found = identify(family(elbow), model="bouc-wen").uncertainty()
     assert found.offset is None
-    assert found.left_open[0] == "an offset of the torque sensor"
+    assert found.left_open[0] == "an offset of the torque sensor, if it was not zeroed"
+    assert found.offset_open == ("bouc-wen",)
+    assert identify(family(elbow, 0.0)).uncertainty().offset_open == ()
     assert "the curves have no times" in found.left_open[1]
 
 

@@ -1,6 +1,7 @@
 """The page itself: texts of users stay texts, and nothing else than what it says is in it."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,9 +9,13 @@ from activesuit.errors import InputError
 from activesuit.scripts.folders import RunFolder
 from activesuit.scripts.html import page as page_module
 from activesuit.scripts.html.charts import label, line, thinned
+from activesuit.scripts.html.columns import MEANINGS
 from activesuit.scripts.html.page import build, data_script, plotly_source
 from activesuit.scripts.html.writing import write_report
+from activesuit.scripts.reports import validation
 from pages import EVIL, Page, checked_page, evil_run, parsed, seen
+
+REPORTS = Path(validation.__file__).parent
 
 
 def test_names_of_users_are_texts(tmp_path):
@@ -81,6 +86,21 @@ def test_numbers_are_right_and_texts_left(tmp_path):
     page = parsed(tmp_path / "report.html")
     sides = [one.get("class") for one in page.all("th")[:4]]
     assert sides == ["left", None, None, "left"]
+
+
+def test_columns_whose_names_do_not_say_it_are_explained(tmp_path):
+    run = RunFolder(tmp_path, "tasks")
+    tables = {"t": (["a", "over fit\nnoise"], [["b", "1"]]), "u": (["a", "b"], [["c", "2"]])}
+    write_report(*(run, "tasks", "t"), answer=[], tables=tables, settings={})
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    line = "<p>over fit noise: root mean square of the error over what the fit left of its curves."
+    assert page.count(line) == 1
+
+
+@pytest.mark.parametrize("name", MEANINGS)
+def test_every_explained_column_is_in_a_table(name):
+    sources = " ".join(path.read_text(encoding="utf-8") for path in REPORTS.glob("*.py"))
+    assert name in sources.replace("\\n", " ")
 
 
 def test_lines_are_thinned_and_have_no_infinities():

@@ -1,0 +1,60 @@
+"""Sentences about a suit that is validated against itself."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from activesuit.scripts.reports.validation import answer
+
+NOISE = 0.001 * np.array([1, -1, 2, -2, 1, -1, 2, -2])
+INTERVAL = SimpleNamespace(value=0.05, low=0.03, high=0.09)
+
+
+def said(own, true, suited=0.16, policy="feedforward", cost=True) -> list[str]:
+    """Returns the answer where these are the mean efforts."""
+    efforts = {"unsuited": 0.1, "suited": suited, "true model": true, "by suit": own}
+    relief = INTERVAL if cost else None
+    evaluation: Any = SimpleNamespace(
+        scores={name: SimpleNamespace(effort=tuple(e + NOISE)) for name, e in efforts.items()},
+        relief=lambda name: relief,
+    )
+    torque = SimpleNamespace(covered={"elbow_flexion": (0.5, 1.5)}, nrmse=INTERVAL)
+    joint = SimpleNamespace(samples=(1,) * 20, left_open=("an offset",), range=(0.0, 2.0))
+    found: Any = SimpleNamespace(torque=torque, relief=relief)
+    suit: Any = SimpleNamespace(joints={"elbow_flexion": joint})
+    return list(answer(found, "suit.json", suit, policy, evaluation))
+
+
+@pytest.mark.parametrize(
+    ("given", "first"),
+    [
+        (
+            {"own": 0.12, "true": 0.12},
+            "with feedforward and this model the wearer works less than without exoskeleton "
+            "(effort 12.0% against 16.0% of strength), and as much as with the true model (12.0%)",
+        ),
+        (
+            {"own": 0.17, "true": 0.12},
+            "with feedforward and this model the wearer works more than without exoskeleton "
+            "(effort 17.0% against 16.0% of strength), and more than with the true model (12.0%)",
+        ),
+        (
+            {"own": 0.16, "true": 0.16},
+            "with feedforward and this model the wearer works as much as without exoskeleton "
+            "(effort 16.0% against 16.0% of strength), and as much as with the true model (16.0%): "
+            "the limit is the controller and its motors here, not your measurement; try --policy "
+            "compensation",
+        ),
+    ],
+)
+def test_the_first_sentence_says_whether_the_wearer_works_less_and_what_limits_it(given, first):
+    assert said(**given)[0] == first
+
+
+def test_no_policy_is_advised_that_was_tried_or_has_nothing_to_give_back():
+    assert said(0.17, 0.17, policy="compensation")[0].endswith("not your measurement")
+    text = said(0.115, 0.115, suited=0.105, cost=False)
+    assert text[0].endswith("little to give back, as the effort without suit is 10.0%")
+    assert "no relief that has a meaning" in text[1]
+    assert text[-1] == "not contained: an offset; other persons, pressures and tasks"
