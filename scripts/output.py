@@ -126,9 +126,7 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
     Nothing is left out: in a terminal long cells are broken, elsewhere a table is as wide as it is.
     """
     header, rows = _visible(header), [_visible(row) for row in rows]
-    shown = Table(
-        title=Text(visible(title)), title_justify="left", box=box.SIMPLE_HEAD, padding=(0, 1)
-    )
+    shown = Table(box=box.SIMPLE_HEAD, padding=(0, 1))
     longest = [
         max(cell_len(line) for row in [header, *rows] for line in row[i].split("\n"))
         for i in range(len(header))
@@ -143,9 +141,10 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
         terminal = max(NARROWEST, shutil.get_terminal_size().columns)
         width = max(terminal, sum(length + BETWEEN for length in least))
     else:
-        width = max(cell_len(visible(title)), sum(length + BETWEEN for length in longest))
+        width = sum(length + BETWEEN for length in longest)
     console = Console(highlight=False, width=width)
     with console.capture() as text:  # printed by print, which leaves a closed pipe to `main`
+        console.print(Text(visible(title), style="italic"), soft_wrap=True)  # a title of one line
         console.print(shown)
     print(text.get(), end="")
 

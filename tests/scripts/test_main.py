@@ -164,6 +164,8 @@ def test_no_table_is_cut(capsys, monkeypatch):
     names = [f"my_policies:PDSuit:kp=5,kd={i}" for i in range(2)]
     header = ["policy", *(f"relief, 95 % interval {i}" for i in range(8))]
     rows = [[name, *(f"0.{i} of a long cell in one line" for i in range(8))] for name in names]
+    table("A title" + 30 * " and more", ["a"], [["1"]])
+    assert capsys.readouterr().out.startswith("A title" + 30 * " and more" + "\n")
     table("A title", header, rows)
     lines = capsys.readouterr().out.splitlines()
     for row in rows:
