@@ -1,0 +1,36 @@
+"""Words of fits: rows of parameters, and what a remark advises on the command line."""
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from activesuit.hysteresis import HingedStops
+from activesuit.identification import Remark
+from activesuit.identification.uncertainty.uncertainty import _open_ends
+from activesuit.scripts.reports.fits import advised
+from activesuit.scripts.reports.parameters import parameter_table
+
+
+def test_the_constant_of_a_model_is_not_called_the_offset_of_a_sensor():
+    given: Any = {"thresholds": (0.1,), "weights": (1.0,), "knots": (1.0,), "slopes": (0.5, 0.5)}
+    model = HingedStops(stiffness=2.0, offset=0.7, **given)
+    _, rows = parameter_table({"value": model})
+    assert ["offset of the model [N·m]", "0.7"] in rows
+    assert "offset" in json.dumps(model.to_dict())  # files keep the name
+
+
+def test_a_doubt_comes_with_the_command_for_two_records():
+    said = advised(Remark("wandering", "measure every curve twice"))
+    assert said.endswith("(activesuit identify FIRST.csv SECOND.csv --method auto)")
+    assert advised(Remark("tare", "an offset", ("tare", "fit"))) == "an offset (--tare fit)"
+
+
+def test_parameters_without_a_limit_share_one_note():
+    names = ("a", "b", "c", "d")
+    coordinates: Any = SimpleNamespace(names=names, least=np.zeros(4))
+    intervals = np.array([[0, np.inf], [0, np.inf], [0, 1], [1, 2]])
+    assert list(_open_ends(coordinates, intervals)) == [
+        "the curves set no limit to a, b",
+        "the curves set no lower limit to c",
+    ]
