@@ -1,13 +1,10 @@
 """Words of fits: rows of parameters, and what a remark advises on the command line."""
 
 import json
-from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 from activesuit.hysteresis import HingedStops
 from activesuit.identification import Remark
-from activesuit.identification.uncertainty.uncertainty import _open_ends
 from activesuit.scripts.reports.fits import advised
 from activesuit.scripts.reports.parameters import parameter_table
 
@@ -24,13 +21,3 @@ def test_a_doubt_comes_with_the_command_for_two_records():
     said = advised(Remark("wandering", "measure every curve twice"))
     assert said.endswith("(activesuit identify FIRST.csv SECOND.csv --method auto)")
     assert advised(Remark("tare", "an offset", ("tare", "fit"))) == "an offset (--tare fit)"
-
-
-def test_parameters_without_a_limit_share_one_note():
-    names = ("a", "b", "c", "d")
-    coordinates: Any = SimpleNamespace(names=names, least=np.zeros(4))
-    intervals = np.array([[0, np.inf], [0, np.inf], [0, 1], [1, 2]])
-    assert list(_open_ends(coordinates, intervals)) == [
-        "the curves set no limit to a, b",
-        "the curves set no lower limit to c",
-    ]
