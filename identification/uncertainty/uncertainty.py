@@ -167,7 +167,7 @@ def uncertainty(
         condition=float(np.linalg.cond(slopes * steps)),
         sloppy=(
             *_directions(model, measured, initial_torque, fitted_start),
-            *_open_ends(coordinates, intervals),
+            *open_ends(coordinates, intervals),
         ),
         intervals=intervals,
         samples=_refits(
@@ -221,7 +221,8 @@ def _intervals(
     return np.column_stack([low, high])
 
 
-def _open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
+def open_ends(coordinates: Coordinates, intervals: Array) -> Iterator[str]:
+    """Yields sentences on the parameters whose intervals, shape (n, 2), have no end."""
     names, (low, high) = np.array(coordinates.names), intervals.T
     low_open, high_open = low == coordinates.least, high == np.inf
     for end, is_open in (

@@ -2,6 +2,8 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +18,7 @@ from activesuit.identification.residual.tangent import coordinates_of, tangent
 from activesuit.identification.uncertainty import uncertainty
 from activesuit.identification.uncertainty.likelihood import Likelihood
 from activesuit.identification.uncertainty.sloppy_directions import sloppy_directions
-from activesuit.identification.uncertainty.uncertainty import estimator_covariance
+from activesuit.identification.uncertainty.uncertainty import estimator_covariance, open_ends
 from helpers import TABLE_2, sweep
 from scipy.stats import binom
 
@@ -261,3 +263,13 @@ def test_bad_input(elbow):
     with pytest.raises(InputError, match="meets its pole"):
         pole = JilesAtherton(Ms=22.0, a=30.0, alpha=9.0, c=6.0, k=20.0, angle_unit="deg")
         uncertainty(pole, curves)
+
+
+def test_parameters_without_a_limit_share_one_note():
+    names = ("a", "b", "c", "d")
+    coordinates: Any = SimpleNamespace(names=names, least=np.zeros(4))
+    intervals = np.array([[0, np.inf], [0, np.inf], [0, 1], [1, 2]])
+    assert list(open_ends(coordinates, intervals)) == [
+        "the curves set no limit to a, b",
+        "the curves set no lower limit to c",
+    ]
