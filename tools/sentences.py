@@ -166,9 +166,15 @@ def _training() -> Iterator[str]:
     yield f"take {100 * share:.0f} % of the time, and NumPy does them {ratio:.1f} times as fast"
     yield f"at most {100 * share * (1 - 1 / ratio):.0f} % less time"
     found = kept("learning")["result"]
-    (reached,) = (one["value"] for one in found["ends"] if one["level"] == "shift")
-    corrected, *_ = (one["value"] for one in found["beside"] if one["level"] == "shift")
-    yield f"the correction gets {reached - corrected:.1f} more relief than compensation"
+    ends = {one["task"]: one["value"] for one in found["ends"] if _corrected(one)}
+    beside = [one for one in found["beside"] if one["level"] == "shift"]
+    before = {one["task"]: one["value"] for one in beside if "compensation" in one["policy"]}
+    gains = (f"{ends[task] - before[task]:.2f} in `{task}`" for task in ends)
+    yield f"gets {', '.join(gains)} more relief than compensation"
+
+
+def _corrected(end: dict[str, Any]) -> bool:
+    return end["way"] == "residual" and end["level"] == "shift"
 
 
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
