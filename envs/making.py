@@ -12,6 +12,7 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 
 from ..errors import InputError, shown, unknown_name
 from .arm_env import ArmEnv
+from .tasks import TASKS
 from .vector_env import ArmVectorEnv
 
 OURS = "ActiveSuit/"  # prefix of the ids of shipped environments
@@ -53,7 +54,7 @@ def _imported(env_id: str) -> str:
             import_module(module)
         made_by = _maker(name)
     if name not in gymnasium.registry:
-        ours = [known for known in gymnasium.registry if known.startswith(OURS)]
+        ours = [f"{OURS}{task}-v0" for task in TASKS]
         raise unknown_name("environment", env_id, ours)
     if made_by is None or (isinstance(made_by, type) and not issubclass(made_by, ArmEnv)):
         raise _no_arm(env_id)

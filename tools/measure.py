@@ -85,7 +85,7 @@ EXPERIMENTS = {
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",
-    "learning": "benchmark learning --ways ppo residual --seeds 0-4 --steps 200000",
+    "learning": "benchmark learning --ways ppo residual --seeds 0-9 --steps 200000",
     "learning-drawn": (
         "benchmark learning --tasks ArmTracking --levels shift --ways residual-history "
         "residual-drawn --seeds 0-4 --steps 200000"

@@ -57,7 +57,7 @@ def animate(
     force: Force = False,
     trust: Trust = False,
 ) -> None:
-    """Draw an assisted motion and its torque-angle loops, or its muscles, as an animation.
+    """Draw an assisted motion with its loops or muscles as an animation.
 
     Without an environment it is a reach that loops without a seam; with one, a whole episode.
 

@@ -100,7 +100,7 @@ def test_a_missing_library_is_one_sentence(monkeypatch, name, package):
     for module in [key for key in sys.modules if key.split(".")[0] == package]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(InputError, match=rf"package {package}, .*pip install 'activesuit\[comp"):
+    with pytest.raises(InputError, match=rf"package {package}, .*pip install -e '.\[compare\]'"):
         LIBRARIES[name](sphere, BOUNDS, 100)
 
 

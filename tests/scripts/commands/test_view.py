@@ -185,7 +185,7 @@ def test_an_animation_is_a_loop(capsys, tmp_path, monkeypatch, opengl):
     assert captured.out == "wrote arm.gif\n"
     lines = captured.err.splitlines()
     assert sum(line.startswith("pictures: ") for line in lines) == 10
-    assert lines[-1].startswith("torque-angle loops: 100 % after ")
+    assert lines[-1].startswith("panels beside the arm: 100 % after ")
     assert [path.name for path in tmp_path.iterdir()] == ["arm.gif"]
     frames = loop(tmp_path / "arm.gif")
     again = mistake(capsys, "animate", "--out", "arm.gif", *small)
