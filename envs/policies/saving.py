@@ -145,6 +145,8 @@ def network_of(model: Any) -> Network:
     if hasattr(policy, "actor") and hasattr(policy.actor, "latent_pi"):  # SAC, TQC
         between, last, squashed = policy.actor.latent_pi, policy.actor.mu, True
         features = policy.actor.features_extractor
+        if policy.actor.use_sde and policy.actor.clip_mean:
+            raise _foreign(model, "use_sde clips its mean actions: give policy_kwargs clip_mean 0")
     elif hasattr(policy, "action_net"):  # PPO, A2C, RecurrentPPO
         between, last, squashed = policy.mlp_extractor.policy_net, policy.action_net, False
         features = policy.features_extractor

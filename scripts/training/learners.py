@@ -6,6 +6,7 @@ from typing import Any
 
 from ...envs.making import make_arms
 from ...envs.policies.network import Residual
+from ...envs.policies.saving import network_of
 from ...errors import InputError
 from ..output import RunFolder
 from .hyperparameters import algorithm_class, arguments
@@ -42,7 +43,8 @@ def new_learner(
     """Returns a learner that knows nothing yet.
 
     Raises:
-        InputError: The algorithm refuses a hyperparameter.
+        InputError: The algorithm refuses a hyperparameter, or no policy can be made of its
+            networks.
     """
     logs = str(folder.subfolder("tensorboard"))
     usual = {"seed": seed, "device": "cpu", "tensorboard_log": logs}
@@ -56,6 +58,7 @@ def new_learner(
         raise InputError(
             f"{algo} refuses its hyperparameters ({type(error).__name__}: {error}): change the file"
         ) from error
+    network_of(learner)
     if hasattr(getattr(environments, "venv", None), "residual"):
         _begin_at_zero(learner)
     return learner

@@ -360,6 +360,17 @@ def test_mistakes_in_hyperparameters(tmp_path, capsys, content, message):
     assert re.search(message, fails(capsys, "train", *given))
 
 
+@pytest.mark.parametrize("more", [[], ["--residual", "compensation"]])
+def test_networks_of_which_no_policy_can_be_made_are_refused_before_the_training(
+    tmp_path, capsys, more
+):
+    (tmp_path / "mine.yml").write_text("default: {use_sde: true}")
+    given = ["--algo", "sac", "--hyperparameters", tmp_path / "mine.yml", *more]
+    error = fails(capsys, "train", *given, "--out", tmp_path / "run")
+    assert "of this SAC: use_sde clips its mean actions: give policy_kwargs clip_mean 0" in error
+    assert not (tmp_path / "run" / "policy.json").exists()
+
+
 def test_schedules_and_own_hyperparameters(tmp_path):
     from activesuit.scripts.training.hyperparameters import ALGORITHMS, arguments, hyperparameters
 
