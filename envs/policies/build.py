@@ -17,6 +17,7 @@ from ..arm_env import ArmEnv
 from ..belief import Belief
 from ..model import resisting_joints
 from ..plant import Plant
+from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
 from .admittance import Admittance
@@ -220,9 +221,9 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
     """Returns the options of an environment in which a policy can act.
 
     Args:
-        given: A policy, which needs its sensor suites in their units; or the folder of a trained
-            one, which needs what it was trained with; or a class of your own without `sensors`,
-            which takes what there is.
+        given: A policy, which needs its sensor suites in their units; or the name or folder of a
+            trained one, which needs what it was trained with; or a class of your own without
+            `sensors`, which takes what there is.
 
     Raises:
         InputError: See `policy_spec`.
@@ -231,7 +232,7 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
     maker = maker_of(name)
     if maker is None:
         found = environment_of(_folder(name))
-        return {part: value for part, value in found.items() if part in OBSERVATION}
+        return {part: found.get(part, USUAL[part]) for part in OBSERVATION}
     sensors = getattr(maker, "sensors", None)
     return {} if sensors is None else {"sensors": sensors, "normalize": False, "history": 1}
 

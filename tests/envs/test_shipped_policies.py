@@ -11,6 +11,7 @@ from activesuit.envs.policies.network import read_card
 from activesuit.envs.policies.trained import SHIPPED
 from activesuit.errors import InputError
 from activesuit.scripts.main import main
+from helpers import short_benchmark
 from trained_runs import make_run
 
 pytest.importorskip("stable_baselines3")
@@ -42,6 +43,21 @@ def test_the_scene_is_free(capsys):
     given = ["evaluate", "--task", "ArmTracking", "--episodes", "8", "--unadapted"]
     main([*given, "--policies", "my-network"])
     assert "my-network" in capsys.readouterr().out
+
+
+def test_the_benchmark_has_its_sensors(tmp_path):
+    given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes"]
+    given += ["8", "--believed", "emu-like", "--workers", "1", "--backend", "threading"]
+    with short_benchmark(1.0):
+        main([*given, "--policies", "my-network", "--out", str(tmp_path / "run")])
+    assert "| my-network | encoders |" in (tmp_path / "run" / "tables.md").read_text()
+
+
+def test_what_it_observes_cannot_be_given_beside_it(capsys):
+    given = ["evaluate", "--task", "ArmTracking", "--policies", "my-network"]
+    with pytest.raises(SystemExit):
+        main([*given, "--set", "history=3"])
+    assert "what a policy observes follows from the policy" in capsys.readouterr().err
 
 
 def test_the_list_of_policies_has_it(capsys):

@@ -80,7 +80,8 @@ def test_a_single_arm_is_a_row(saved):
 def test_what_it_needs_is_what_it_was_trained_with(saved):
     _, folder, _ = saved
     needed = needed_options(str(folder))
-    assert needed == {"sensors": ["encoders", "preview"], "history": 2, "normalize": True}
+    observed = {"sensors": ["encoders", "preview"], "history": 2, "normalize": True}
+    assert needed == {**observed, "belief": None}
 
 
 def test_no_torch_is_imported(tmp_path):
