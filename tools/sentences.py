@@ -13,6 +13,7 @@ import numpy as np
 
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
+from ..envs.policies.trained import shipped_policies
 from .measure import kept
 from .results import WEIGHTLESS, interval, relief_at, scores, settings, standing, standings
 
@@ -171,6 +172,14 @@ def _training() -> Iterator[str]:
     before = {one["task"]: one["value"] for one in beside if "compensation" in one["policy"]}
     gains = (f"{ends[task] - before[task]:.2f} in `{task}`" for task in ends)
     yield f"gets {', '.join(gains)} more relief than compensation"
+    levels = standings().levels
+    by_level = [[float(relief_at(name, one)) for name in shipped_policies()] for one in levels]
+    usual = (relief_at("compensation", one) for one in levels)
+    ranges = (
+        f"{min(found):.2f} to {max(found):.2f} where compensation has {compensation}"
+        for found, compensation in zip(by_level, usual, strict=True)
+    )
+    yield ", ".join(f"{found} at {level}" for found, level in zip(ranges, levels, strict=True))
 
 
 def _corrected(end: dict[str, Any]) -> bool:
