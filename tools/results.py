@@ -477,25 +477,37 @@ def learning(name: str = "learning") -> str:
     return markdown_table(header, rows)
 
 
-def tuned() -> str:
-    """Returns the best hyperparameters of PPO that were tried, and the shipped ones."""
+ON_POLICY = {
+    "lambda": "gae_lambda",
+    "steps a row": "n_steps",
+    "batch": "batch_size",
+    "epochs": "n_epochs",
+    "periods of one exploration": "sde_sample_freq",
+}
+OFF_POLICY = {"tau": "tau", "updates": "gradient_steps", "batch": "batch_size"}
+USUAL = {"n_epochs": 10, "tau": 0.005, "batch_size": 256}  # those of Stable-Baselines3
+
+
+def tuned(algo: str) -> str:
+    """Returns the best hyperparameters of an algorithm that were tried, and the shipped ones."""
+    columns = {"learning rate": "learning_rate", "gamma": "gamma"}
+    columns |= ON_POLICY if algo == "ppo" else OFF_POLICY
     rows = []
-    for one in kept("hyperparameters-ppo")["rows"]:
-        settings = one["settings"]
+    for one in kept(f"hyperparameters-{algo}")["rows"]:
+        settings = {**USUAL, **one["settings"]}
         networks = settings["policy_kwargs"]
+        layers, noise = networks["net_arch"], networks.get("log_std_init")
         rows.append(
             [
                 *(str(one["trial"]), f"{one['alone']:.2f}", f"{one['correction']:.2f}"),
-                *(str(settings[name]) for name in ("learning_rate", "gamma", "gae_lambda")),
-                *(str(settings[name]) for name in ("n_steps", "batch_size")),
-                str(settings.get("n_epochs", 10)),
-                *(str(settings["sde_sample_freq"]), f"{networks['log_std_init']:.1f}"),
-                str(networks["net_arch"]["pi"][0]),
+                *(str(settings[name]) for name in columns.values()),
+                *([] if noise is None else [f"{noise:.1f}"]),
+                str((layers["pi"] if isinstance(layers, dict) else layers)[0]),
             ]
         )
-    header = ["trial", "relief alone", "relief of the correction", "learning rate", "gamma"]
-    header += ["lambda", "steps a row", "batch", "epochs", "periods of one exploration"]
-    return markdown_table([*header, "log std", "layer"], rows)
+    header = ["trial", "relief alone", "relief of the correction", *columns]
+    header += ["log std"] if algo == "ppo" else []
+    return markdown_table([*header, "layer"], rows)
 
 
 # The leaderboard.
@@ -611,7 +623,9 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
         **{"learning": learning, "drawn": lambda: learning("learning-drawn")},
-        **{"tuned": tuned, "weightless": weightless, "shipped": shipped},
+        **{"others": lambda: learning("learning-others")},
+        **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
+        **{"weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
     "environments.md": {"speed": lambda: speed("env")},

@@ -48,22 +48,23 @@ def settings_of(trial: optuna.Trial, algo: str) -> dict[str, Any]:
     found: dict[str, Any] = {
         "gamma": trial.suggest_categorical("gamma", [0.9, 0.95, 0.98]),
         "learning_rate": f"lin_{rate:.3g}" if falling else float(f"{rate:.3g}"),
+    }
+    if algo not in ON_POLICY:
+        found["tau"] = trial.suggest_categorical("tau", [0.005, 0.02])
+        found["gradient_steps"] = trial.suggest_categorical("gradient_steps", [8, 16])
+        found["batch_size"] = trial.suggest_categorical("batch_size", [256, 512])
+        return {**found, "policy_kwargs": {"net_arch": [size] * 2}}
+    found |= {
         "use_sde": True,
         "sde_sample_freq": trial.suggest_categorical("sde_sample_freq", [8, 16, 32]),
+        "gae_lambda": trial.suggest_categorical("gae_lambda", [0.8, 0.9, 0.95]),
+        "n_steps": trial.suggest_categorical("n_steps", [32, 64, 128]),
+        "batch_size": trial.suggest_categorical("batch_size", [256, 512, 1024]),
+        "n_epochs": trial.suggest_categorical("n_epochs", [5, 10]),
     }
-    if algo in ON_POLICY:
-        found |= {
-            "gae_lambda": trial.suggest_categorical("gae_lambda", [0.8, 0.9, 0.95]),
-            "n_steps": trial.suggest_categorical("n_steps", [32, 64, 128]),
-            "batch_size": trial.suggest_categorical("batch_size", [256, 512, 1024]),
-            "n_epochs": trial.suggest_categorical("n_epochs", [5, 10]),
-        }
-        networks: dict[str, Any] = {"net_arch": {"pi": [size] * 2, "vf": [size] * 2}}
-        if algo == "recurrent-ppo":
-            networks = {"lstm_hidden_size": size, "net_arch": {"pi": [size], "vf": [size]}}
-    else:
-        found["tau"] = trial.suggest_categorical("tau", [0.005, 0.02])
-        networks = {"net_arch": [size] * 2}
+    networks: dict[str, Any] = {"net_arch": {"pi": [size] * 2, "vf": [size] * 2}}
+    if algo == "recurrent-ppo":
+        networks = {"lstm_hidden_size": size, "net_arch": {"pi": [size], "vf": [size]}}
     networks["log_std_init"] = trial.suggest_float("log_std_init", -3.5, -1.5)
     return {**found, "policy_kwargs": networks}
 
@@ -83,10 +84,6 @@ def score(settings: dict[str, Any], algo: str, steps: int) -> dict[str, float]:
         last = [max(WORST, value(one)) for one in results[len(results) // 2 :]]
         found[name] = float(np.mean(last))
     return found
-
-
-def _value(trial: Any) -> float:
-    return WORST if trial.value is None else trial.value
 
 
 def main() -> None:
@@ -118,20 +115,22 @@ def main() -> None:
                 study.tell(trial, float(np.mean([*found.values()])))
                 print(trial.number, found, settings, flush=True)
     shipped = hyperparameters(given.algo, "default")
+    done: Any = [one for one in study.trials if one.value is not None]  # the others were stopped
     rows = [
         {
             "trial": trial.number,
             **trial.user_attrs["found"],
             "settings": trial.user_attrs["settings"],
         }
-        for trial in sorted(study.trials, key=_value, reverse=True)[:SHOWN]
+        for trial in sorted(done, key=lambda trial: trial.value, reverse=True)[:SHOWN]
     ]
     found = score(shipped, given.algo, given.steps)
     rows.append({"trial": "shipped", **found, "settings": shipped})
+    options = f"--algo {given.algo} --trials {given.trials} --steps {given.steps}"
     content = {
-        "command": f"python -m activesuit.tools.tune_training --algo {given.algo}",
+        "command": f"python -m activesuit.tools.tune_training {options}",
         "version": __version__,
-        "result": {"trials": len(study.trials), "steps": given.steps, "rows": rows},
+        "result": {"trials": len(done), "steps": given.steps, "rows": rows},
     }
     text = json.dumps(content, indent=1)
     write_text(FOLDER / f"hyperparameters-{given.algo}.json", f"{text}\n")

@@ -47,6 +47,8 @@ WAYS: dict[str, dict[str, Any]] = {
     },
     "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
 }
+STEPS = 200_000  # usual number of a training
+FEW_STEPS = {"sac": 40_000, "tqc": 40_000}  # they update more often, and learn faster
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)  # motions of a finished policy
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
@@ -71,7 +73,9 @@ def learning(
     tasks: tuple[Annotated[str, choice(task_names)], ...] = TASKS,
     levels: tuple[Annotated[str, choice(level_names)], ...] = COMPARED,
     seeds: str = "0-9",
-    steps: Annotated[int | None, optional_number("that of the hyperparameters", int)] = None,
+    steps: Annotated[
+        int | None, optional_number("40,000 of sac and tqc, else 200,000", int)
+    ] = None,
     workers: int = -1,
     out: Path = Path("runs/learning"),
     force: Force = False,
@@ -114,7 +118,10 @@ def learning(
     work: list[tuple[Any, ...]] = [
         (_beside, one, folder, path.name) for one, path in files.items() if not path.exists()
     ]
-    work += [(_train, key, path, steps) for key, path in runs.items() if not _done(path, steps)]
+    for (cell, seed), path in runs.items():
+        many = steps or FEW_STEPS.get(cell.way, STEPS)
+        if not (finished(path, many) and (path / SCORE).exists()):
+            work.append((_train, cell, seed, path, many))
     with progress("learning", len(work)) as bar:
         for _ in run_all(_call, work, "loky", workers):
             bar.advance()
@@ -134,17 +141,11 @@ def _call(function: Any, *arguments: Any) -> None:
     function(*arguments)
 
 
-def _done(path: Path, steps: int | None) -> bool:
-    return finished(path, steps) and (path / SCORE).exists()
-
-
-def _train(key: tuple[Cell, int], path: Path, steps: int | None) -> None:
+def _train(cell: Cell, seed: int, path: Path, steps: int) -> None:
     """Trains in a folder, or continues what is there, and tests the policy that is kept."""
-    cell, seed = key
     way = dict(WAYS[cell.way])
     teacher = way.pop("teacher", None)
-    given = {"level": cell.level, "seed": seed, **way}
-    given |= {} if steps is None else {"steps": steps}
+    given = {"level": cell.level, "seed": seed, "steps": steps, **way}
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
     request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
