@@ -141,18 +141,13 @@ def _done(path: Path, steps: int | None) -> bool:
 def _train(key: tuple[Cell, int], path: Path, steps: int | None) -> None:
     """Trains in a folder, or continues what is there, and tests the policy that is kept."""
     cell, seed = key
-    way = dict(WAYS[cell.way])
-    teacher = way.pop("teacher", None)
-    given = {"level": cell.level, "seed": seed, **way}
+    given = {"level": cell.level, **WAYS[cell.way]}
     given |= {} if steps is None else {"steps": steps}
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
     request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
     if not finished(path, steps):
-        if teacher is None:
-            request.seed(path, seed, resume=True)
-        else:
-            request.student(path, teacher)
+        request.seed(path, seed, resume=True)
     RunFolder(path).json(SCORE, _tested(str(path), cell.task, cell.level))
 
 
