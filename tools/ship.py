@@ -64,14 +64,11 @@ NETWORKS: dict[str, tuple[str, dict[str, Any]]] = {
 
 def train(name: str, seed: int, out: Path) -> None:
     """Trains one network with one seed, or continues what is there."""
-    given = {**NETWORKS[name][1], "seed": seed}
-    teacher, file = given.pop("teacher", None), given.pop("hyperparameters", None)
+    given = dict(NETWORKS[name][1])
+    file = given.pop("hyperparameters", None)
     place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
     request = TrainingRequest(given=given, file=file, scene=place, force=True)
-    if teacher is None:
-        request.seed(out, seed, resume=True)
-    else:
-        request.student(out, teacher)
+    request.seed(out, seed, resume=True)
 
 
 def main() -> None:

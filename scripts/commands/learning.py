@@ -47,8 +47,8 @@ WAYS: dict[str, dict[str, Any]] = {
     },
     "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
 }
-STEPS = 200_000  # usual number of a training
-FEW_STEPS = {"sac": 40_000, "tqc": 40_000}  # they update more often, and learn faster
+USUAL_STEPS = 200_000
+STEPS = {"sac": 40_000, "tqc": 40_000, "student": 1_000_000}  # of ways with another number
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)  # motions of a finished policy
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
@@ -73,9 +73,7 @@ def learning(
     tasks: tuple[Annotated[str, choice(task_names)], ...] = TASKS,
     levels: tuple[Annotated[str, choice(level_names)], ...] = COMPARED,
     seeds: str = "0-9",
-    steps: Annotated[
-        int | None, optional_number("40,000 of sac and tqc, else 200,000", int)
-    ] = None,
+    steps: Annotated[int | None, optional_number("that of the way", int)] = None,
     workers: int = -1,
     out: Path = Path("runs/learning"),
     force: Force = False,
@@ -95,7 +93,8 @@ def learning(
         tasks: Names of tasks.
         levels: Names of levels.
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.
-        steps: Number of environment steps of each training.
+        steps: Number of environment steps of each training, by default 40,000 of sac and tqc,
+            1,000,000 of student and 200,000 of others.
         workers: Number of trainings at once; -1 uses all cores.
         out: Folder of the trainings, result.json and the figure of learning curves.
     """
@@ -119,7 +118,7 @@ def learning(
         (_beside, one, folder, path.name) for one, path in files.items() if not path.exists()
     ]
     for (cell, seed), path in runs.items():
-        many = steps or FEW_STEPS.get(cell.way, STEPS)
+        many = steps or STEPS.get(cell.way, USUAL_STEPS)
         if not (finished(path, many) and (path / SCORE).exists()):
             work.append((_train, cell, seed, path, many))
     with progress("learning", len(work)) as bar:
@@ -143,17 +142,12 @@ def _call(function: Any, *arguments: Any) -> None:
 
 def _train(cell: Cell, seed: int, path: Path, steps: int) -> None:
     """Trains in a folder, or continues what is there, and tests the policy that is kept."""
-    way = dict(WAYS[cell.way])
-    teacher = way.pop("teacher", None)
-    given = {"level": cell.level, "seed": seed, "steps": steps, **way}
+    given = {"level": cell.level, "steps": steps, **WAYS[cell.way]}
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
     request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
     if not finished(path, steps):
-        if teacher is None:
-            request.seed(path, seed, resume=True)
-        else:
-            request.student(path, teacher)
+        request.seed(path, seed, resume=True)
     RunFolder(path).json(SCORE, _tested(str(path), cell.task, cell.level))
 
 

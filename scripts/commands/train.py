@@ -118,7 +118,7 @@ def train(
     given: dict[str, Any] = {"algo": algo, "seed": seed, "rows": rows, "steps": steps}
     given |= {"level": level, "history": history, "sensors": list(sensors) or None}
     given |= {"normalize": normalize or None, "belief": belief and {"suit": belief}}
-    given |= {"reward": reward, "motions": motions, "patience": patience}
+    given |= {"reward": reward, "motions": motions, "patience": patience, "teacher": teacher}
     drawn = {"suit": "samples" if samples else None, "suits": list(suits) or None}
     given |= {"randomize": {name: one for name, one in drawn.items() if one} or None}
     given |= {"residual": _residual(residual, residual_scale)}
@@ -135,7 +135,7 @@ def train(
         torch_threads=torch_threads,
     )
     if seeds is None:
-        done = request.one(out) if teacher is None else request.student(out, teacher)
+        done = request.one(out)
         level = environment_of(out).get("level", NOMINAL)
         at = "" if level == NOMINAL else f"--level {level} "
         say(
@@ -143,8 +143,6 @@ def train(
             f"activesuit evaluate {at}--policies none {out}"
         )
         return
-    if teacher is not None:
-        raise InputError("--seeds is given with --teacher: leave one of them out")
     if motions == 0:
         raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
     chosen = seeds_of(seeds)

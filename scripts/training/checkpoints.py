@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ..output import RunFolder
-from ..own_files import is_own, note
+from ..output import RunFolder, messages
+from ..own_files import is_own, note, notes_folder
 from .hyperparameters import algorithm_class
 
 CHECKPOINT, REPLAY = "model.zip", "replay.pkl"
@@ -79,15 +79,24 @@ def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any
             file, env=environments, device="cpu", force_reset=False
         )
     except Exception as error:  # a damaged file fails wherever it is damaged
-        reason = next(iter(str(error).splitlines()), type(error).__name__)
-        raise InputError(
-            f"{str(checkpoint.path)!r} is not a readable checkpoint ({reason}): restore it, or "
-            "train again"
-        ) from error
+        raise unreadable(checkpoint.path, error) from error
     if checkpoint.replay is not None:
         _load_replay(learner, checkpoint.replay, checkpoint.path.with_name(REPLAY))
     _go_back(learner, checkpoint.path)
     return learner
+
+
+def unreadable(path: Path, error: Exception) -> InputError:
+    """Returns the message about a checkpoint that cannot be restored.
+
+    Args:
+        path: Path of the checkpoint.
+        error: Exception that its content raises.
+    """
+    reason = next(iter(str(error).splitlines()), type(error).__name__)
+    return InputError(
+        f"{str(path)!r} is not a readable checkpoint ({reason}): restore it, or train again"
+    )
 
 
 def _remember(learner: Any, begun: bool) -> None:
@@ -231,6 +240,14 @@ def write_own(folder: RunFolder, contents: Mapping[str, bytes]) -> bool:
             scratch.write_bytes(content)
             noted &= note(scratch, folder / name)
     return noted
+
+
+def note_missing(noted: bool) -> None:
+    """Prints what follows where files could not be noted as ours."""
+    if not noted:
+        messages.print(
+            f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
+        )
 
 
 def _write(folder: RunFolder, name: str, write: Callable[[Path], Any]) -> bool:

@@ -5,6 +5,7 @@ done, so that the student learns from the states that its own mistakes lead to.
 Source: Ross, Gordon and Bagnell 2011, AISTATS (DAgger), with the last rounds in place of all.
 """
 
+import io
 from collections import deque
 from collections.abc import Mapping
 from itertools import pairwise
@@ -21,33 +22,44 @@ from ...envs.vector_env import ArmVectorEnv
 from ...errors import InputError, install_line
 from ..output import RunFolder, messages, progress
 from ..reports.learning import learning_figure
-from .checkpoints import write_own
+from .checkpoints import CHECKPOINT, Checkpoint, note_missing, unreadable, write_own
 from .evaluations import Evaluations
 from .learners import threads
 from .page import write_training_page
 from .run import begin, report
+from .seeds import finished
 
-DAGGER: dict[str, Any] = {"rows": 64, "steps": 1_000_000}  # usual numbers
+USUAL: dict[str, Any] = {"rows": 64, "steps": 1_000_000}
 LAYERS = (64, 64)
 LAST = 5  # rounds whose samples are kept
 EPOCHS, BATCH, RATE = 4, 1024, 1e-3
+PAIR = ("seen", "wished")  # what a student saw, and what its teacher would have done
 Samples = NDArray[np.float32]
 
 
 def distill(
-    folder: RunFolder, card: Card, options: dict[str, Any], teacher: str, torch_threads: int
+    folder: RunFolder,
+    card: Card,
+    options: dict[str, Any],
+    checkpoint: Checkpoint | None,
+    torch_threads: int,
 ) -> int:
     """Trains a student; returns the number of steps.
 
+    There is a checkpoint after each round. A round begins with new episodes, whose seeds follow
+    from its number, and with a teacher that has forgotten the last ones. So what the next rounds
+    depend on is the network, its optimizer, the kept samples and the random generator of torch.
+
     Args:
         folder: Folder of the run.
-        card: Card of the student.
+        card: Card of the student, whose `training` has the teacher.
         options: Options of the student's environment.
-        teacher: Specification of the teacher.
+        checkpoint: Checkpoint from which the training continues; None begins anew.
         torch_threads: Number of threads of torch.
 
     Raises:
-        InputError: Torch is missing, or the teacher cannot act.
+        InputError: Torch is missing, the teacher cannot act, or the checkpoint is damaged or has
+            all steps.
     """
     try:
         import torch
@@ -58,41 +70,78 @@ def distill(
         ) from error
     env, training = card.environment["env"], card.training
     own = {name: training[name] for name in ("randomize",) if name in training}
+    teacher, motions, steps = training["teacher"], training["motions"], training["steps"]
     lesson = Lesson(env, {**options, **own}, teacher, training["rows"])
-    card = begin(folder, card, resume=False)
-    motions = training["motions"]
-    evaluations = Evaluations(folder, card, options, motions, 0) if motions else None
+    size = training["rows"] * lesson.periods  # steps of a round
+    rounds = max(1, round(steps / size))
     torch.manual_seed(training["seed"])
-    rounds = max(1, round(training["steps"] / (training["rows"] * lesson.periods)))
     student = _Student(lesson.size, lesson.motors)
     kept: deque[tuple[Samples, Samples]] = deque(maxlen=LAST)
-    done = 0
+    begun = _go_back(student, kept, checkpoint) if checkpoint else 0
+    if begun >= rounds and (not motions or finished(folder.path, steps)):
+        raise InputError(
+            f"the run has {begun * size} steps already, in rounds of {size}: give --steps above "
+            "that to go on"
+        )
+    card = begin(folder, card, resume=bool(checkpoint))
+    evaluations = Evaluations(folder, card, options, motions, begun * size) if motions else None
     with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
-        for i in range(rounds):
+        for i in range(begun, rounds):
             first = 10**6 * (training["seed"] + 1) + i * training["rows"]
             kept.append(lesson.round(student.network() if i else None, first))
             student.learn(kept)
-            done += training["rows"] * lesson.periods
-            bar.advance()
-            network = student.network()
-            due = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0
-            if not due:
-                continue
-            scores = None
-            if evaluations is not None:
+            bar.move_to(i + 1)
+            network, done = student.network(), (i + 1) * size
+            best, scores = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0, None
+            if best and evaluations is not None:
                 scores = evaluations.add(done, network)
                 messages.print(report(scores))
-                if not evaluations.last_is_best:
-                    continue
+                best = evaluations.last_is_best
             filled = card.model_copy(
                 update={"training": {**training, "done": done}, "scores": scores}
             )
-            write_own(folder, files_of(filled, network))
+            files = files_of(filled, network) if best else {}
+            note_missing(write_own(folder, files | {CHECKPOINT: _content(student, kept, i + 1)}))
     if evaluations is not None:
         evaluations.finish()
         folder.figure("learning_curve", learning_figure({"student": evaluations.results}))
+    done = max(begun, rounds) * size
     write_training_page(folder, card, done, [] if evaluations is None else evaluations.results)
     return done
+
+
+def _content(student: "_Student", kept: deque[tuple[Samples, Samples]], rounds: int) -> bytes:
+    """Returns a checkpoint after some rounds: an archive of NumPy, which holds numbers only."""
+    import torch
+
+    last = [*kept][1 - LAST :]  # the next round replaces the one before them
+    content: dict[str, Any] = student.numbers() | {"random": torch.get_rng_state().numpy()}
+    for i, pair in enumerate(last):
+        content |= {f"{what}.{i}": one for what, one in zip(PAIR, pair, strict=True)}
+    file = io.BytesIO()
+    np.savez(file, rounds=rounds, **content)
+    return file.getvalue()
+
+
+def _go_back(
+    student: "_Student", kept: deque[tuple[Samples, Samples]], checkpoint: Checkpoint
+) -> int:
+    """Restores what `_content` has kept; returns the number of rounds."""
+    import torch
+
+    try:
+        with np.load(io.BytesIO(checkpoint.learner), allow_pickle=False) as file:
+            found = dict(file)
+        student.restore(found)
+        rounds = int(found["rounds"])
+        for i in range(min(rounds, LAST - 1)):
+            seen, wished = (found[f"{what}.{i}"] for what in PAIR)
+            student.check(seen, wished)
+            kept.append((seen, wished))
+        torch.set_rng_state(torch.from_numpy(found["random"]))
+    except Exception as error:  # a damaged file fails wherever it is damaged
+        raise unreadable(checkpoint.path, error) from error
+    return rounds
 
 
 class Lesson:
@@ -175,6 +224,7 @@ class _Student:
     def __init__(self, size: int, motors: int) -> None:
         from torch import nn, optim
 
+        self._shape = (size, motors)
         sizes = (size, *LAYERS)
         layers: list[Any] = []
         for before, after in pairwise(sizes):
@@ -200,3 +250,34 @@ class _Student:
         from ...envs.policies.saving import layers_of
 
         return Network(layers_of(self._layers), "tanh", squashed=False)
+
+    def numbers(self) -> dict[str, NDArray[Any]]:
+        """Returns the numbers of the layers and of their optimizer, by name."""
+        found = {f"layers.{name}": one for name, one in self._layers.state_dict().items()}
+        for i, state in self._optimizer.state_dict()["state"].items():
+            found |= {f"optimizer.{i}.{name}": one for name, one in state.items()}
+        return {name: one.numpy() for name, one in found.items()}
+
+    def restore(self, numbers: Mapping[str, NDArray[Any]]) -> None:
+        """Restores what `numbers` has returned; other numbers raise some exception."""
+        import torch
+
+        layers = {name: f"layers.{name}" for name in self._layers.state_dict()}
+        self._layers.load_state_dict(
+            {name: torch.from_numpy(numbers[key]) for name, key in layers.items()}
+        )
+        states = {}
+        for i, weights in enumerate(self._layers.parameters()):
+            shapes = {"step": (), "exp_avg": weights.shape, "exp_avg_sq": weights.shape}
+            states[i] = {
+                name: torch.from_numpy(numbers[f"optimizer.{i}.{name}"]).reshape(shape)
+                for name, shape in shapes.items()
+            }
+        groups = self._optimizer.state_dict()["param_groups"]
+        self._optimizer.load_state_dict({"state": states, "param_groups": groups})
+
+    def check(self, seen: Samples, wished: Samples) -> None:
+        """Raises ValueError unless samples are of this student."""
+        shapes = tuple((len(seen), size) for size in self._shape)
+        if (seen.shape, wished.shape) != shapes:
+            raise ValueError(f"samples have the shapes {seen.shape} and {wished.shape}")

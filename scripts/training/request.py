@@ -18,14 +18,14 @@ from ..output import RunFolder, telling
 from ..own_files import is_own
 from ..runs import Scene
 from .checkpoints import CHECKPOINT, Checkpoint
-from .distillation import DAGGER, distill
+from .distillation import USUAL, distill
 from .evaluations import MOTIONS
 from .hyperparameters import algorithm_class, hyperparameters
 from .run import TRAINING_ONLY, learn
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_STEPS, MOST_ROWS = 10**11, 10**5
-KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", *TRAINING_ONLY)
+KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", "teacher", *TRAINING_ONLY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,36 +64,30 @@ class TrainingRequest:
             raise InputError("--hyperparameters is given with --resume: a run keeps its own")
         config = _config(before, self.given, out)
         chosen = self.chosen(config, out if self.resume else None)
-        algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-        settings = hyperparameters(config["algo"], chosen.env, self.file)
-        settings |= before.get("hyperparameters", {})
-        config = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"]), **config}
+        if "teacher" in config:
+            self._check_student()
+            train, config = distill, {**USUAL, **config, "algo": "dagger"}
+        else:
+            train = learn
+            algorithm_class(config["algo"])  # reports a missing extra before the folder is made
+            settings = hyperparameters(config["algo"], chosen.env, self.file)
+            settings |= before.get("hyperparameters", {})
+            usual = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"])}
+            config = {**usual, **config, "hyperparameters": settings}
         at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
-        card, options = card_and_options(chosen, {**config, "hyperparameters": settings})
+        card, options = card_and_options(chosen, config)
         folder = RunFolder(out, "train", force=self.force or self.resume)
         with telling(lambda: _kept(folder)):
-            done = learn(folder, card, options, checkpoint, self.torch_threads)
-        return done
+            return train(folder, card, options, checkpoint, self.torch_threads)
 
-    def student(self, out: Path, teacher: str) -> int:
-        """Trains a student of another policy in a folder; returns the number of steps."""
-        for name in ("algo", "residual", "reward", "patience"):
-            if name in self.given:
-                raise InputError(f"--{name} is given with --teacher: leave one of them out")
-        if self.file is not None:
-            raise InputError("--hyperparameters is given with --teacher: leave one of them out")
-        if self.resume:
-            raise InputError(
-                "--resume is given with --teacher: a student takes minutes, train it anew"
-            )
-        _check_folder(out, False, self.trust, self.force)
-        config = {"seed": 0, "motions": MOTIONS, **DAGGER, **self.given}
-        card, options = card_and_options(
-            self.chosen(config), {**config, "algo": "dagger", "teacher": teacher}
-        )
-        folder = RunFolder(out, "train", force=self.force)
-        with telling(lambda: _kept(folder)):
-            return distill(folder, card, options, teacher, self.torch_threads)
+    def _check_student(self) -> None:
+        """Refuses options of learners, which a student of a teacher does not have."""
+        given = {**self.given, "hyperparameters": self.file}
+        for name in ("algo", "residual", "reward", "patience", "hyperparameters"):
+            if given.get(name) is not None:
+                raise InputError(
+                    f"--{name} is given, and the student of a teacher has none: leave --{name} out"
+                )
 
     def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
         """Returns the task and the options of the arms."""
@@ -162,11 +156,13 @@ def _before(out: Path, trust: bool) -> dict[str, Any]:
     if residual is not None:
         base_of(residual)
         found["residual"] = residual
-    if "reward" in found:
+    for name in ("reward", "teacher"):  # both may be of a module
+        if name not in found:
+            continue
         if not (trust or is_own((out / CARD).read_bytes())):
             raise InputError(
-                f"the run in {str(out)!r} needs the reward {shown(found['reward'])}, and its "
-                f"{CARD} is not of this machine: add --trust if that module may be imported"
+                f"the run in {str(out)!r} needs the {name} {shown(found[name])}, and its {CARD} is "
+                "not of this machine: add --trust if you trust whoever made it"
             )
         import_from_here()
     return found
@@ -188,6 +184,4 @@ def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[st
 def _kept(folder: RunFolder) -> str:
     if (folder / CHECKPOINT).exists():
         return f"the last checkpoint is kept in {folder.path}; go on with --resume"
-    if (folder / WEIGHTS).exists():
-        return f"the best student so far is kept in {folder.path}"
     return "nothing was learned yet; start the training again"

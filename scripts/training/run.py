@@ -9,13 +9,13 @@ from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, fi
 from ...envs.policies.trained import OWN_SUIT
 from ...errors import InputError
 from ..output import Bar, RunFolder, messages, progress
-from ..own_files import notes_folder
 from ..reports.learning import learning_figure
 from .checkpoints import (
     CHECKPOINT,
     REPLAY,
     Checkpoint,
     begin_as_before,
+    note_missing,
     resumed_learner,
     save,
     write_own,
@@ -149,10 +149,7 @@ class _Run:
                 noted &= self._keep(network, steps, result)
             patience = self._card.training.get("patience")
             self.stopped = bool(patience) and self.evaluations.stagnant(patience)
-        if not noted:
-            messages.print(
-                f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
-            )
+        note_missing(noted)
 
     def _keep(self, network: Network, steps: int, scores: dict[str, Any] | None) -> bool:
         training = {**self._card.training, "done": steps}

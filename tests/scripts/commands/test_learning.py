@@ -53,6 +53,29 @@ def test_ways_beside_policies(tmp_path, capsys):
     assert after == before
 
 
+def test_an_interrupted_student_goes_on(tmp_path, monkeypatch, capsys):
+    """The same command does the rounds that are left."""
+    from activesuit.scripts.training.distillation import Lesson
+
+    call, begun = Lesson.round, []
+
+    def counted(self, student, first):
+        begun.append(first)
+        if len(begun) == 2:
+            raise KeyboardInterrupt
+        return call(self, student, first)
+
+    monkeypatch.setattr(Lesson, "round", counted)
+    steps = ["--steps", str(2 * 64 * 200), "--ways", "student", "--seeds", "0"]
+    out = ["--out", str(tmp_path / "out")]
+    with pytest.raises(SystemExit):
+        main([*GIVEN[:-2], *steps, *out])
+    capsys.readouterr()
+    main([*GIVEN[:-2], *steps, *out])
+    assert begun == [10**6, 10**6 + 64, 10**6 + 64]
+    assert "student" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -3,10 +3,12 @@
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from activesuit.scripts import own_files
 from activesuit.scripts.main import main
@@ -595,11 +597,178 @@ def test_a_student_learns_from_its_teacher(tmp_path, capsys):
         wanted.append(teacher.act(observation))
         given.append(student.act(observation))
         observation, *_ = arms.step(given[-1])
-    import numpy as np
-
     wanted, given = np.array(wanted), np.array(given)
     assert np.mean((given - wanted) ** 2) < 0.3 * np.var(wanted)
-    assert "add --force to replace it" in fails(capsys, "train", *WEIGHTLESS, "--out", out)
+    assert "add --resume to go on" in fails(capsys, "train", *WEIGHTLESS, "--out", out)
+
+
+ROUND = 4 * 200  # steps of a round of a student with four rows
+STUDENT = [*WEIGHTLESS, "--teacher", "adaptive", "--rows", "4", "--history", "2", "--motions", "8"]
+
+
+def train_student(out, rounds, *more):
+    main(["train", "--steps", str(rounds * ROUND), "--out", str(out), *map(str, more)])
+
+
+@pytest.fixture(scope="module")
+def student(tmp_path_factory):
+    """A student of seven rounds, whose policy is evaluated after each."""
+    out = tmp_path_factory.mktemp("train") / "student"
+    train_student(out, 7, *STUDENT)
+    return out
+
+
+KEPT_FILES = ("model.zip", "policy.safetensors", "policy.json", "evaluations.json")
+
+
+def contents(out):
+    """Returns what differs between trainings that have learned different things."""
+    return {name: (out / name).read_bytes() for name in KEPT_FILES}
+
+
+def test_a_student_of_two_halves_is_the_whole_to_the_last_bit(student, tmp_path):
+    out = tmp_path / "halves"
+    train_student(out, 3, *STUDENT)
+    before = contents(out)
+    train_student(out, 7, "--resume")
+    assert contents(out)["model.zip"] == contents(student)["model.zip"] != before["model.zip"]
+    results = [
+        json.loads((one / "evaluations.json").read_text())["results"] for one in (out, student)
+    ]
+    assert results[0] == results[1]
+    assert [one["steps"] for one in results[0]] == [ROUND * (i + 1) for i in range(7)]
+
+
+@pytest.mark.parametrize("part", ["learn", "evaluation", "round"])
+def test_an_interrupted_student_resumes_to_the_last_bit(
+    student, tmp_path, monkeypatch, capsys, part
+):
+    """An interruption loses its round, and nothing else."""
+    from activesuit.scripts.training import distillation
+
+    owner, name = {
+        "learn": (distillation._Student, "learn"),
+        "evaluation": (distillation.Evaluations, "add"),
+        "round": (distillation.Lesson, "round"),
+    }[part]
+    call, calls = getattr(owner, name), []
+
+    def interrupted_late(self, *given):
+        calls.append(1)
+        found = call(self, *given)
+        if len(calls) == 6:
+            raise KeyboardInterrupt
+        return found
+
+    monkeypatch.setattr(owner, name, interrupted_late)
+    out = tmp_path / "out"
+    with pytest.raises(SystemExit) as stop:
+        train_student(out, 7, *STUDENT)
+    assert stop.value.code == 2
+    assert f"the last checkpoint is kept in {out}; go on with --resume" in capsys.readouterr().err
+    monkeypatch.undo()
+    with np.load(out / "model.zip") as file:
+        assert file["rounds"] == 5
+    train_student(out, 7, "--resume")
+    assert contents(out) == contents(student)
+
+
+def test_a_killed_student_resumes_to_the_last_bit(student, tmp_path):
+    """The process ends at once, in the middle of the third round."""
+    program = (
+        "import os, sys\n"
+        "from activesuit.scripts.main import main\n"
+        "from activesuit.scripts.training import distillation\n"
+        "from helpers import shorten_tasks\n"
+        "import pytest\n"
+        "shorten_tasks(pytest.MonkeyPatch(), 2.0)\n"
+        "learn, calls = distillation._Student.learn, []\n"
+        "def killed(self, kept):\n"
+        "    calls.append(1)\n"
+        "    learn(self, kept)\n"
+        "    if len(calls) == 3:\n"
+        "        os.kill(os.getpid(), 9)\n"
+        "distillation._Student.learn = killed\n"
+        "main(sys.argv[1:])\n"
+    )
+    out = tmp_path / "out"
+    given = ["train", "--steps", str(7 * ROUND), *STUDENT, "--out", str(out)]
+    path = os.pathsep.join(one for one in sys.path if one)
+    environment = {**os.environ, "PYTHONPATH": path}
+    done = subprocess.run(
+        [sys.executable, "-c", program, *given], env=environment, capture_output=True, check=False
+    )
+    assert done.returncode == -9, done.stderr.decode()
+    with np.load(out / "model.zip") as file:
+        assert file["rounds"] == 2
+    train_student(out, 7, "--resume")
+    assert contents(out) == contents(student)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["--resume"], "has 5600 steps already, in rounds of 800: give --steps above"),
+        (["--resume", "--teacher", "observer"], "with 'adaptive': leave --teacher out"),
+        (["--resume", "--algo", "ppo"], "has --algo 'ppo', and the run"),
+        (["--resume", "--history", "3"], "has --history 3, and the run"),
+        (["--resume", "--patience", "3"], "the student of a teacher has none: leave --patience"),
+        (["--resume", "--level", "shift"], "has --level 'shift', and the run"),
+        ([*STUDENT], "holds a trained run: add --resume to go on"),
+    ],
+)
+def test_mistakes_of_a_resumed_student(student, capsys, given, message):
+    before = contents(student)
+    assert message in fails(capsys, "train", *given, "--out", student)
+    assert contents(student) == before
+
+
+def test_a_teacher_is_none_of_another_training(run, capsys):
+    resume = ["train", "--resume", "--teacher", "adaptive", "--out", run]
+    assert "has --teacher 'adaptive', and the run" in fails(capsys, *resume)
+
+
+def without(name):
+    """Returns a damage that removes some numbers of a checkpoint."""
+    return lambda numbers: {key: one for key, one in numbers.items() if key != name}
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        without("layers.0.weight"),
+        without("optimizer.1.exp_avg"),
+        without("random"),
+        without("wished.3"),
+        lambda numbers: {**numbers, "seen.0": numbers["seen.0"][:, :-1]},
+        lambda numbers: {**numbers, "rounds": np.array([object()])},
+        lambda numbers: {**numbers, "optimizer.0.exp_avg": np.zeros(3, np.float32)},
+    ],
+)
+def test_a_damaged_checkpoint_of_a_student(student, tmp_path, capsys, damage):
+    out = tmp_path / "run"
+    shutil.copytree(student, out)
+    with np.load(out / "model.zip") as file:
+        numbers = damage(dict(file))
+    with (out / "model.zip").open("wb") as file:
+        np.savez(file, **numbers)
+    before = contents(out)
+    resume = ["train", "--resume", "--steps", 9 * ROUND, "--out", out]
+    assert "was not written by you on this machine" in fails(capsys, *resume)
+    assert "is not a readable checkpoint" in fails(capsys, *resume, "--trust")
+    assert contents(out) == before
+
+
+def test_several_students(tmp_path, capsys):
+    given = [*STUDENT, "--seeds", "3,5"]
+    out = tmp_path / "all"
+    train_student(out, 1, *given)
+    assert "interquartile mean of the relief" in capsys.readouterr().out
+    before = {seed: contents(out / f"seed-{seed}") for seed in (3, 5)}
+    assert before[3]["policy.safetensors"] != before[5]["policy.safetensors"]
+    shutil.rmtree(out / "seed-5")
+    train_student(out, 1, *given, "--resume")
+    assert {seed: contents(out / f"seed-{seed}") for seed in (3, 5)} == before
 
 
 @pytest.mark.parametrize(
@@ -624,8 +793,13 @@ def test_a_student_learns_from_its_teacher(tmp_path, capsys):
         (["--seeds", "1,1"], "a seed twice"),
         (["--seeds", "few"], "give whole numbers, as 0-9 or 0,3,5"),
         (["--seeds", "1", "--seed", "1"], "--seed and --seeds are given"),
-        (["--teacher", "compensation", "--residual", "none"], "--residual is given with --teacher"),
-        (["--teacher", "compensation", "--resume"], "train it anew"),
+        (["--teacher", "compensation", "--residual", "none"], "leave --residual out"),
+        (["--teacher", "compensation", "--patience", "2"], "leave --patience out"),
+        (
+            ["--teacher", "compensation", "--hyperparameters", "x.yml"],
+            "leave --hyperparameters out",
+        ),
+        (["--teacher", "compensation", "--resume"], "no model.zip to resume"),
         (["--teacher", "compensation", "--normalize"], "leave --normalize out"),
     ],
 )
@@ -682,4 +856,4 @@ def test_a_reward_of_a_card_of_somebody_else(corrected, tmp_path, monkeypatch, c
     card["training"]["reward"] = "own_rewards:scalar"
     (tmp_path / "run" / "policy.json").write_text(json.dumps(card))
     resume = ["train", "--resume", "--steps", "99999", "--out", tmp_path / "run"]
-    assert "add --trust if that module may be imported" in fails(capsys, *resume)
+    assert "add --trust if you trust whoever made it" in fails(capsys, *resume)
