@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,6 +14,7 @@ from ...files import content_of
 from ...json_files import parse_json
 from ..evaluation.reasons import Frequent
 from ..levels import LEVELS
+from ..muscles import STANDARD, MuscleScore
 from ..tasks import TASKS
 
 RESULTS = "results.jsonl"
@@ -22,6 +23,9 @@ Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_li
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
+MUSCLES = ("muscles", "no_muscles")  # what a line has if the trial was run with muscles
+MUSCLE_SERIES = ("power", "effort")  # one value per motion and convention
+MYO_SIM = "myo-sim"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +45,9 @@ class Result:
         why: Limits of success that motions exceeded, the most frequent one first.
         failed: Why the policy could not act; None if it could.
         protocol: How the result came about.
+        muscles: Score of the wearer's muscles, with infinite values for motions that ended too
+            soon; None where they were not asked for, or cannot be scored.
+        no_muscles: Why the muscles cannot be scored; None where they can, or were not asked for.
     """
 
     task: str
@@ -55,12 +62,19 @@ class Result:
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()
+    muscles: MuscleScore | None = None
+    no_muscles: str | None = None
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
-        for name in SIZES:
-            content[name] = [value if math.isfinite(value) else None for value in content[name]]
+        for name in MUSCLES:
+            if content[name] is None:
+                del content[name]
+        muscles = content.get("muscles", {})
+        for series in (content, *(muscles.get(name, {}) for name in MUSCLE_SERIES)):
+            for name in SIZES if series is content else series:
+                series[name] = [value if math.isfinite(value) else None for value in series[name]]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
     @classmethod
@@ -81,7 +95,7 @@ class Result:
             ) from None
         values = dict(found)
         for series in SIZES:
-            values[series] = tuple(math.inf if v is None else v for v in values[series])
+            values[series] = _infinite(values[series])
         for what, known in (("task", TASKS), ("level", LEVELS)):
             if values[what] not in known:
                 raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
@@ -90,7 +104,47 @@ class Result:
         said, motions = values["protocol"].get("episodes"), len(values["effort"])
         if said not in (None, motions):
             raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
+        if found.muscles is not None:
+            values["muscles"] = found.muscles.score(motions, name)
         return cls(**values)
+
+    @property
+    def asked_for_muscles(self) -> bool:
+        """Whether the trial was run with muscles."""
+        return self.muscles is not None or self.no_muscles is not None
+
+
+class _SavedMuscles(BaseModel):
+    """The muscles in the line of a result."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    power: dict[Name, tuple[Size | None, ...]]
+    effort: dict[Name, tuple[Size | None, ...]]
+    loaded: dict[Name, Size]
+    rest: Size
+    reserve: Size
+    largest_reserve: Size
+    saturated: Size
+    outside: Size
+
+    def score(self, motions: int, name: str) -> MuscleScore:
+        """Returns the score.
+
+        Raises:
+            InputError: The standard convention is missing, or there are more or fewer motions.
+        """
+        series = {
+            what: {one: _infinite(values) for one, values in getattr(self, what).items()}
+            for what in MUSCLE_SERIES
+        }
+        for what, found in series.items():
+            if STANDARD not in found or any(len(one) != motions for one in found.values()):
+                raise InputError(
+                    f"{name} has not {motions} values of the muscles' {what} under the convention "
+                    f"{STANDARD!r} and every other one: delete it"
+                )
+        return MuscleScore(**{**dict(self), **series})
 
 
 class _Saved(BaseModel):
@@ -110,6 +164,8 @@ class _Saved(BaseModel):
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()  # results of before have none
+    muscles: _SavedMuscles | None = None
+    no_muscles: str | None = None
 
 
 def lines(results: Iterable[Result]) -> str:
@@ -126,6 +182,8 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
     Raises:
         InputError: A file cannot be read or is none, two files have different results of the same
             trial, or results have different contracts and cannot be compared.
+
+    A trial that was run with and without muscles counts once, with them.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -141,17 +199,33 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
                     f"{contract!r}: run them anew"
                 )
             key = (result.task, result.level, result.believed, result.policy)
-            if key in found and found[key][0] != result:
+            known, first = found.get(key, (result, str(path)))
+            if not _agree(known, result):
                 raise InputError(
-                    f"{str(path)!r} and {found[key][1]!r} have different results of "
+                    f"{str(path)!r} and {first!r} have different results of "
                     f"{result.policy} in {result.task} at {result.level}: leave one of them out"
                 )
-            found[key] = (result, str(path))
+            found[key] = (known if known.asked_for_muscles else result, first)
     if not found:
         raise InputError(
             "there are no results: give a file or folder of `activesuit benchmark run`"
         )
     return [result for result, _ in found.values()]
+
+
+def _agree(one: Result, other: Result) -> bool:
+    """Returns whether two results are of one trial, with muscles or without."""
+    if one.asked_for_muscles and other.asked_for_muscles:
+        return one == other
+    bare = [
+        replace(result, muscles=None, no_muscles=None, protocol={**result.protocol, MYO_SIM: None})
+        for result in (one, other)
+    ]
+    return bare[0] == bare[1]
+
+
+def _infinite(values: Iterable[float | None]) -> tuple[float, ...]:
+    return tuple(math.inf if value is None else value for value in values)
 
 
 def read_text(path: Path, what: str = "results") -> str:

@@ -5,16 +5,16 @@ So intervals draw motions anew for all settings together. What other *tasks* wou
 question, with intervals that draw tasks anew.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...arrays import Array
 from ...errors import unknown_name
 from ..evaluation import BOUNDS, REFERENCES
-from ..evaluation.relief import relief
+from ..evaluation.relief import LEAST_COST, relief
 from ..evaluation.statistics import (
     FEWEST_RUNS,
     Interval,
@@ -29,6 +29,22 @@ from .suite import BASELINE, Setting, where
 BOUND = BOUNDS[1]
 FIXED = (*REFERENCES, BOUND)
 MARGIN = 0.02  # difference of relief below which two policies are alike
+
+
+class Measure(NamedTuple):
+    """What a motion costs the wearer, in a number that relief can be of.
+
+    Attributes:
+        series: Function that returns the cost of each motion of a result; None if it has none.
+        least: Cost of a suit for relief to have a meaning.
+    """
+
+    series: Callable[[Result], Sequence[float] | None]
+    least: float = LEAST_COST
+
+
+EFFORT = Measure(lambda result: result.effort)
+ASSISTED = Measure(lambda result: result.assisted_effort)
 
 
 @dataclass(frozen=True)
@@ -103,7 +119,7 @@ class Standings:
         policy: str,
         motions: int | None = None,
         *,
-        assisted: bool = False,
+        of: Measure = EFFORT,
     ) -> Array | None:
         """Returns relief by motion, shape (motions,); None where it has no meaning.
 
@@ -111,22 +127,22 @@ class Standings:
             setting: Where.
             policy: Name of the policy.
             motions: Number of the first motions that count; by default all that the policy ran.
-            assisted: Whether only the two joints count that can have a motor.
+            of: Cost that the relief is of.
         """
         found = [self.of(setting, name) for name in (*REFERENCES, policy)]
-        if any(one is None for one in found):
+        unsuited, suited, mine = (one and of.series(one) for one in found)
+        if unsuited is None or suited is None or mine is None:
             return None
-        name = "assisted_effort" if assisted else "effort"
-        unsuited, suited, mine = (getattr(one, name) for one in found)
         common = min(len(unsuited), len(suited))  # results with more and with fewer motions merge
-        return relief(unsuited[:common], suited[:common], mine[:common][:motions])
+        costs = unsuited[:common], suited[:common], mine[:common][:motions]
+        return relief(*costs, least=of.least)
 
     def standing(self, policy: str, settings: Iterable[Setting]) -> Standing:
         """Returns how a policy stands over some settings."""
         settings = list(settings)
         mine = [one for s in settings if (one := self.of(s, policy)) is not None]
         reliefs = {s: relief for s in settings if (relief := self.relief(s, policy)) is not None}
-        assisted = [self.relief(s, policy, assisted=True) for s in settings]
+        assisted = [self.relief(s, policy, of=ASSISTED) for s in settings]
         means = {s: float(np.mean(relief)) for s, relief in reliefs.items()}
         worst = min(means, key=lambda s: means[s]) if means else None
         pairs = [self._paired(s, policy, BASELINE) for s in reliefs if policy != BASELINE]
@@ -134,12 +150,12 @@ class Standings:
         return Standing(
             policy=policy,
             success=float(np.mean([ok for one in mine for ok in one.success])) if mine else np.nan,
-            relief=_over_motions(list(reliefs.values())),
-            assisted=_over_motions([one for one in assisted if one is not None]),
+            relief=over_motions(list(reliefs.values())),
+            assisted=over_motions([one for one in assisted if one is not None]),
             over_tasks=_over_tasks(reliefs),
             mean=float(np.mean(np.concatenate(list(reliefs.values())))) if reliefs else None,
             worst=None if worst is None else (means[worst], worst),
-            gain=_over_motions(gains),
+            gain=over_motions(gains),
             compared=_compared(np.concatenate(gains)) if gains else None,
             failed=sum(one.failed is not None for one in mine),
         )
@@ -195,6 +211,7 @@ class Standings:
         """Replaces the plan by a policy that succeeds with less effort, motion by motion.
 
         At "shift" those count that believe in another suit, too: the simulated one is the same.
+        Muscles stay those of the plan, which is a bound for effort only.
         """
         bound = self._found[setting].get(BOUND)
         if bound is None:
@@ -229,14 +246,19 @@ def _compared(gains: Array) -> tuple[float, float, float]:
     return better, float(np.mean(np.abs(gains) <= MARGIN)), worse
 
 
-def _over_motions(values: Sequence[Array]) -> Interval | None:
+def over_motions(values: Sequence[Array]) -> Interval | None:
     """Returns the interquartile mean of all values, and what other motions would tell.
 
     Args:
         values: Values of each setting, shape (motions,); the first ones of all count.
     """
-    motions = min((one.size for one in values), default=0)
-    return _clustered(np.array([one[:motions] for one in values]).T) if motions else None
+    return _clustered(aligned(values)) if values else None
+
+
+def aligned(values: Sequence[Array]) -> Array:
+    """Returns the first values of each setting, as many as all have, shape (motions, settings)."""
+    motions = min(one.size for one in values)
+    return np.array([one[:motions] for one in values]).T
 
 
 def _over_tasks(reliefs: dict[Setting, Array]) -> Interval | None:

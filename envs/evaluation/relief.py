@@ -19,7 +19,9 @@ def suit_cost(unsuited: ArrayLike, suited: ArrayLike) -> Interval:
     return mean_interval(np.subtract(suited, unsuited))
 
 
-def relief(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Array | None:
+def relief(
+    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
+) -> Array | None:
     """Returns the relief of each motion: the share of the suit's cost that a policy gives back.
 
     It is (E suited - E) over the mean cost of the suit in these motions, so that one in which the
@@ -30,19 +32,23 @@ def relief(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Array |
         unsuited: Effort of each motion without suit and exoskeleton, shape (motions,).
         suited: Effort in the suit without exoskeleton, shape (motions,).
         effort: Effort under the policy in the first of these motions, shape (n,).
+        least: Cost of the suit for relief to have a meaning, by default 1 % of strength. Other
+            costs of the wearer than effort have another one.
 
     Returns:
-        The reliefs, shape (n,); None where the suit costs less than 1 % of strength.
+        The reliefs, shape (n,); None where the suit costs less.
     """
     unsuited, suited, effort = (np.asarray(one, float) for one in (unsuited, suited, effort))
     cost = suited - unsuited
-    if not LEAST_COST <= cost.mean() < np.inf:  # a reference that failed has infinite effort
+    if not least <= cost.mean() < np.inf:  # a reference that failed has infinite effort
         return None
     return (suited[: effort.size] - effort) / cost[: effort.size].mean()
 
 
-def relief_interval(unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike) -> Interval | None:
+def relief_interval(
+    unsuited: ArrayLike, suited: ArrayLike, effort: ArrayLike, *, least: float = LEAST_COST
+) -> Interval | None:
     """Returns the mean of `relief` with its 95 % interval, that of a ratio of means; or None."""
-    if relief(unsuited, suited, effort) is None:
+    if relief(unsuited, suited, effort, least=least) is None:
         return None
     return ratio_interval(np.subtract(suited, effort), np.subtract(suited, unsuited))

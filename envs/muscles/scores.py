@@ -8,9 +8,10 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError, unknown_name
+from ..evaluation.relief import relief_interval
 from ..evaluation.rollout import Trace
 from ..evaluation.scores import Values, root_mean_square
-from ..evaluation.statistics import Interval, ratio_interval
+from ..evaluation.statistics import Interval
 from .analysis import CONVENTIONS, STANDARD, Convention, demand_of, share_among_muscles
 from .metabolic import LEAST_HEAT, muscle_masses
 from .myoarm import MyoArm
@@ -154,13 +155,10 @@ def muscle_relief(
         Relief with its 95 % interval, that of a ratio of means; None where the suit costs less than
         0.5 W, or 0.2 % of activation, or a motion ended too soon.
     """
-    none, worn, here = (
-        np.array(getattr(score, what)[convention]) for score in (unsuited, suited, policy)
-    )
-    cost = worn - none
-    if not (np.isfinite(worn - here).all() and cost.mean() >= LEAST_COST[what]):
+    series = [getattr(score, what)[convention] for score in (unsuited, suited, policy)]
+    if not np.isfinite(series).all():
         return None
-    return ratio_interval(worn - here, cost)
+    return relief_interval(*series, least=LEAST_COST[what])
 
 
 def relief_range(

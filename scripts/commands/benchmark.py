@@ -11,7 +11,9 @@ from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, r
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
 from ...envs.benchmark.standings import FIXED, Standings
 from ...envs.making import make_arms
+from ...envs.muscles import MyoArm
 from ...envs.policies import make_policy, needed_options
+from ...envs.tasks import TASKS
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
@@ -21,7 +23,7 @@ from ..html.writing import write_report
 from ..options import Force, Json, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
-from ..output import RunFolder, progress, say, table, telling, to_json
+from ..output import Rows, RunFolder, progress, say, table, telling, to_json
 from ..reports.leaderboard import (
     best_policies,
     contract_remarks,
@@ -31,13 +33,20 @@ from ..reports.leaderboard import (
     profile_figure,
     task_rows,
 )
+from ..reports.muscles import (
+    TIRES,
+    benchmark_muscle_remarks,
+    muscle_level_rows,
+    muscle_task_rows,
+)
 from ..reports.why import benchmark_remarks
 from ..runs import refuse_observed
 from ..settings import settings
 
 What = Literal["run", "table", "compare"]
 TRIALS = "trials"
-WIDEST = 8  # columns of a table that is printed; wider ones are in tables.md
+BY_TASK = "by task"
+WIDEST = 8  # columns of a table by task that is printed; wider ones are in tables.md
 
 
 def benchmark(
@@ -53,6 +62,7 @@ def benchmark(
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
     set: Settings = (),
+    muscles: bool = False,
     workers: int = -1,
     backend: Backend = "loky",
     out: Path | None = None,
@@ -78,6 +88,9 @@ def benchmark(
             (run).
         set: Any options of the environment, by their names in Python: fatigue=true
             sensing.rate_cutoff=10 (run). Their results have a contract of their own.
+        muscles: Score the muscles of the arm too: metabolic power and activation, by static
+            optimization on MyoArm (run; needs the extra muscles). For table: add their tables, from
+            results of trials with muscles.
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -95,24 +108,34 @@ def benchmark(
             believed=believed,
             episodes=episodes,
             options=settings([one for together in set for one in together]),
+            muscles=muscles,
             trust=trust,
         )
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
         if policies or believed or set:
             _check(chosen)
+        if muscles:
+            _check_muscles(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
         folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {**_config(chosen), "backend": backend})
+        _report(found, folder, json, {**_config(chosen), "backend": backend}, muscles)
         return
+    if muscles and what == "compare":
+        raise InputError("compare has no muscles: use table, or leave --muscles out")
     found = read_results(results)
+    if muscles and not any(one.asked_for_muscles for one in found):
+        raise InputError(
+            "these trials were run without muscles: run the benchmark with --muscles, or leave "
+            "--muscles out"
+        )
     folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {"results": results})
+        _report(found, folder, json, {"results": results}, muscles)
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
 
@@ -127,18 +150,26 @@ def _check(chosen: Suite) -> None:
             arms.close()
 
 
+def _check_muscles(chosen: Suite) -> None:
+    """Reports a missing extra, and wearers who tire in every task, before anything has run."""
+    MyoArm.load()
+    if all(chosen.options.get("fatigue", TASKS[name].fatigue) for name in chosen.tasks):
+        raise InputError(TIRES)
+
+
 def _report(
-    found: list[Result], folder: RunFolder | None, json: bool, settings: dict[str, Any]
+    found: list[Result],
+    folder: RunFolder | None,
+    json: bool,
+    settings: dict[str, Any],
+    muscles: bool,
 ) -> None:
     standings = Standings(found)
+    tables = _tables(standings, muscles)
     if folder:
-        folder.text("tables.md", page(standings, "# Controllers compared", "profiles.png"))
+        title = "# Controllers compared"
+        folder.text("tables.md", page(standings, title, "profiles.png", muscles=muscles))
         folder.figure("profiles", profile_figure(standings))
-        tables = {f"{one}: all tasks": level_rows(standings, one) for one in standings.levels}
-        tables |= {
-            f"{one}: success and relief by task": task_rows(standings, one)
-            for one in standings.levels
-        }
         write_report(
             *(folder, folder.command, f"{standings.count} trials"),
             answer=best_policies(standings),
@@ -148,12 +179,11 @@ def _report(
     if json:
         print("[" + ",\n".join(one.to_json() for one in found) + "]")
         return
-    for level in standings.levels:
-        table(f"{level}: all tasks", *level_rows(standings, level), left=1)
-    for level in standings.levels:
-        rows = task_rows(standings, level)
-        if len(rows[0]) <= WIDEST:
-            table(f"{level}: success and relief by task", *rows, left=1)
+    for title, rows in tables.items():
+        if len(rows[0]) <= WIDEST or BY_TASK not in title:
+            table(title, *rows, left=1)
+    for remark in benchmark_muscle_remarks(found) if muscles else ():
+        say(remark)
     for remark in benchmark_remarks(found):
         say(remark)
     for remark in contract_remarks(standings):
@@ -163,6 +193,17 @@ def _report(
             say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")
     if folder:
         say(f"wrote {folder.path}/{RESULTS}, tables.md and profiles.png")
+
+
+def _tables(standings: Standings, muscles: bool) -> dict[str, Rows]:
+    """Returns the tables of all levels by their titles."""
+    levels = standings.levels
+    tables = {f"{one}: all tasks": level_rows(standings, one) for one in levels}
+    tables |= {f"{one}: success and relief {BY_TASK}": task_rows(standings, one) for one in levels}
+    for one in levels if muscles else ():
+        tables[f"{one}: muscles"] = muscle_level_rows(standings, one)
+        tables[f"{one}: power and its relief {BY_TASK}"] = muscle_task_rows(standings, one)
+    return tables
 
 
 def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> None:
@@ -221,6 +262,7 @@ def _config(chosen: Suite) -> dict[str, Any]:
                 "episodes": chosen.episodes,
                 "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
                 **({"options": chosen.options} if chosen.options else {}),
+                **({"muscles": True} if chosen.muscles else {}),
             }
         )
     )

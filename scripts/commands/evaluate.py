@@ -255,9 +255,8 @@ def _check(chosen: Scene, *, muscles: bool) -> None:
         needed = {} if policy in BOUNDS else needed_options(policy)
         arms = make_arms(chosen.env, 1, **{**chosen.options, **needed})
         if muscles and arms.episodes.simulation.fatigue:
-            raise InputError(
-                "--muscles scales MyoArm by one factor, and this wearer tires: choose another "
-                "task, or --set fatigue=false"
-            )
+            from ..reports.muscles import TIRES
+
+            raise InputError(TIRES)
         if policy not in BOUNDS:
             make_policy(policy, arms)

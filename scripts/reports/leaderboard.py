@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...envs.benchmark.results import MYO_SIM
 from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
 from ...envs.benchmark.suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 from ...envs.evaluation import Interval
@@ -16,12 +17,24 @@ from ...errors import shown
 from ..output import Rows, markdown_table
 from ..text import without_markup
 from .motions import interval_text
+from .muscles import muscle_level_rows, muscle_task_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
+PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium", MYO_SIM)
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
+MUSCLE_COLUMNS = (
+    "*Power* is the metabolic power of all muscles and *active* their root mean square activation, "
+    "means over motions and settings. *Relief* is the share of the suit's cost in power or "
+    "activation that is given back, as above, and *its range* that over all conventions of sharing "
+    "torque among muscles. *Most loaded* are three muscles with the greatest activation in a "
+    "setting."
+)
+MUSCLE_CELLS = (
+    "Each row is a setting. Each cell has the metabolic power under a policy there, then its mean "
+    "relief."
+)
 LOWEST = -1.0  # relief at which the figure begins
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best policies
 
@@ -112,13 +125,14 @@ def difference_rows(standings: Standings, one: str, other: str) -> Rows:
     return ["task", "level", "believed", "difference\n(95 % interval)"], rows
 
 
-def page(standings: Standings, title: str, figure: str) -> str:
+def page(standings: Standings, title: str, figure: str, *, muscles: bool = False) -> str:
     """Returns all tables as Markdown, with the protocol above them.
 
     Args:
         standings: Results.
         title: Heading of the page.
         figure: Name of the file of the performance profiles.
+        muscles: Whether there are tables of muscles.
     """
     protocol = {key: without_markup(str(value)) for key, value in standings.protocol.items()}
     versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
@@ -143,10 +157,15 @@ def page(standings: Standings, title: str, figure: str) -> str:
     for level in standings.levels:
         parts.append(f"## {level}\n\n{markdown_table(*_safe(level_rows(standings, level)))}\n")
     for level in standings.levels:
-        header, rows = _safe(task_rows(standings, level))
-        turned = [list(column) for column in zip(header, *rows, strict=True)]
         title = f"## {level}, by task: success and relief"
-        parts.append(f"{title}\n\n{CELLS}\n\n{markdown_table(turned[0], turned[1:])}\n")
+        parts.append(f"{title}\n\n{CELLS}\n\n{_turned(task_rows(standings, level))}\n")
+    for level in standings.levels if muscles else ():
+        whole = markdown_table(*_safe(muscle_level_rows(standings, level)))
+        parts.append(f"## {level}: muscles\n\n{MUSCLE_COLUMNS}\n\n{whole}\n")
+        title = f"## {level}, by task: metabolic power and its relief"
+        parts.append(
+            f"{title}\n\n{MUSCLE_CELLS}\n\n{_turned(muscle_task_rows(standings, level))}\n"
+        )
     parts.append(
         f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
         f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "
@@ -154,6 +173,13 @@ def page(standings: Standings, title: str, figure: str) -> str:
         "nothing proves that a file of results comes from the runs that it names.\n"
     )
     return "\n".join(parts)
+
+
+def _turned(rows: Rows) -> str:
+    """Returns a table as Markdown, with rows and columns exchanged."""
+    header, body = _safe(rows)
+    turned = [list(column) for column in zip(header, *body, strict=True)]
+    return markdown_table(turned[0], turned[1:])
 
 
 def best_policies(standings: Standings) -> Iterator[str]:

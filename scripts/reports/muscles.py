@@ -1,15 +1,38 @@
-"""Muscles of evaluated motions: tables, remarks and plain values (needs the extra `muscles`)."""
+"""Muscles of evaluated motions and of the benchmark: tables, remarks and plain values."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from ...envs.benchmark import Result, Setting
+from ...envs.benchmark.muscles import muscle_measure, muscle_standing
+from ...envs.benchmark.standings import Standings
 from ...envs.evaluation import REFERENCES, Evaluation, Interval
 from ...envs.muscles import STANDARD, MuscleScore, muscle_relief, muscle_scores, relief_range
 from ..output import Rows, progress
 
 Scores = Mapping[str, MuscleScore]
+COSTS = ("power\n[W]", "active\n[%]")
+RELIEFS = ("relief of\npower", "its\nrange", "relief of\nactivation")
+LOADED = "most loaded\n[%]"
+TIRES = (
+    "--muscles scales MyoArm by one factor, and this wearer tires: choose another task, or --set "
+    "fatigue=false"
+)
+LIMITS = {
+    "saturated": (
+        0.0,
+        "a muscle is fully active in {saturated:.1%} of the time, so that its load may be larger "
+        "than these numbers.",
+    ),
+    "outside": (0.0, "{outside:.1%} of the postures are outside the ranges of MyoArm's joints."),
+    "reserve": (
+        0.01,
+        "muscles cannot give {reserve:.1%} of the torque, in one sample {largest_reserve:.1f} N·m.",
+    ),
+}
+"""What limits a score: the value from which on it is said, and how."""
 
 
 def scored(evaluation: Evaluation) -> dict[str, MuscleScore]:
@@ -40,21 +63,62 @@ def muscle_table(scores: Scores) -> Rows:
 
     The range of relief is that over all conventions.
     """
-    header = ["policy", "power\n[W]", "active\n[%]"]
-    if _has_references(scores):
-        header += ["relief of\npower", "its\nrange", "relief of\nactivation"]
     rows = []
     for name, score in scores.items():
-        cells = [name, f"{np.mean(score.power[STANDARD]):.1f}"]
-        cells += [f"{100 * float(np.mean(score.effort[STANDARD])):.1f}"]
+        power, effort = (float(np.mean(one[STANDARD])) for one in (score.power, score.effort))
+        reliefs = []
         if _has_references(scores):
-            between = relief_range(*_three(scores, name))
-            cells += [_two_lines(muscle_relief(*_three(scores, name)))]
-            cells += ["-" if between is None else f"{between[0]:.2f}\nto {between[1]:.2f}"]
-            cells += [_two_lines(muscle_relief(*_three(scores, name), "effort"))]
-        most = "\n".join(f"{muscle} {100 * load:.0f}" for muscle, load in score.loaded.items())
-        rows.append([*cells, most])
-    return [*header, "most loaded\n[%]"], rows
+            three = _three(scores, name)
+            reliefs = _relief_cells(
+                muscle_relief(*three), relief_range(*three), muscle_relief(*three, "effort")
+            )
+        rows.append([name, *_cost_cells(power, effort), *reliefs, _loaded(score.loaded)])
+    return ["policy", *COSTS, *(RELIEFS if _has_references(scores) else ()), LOADED], rows
+
+
+def muscle_level_rows(standings: Standings, level: str) -> Rows:
+    """Returns the same row per policy over all tasks of a level of the benchmark."""
+    settings, rows = standings.settings_at(level), []
+    for name in standings.policies_at(level):
+        one = muscle_standing(standings, name, settings)
+        if one is None:
+            rows.append([name, *["-"] * (len(COSTS) + len(RELIEFS) + 1)])
+            continue
+        reliefs = _relief_cells(one.power_relief, one.power_relief_range, one.effort_relief)
+        rows.append([name, *_cost_cells(one.power, one.effort), *reliefs, _loaded(one.loaded)])
+    return ["policy", *COSTS, *RELIEFS, LOADED], rows
+
+
+def muscle_task_rows(standings: Standings, level: str) -> Rows:
+    """Returns a row per policy: its metabolic power and mean relief in each setting of a level."""
+    settings = standings.settings_at(level)
+    header = ["policy", *(f"{s.task}\n{s.believed}" for s in settings)]
+    names = standings.policies_at(level)
+    return header, [[name, *(_cell(standings, s, name) for s in settings)] for name in names]
+
+
+def _cell(standings: Standings, setting: Setting, policy: str) -> str:
+    found = standings.of(setting, policy)
+    if found is None or found.muscles is None:
+        return "failed" if found is not None and found.failed else "-"
+    power = f"{np.mean(found.muscles.power[STANDARD]):.1f} W"
+    relief = standings.relief(setting, policy, of=muscle_measure("power"))
+    return power if relief is None else f"{power}\n{np.mean(relief):.2f}"
+
+
+def _cost_cells(power: float, effort: float) -> list[str]:
+    return [f"{power:.1f}", f"{100 * effort:.1f}"]
+
+
+def _relief_cells(
+    power: Interval | None, between: tuple[float, float] | None, effort: Interval | None
+) -> list[str]:
+    within = "-" if between is None else f"{between[0]:.2f}\nto {between[1]:.2f}"
+    return [_two_lines(power), within, _two_lines(effort)]
+
+
+def _loaded(loaded: Mapping[str, float]) -> str:
+    return "\n".join(f"{muscle} {100 * load:.0f}" for muscle, load in loaded.items())
 
 
 def _two_lines(interval: Interval | None) -> str:
@@ -72,20 +136,33 @@ def muscle_remarks(scores: Scores) -> Iterator[str]:
             f"{suited:.1f} W, of which {scores['suited'].rest:.1f} W are rest."
         )
     for name, score in scores.items():
-        if score.saturated > 0:
+        for limit, (least, sentence) in LIMITS.items():
+            if getattr(score, limit) > least:
+                yield f"{name}: {sentence.format_map(vars(score))}"
+
+
+def benchmark_muscle_remarks(results: Sequence[Result]) -> Iterator[str]:
+    """Yields sentences: which trials have no muscles and why, and what limits the numbers."""
+    without = sum(not (one.asked_for_muscles or one.failed) for one in results)
+    if without:
+        yield (
+            f"note: {without} of {len(results)} trials were run without --muscles, and have none "
+            "in these tables"
+        )
+    reasons: dict[str, str] = {}
+    for one in results:
+        if one.no_muscles is not None:
+            reasons.setdefault(one.task, one.no_muscles)
+    for task, reason in reasons.items():
+        yield f"note: muscles cannot be scored in {task}: {reason}"
+    scored = [one for one in results if one.muscles is not None]
+    for limit, (least, sentence) in LIMITS.items():
+        found = [one for one in scored if getattr(one.muscles, limit) > least]
+        if found:
+            worst = max(found, key=lambda one: getattr(one.muscles, limit))
             yield (
-                f"{name}: a muscle is fully active in {score.saturated:.1%} of the time, so that "
-                "its load may be larger than these numbers."
-            )
-        if score.outside > 0:
-            yield (
-                f"{name}: {score.outside:.1%} of the postures are outside the ranges of MyoArm's "
-                "joints."
-            )
-        if score.reserve > 0.01:
-            yield (
-                f"{name}: muscles cannot give {score.reserve:.1%} of the torque, in one sample "
-                f"{score.largest_reserve:.1f} N·m."
+                f"muscles in {len(found)} of {len(scored)} trials, the most in {worst.policy} in "
+                f"{worst.task} at {worst.level}: {sentence.format_map(vars(worst.muscles))}"
             )
 
 

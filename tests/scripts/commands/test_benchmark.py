@@ -203,3 +203,47 @@ def test_sensors_of_a_class_of_your_own(monkeypatch):
     assert {name: leaderboard._sensors(f"my_sensors:{name}") for name in cases} == cases
     assert leaderboard._sensors("never_imported:PD") == "-"
     assert "never_imported" not in sys.modules
+
+
+@pytest.mark.slow
+def test_muscles_have_tables_and_the_run_goes_on_to_the_same_bytes(capsys, tmp_path):
+    pytest.importorskip("myo_sim")
+    folder, small = tmp_path / "run", [*SMALL, "--muscles"]
+    said = run(capsys, *small, "--out", folder)
+    assert "nominal: muscles" in said
+    kept = {name: (folder / name).read_bytes() for name in FILES}
+    assert b"## nominal, by task: metabolic power and its relief" in kept["tables.md"]
+    assert "nominal: muscles" in checked_page(folder).text
+    trials = sorted((folder / "trials").glob("*.json"))
+    assert all(len(json.loads(one.read_text())["muscles"]["loaded"]) == 3 for one in trials)
+    trials[0].unlink()
+    run(capsys, *small, "--out", folder)
+    assert {name: (folder / name).read_bytes() for name in FILES} == kept
+    assert "nominal: muscles" not in run(capsys, "benchmark", "table", folder)
+    assert "nominal: muscles" in run(capsys, "benchmark", "table", folder, "--muscles")
+    other = fails(capsys, *SMALL, "--out", folder)
+    assert "holds a benchmark whose muscles is True, not None" in other
+    # Trials without muscles stand beside the others.
+    bare = tmp_path / "bare.jsonl"
+    one = json.loads(trials[0].read_text())
+    one |= {"policy": "mine", "muscles": None}
+    bare.write_text(json.dumps(one) + "\n")
+    said = run(capsys, "benchmark", "table", folder, bare, "--muscles")
+    assert "note: 1 of 6 trials were run without --muscles" in said
+
+
+def test_muscles_of_trials_without_are_one_sentence(capsys, tmp_path, whole):
+    out = tmp_path / "tables"
+    assert "these trials were run without muscles" in fails(
+        capsys, "benchmark", "table", whole, "--muscles", "--out", out
+    )
+    assert "compare has no muscles" in fails(capsys, "benchmark", "compare", whole, "--muscles")
+    assert not out.exists()
+
+
+def test_muscles_of_tasks_that_tire_are_refused(capsys, tmp_path):
+    pytest.importorskip("myo_sim")
+    tiring = ["OverheadHold" if one == "ElbowFlexion" else one for one in SMALL]
+    said = fails(capsys, *tiring, "--muscles", "--out", tmp_path / "run")
+    assert "this wearer tires" in said
+    assert not (tmp_path / "run").exists()

@@ -64,14 +64,14 @@ def test_bad_input_is_one_sentence(given, sentence, tmp_path, capsys):
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("command", ["evaluate", "animate"])
+@pytest.mark.parametrize("command", [["evaluate"], ["animate"], ["benchmark", "run"]])
 def test_a_missing_extra_is_named_before_anything_runs(command, tmp_path, capsys, monkeypatch):
     from activesuit.envs.muscles import MyoArm
 
     MyoArm.load.cache_clear()
     monkeypatch.setitem(sys.modules, "myo_sim", None)
     with pytest.raises(SystemExit) as stopped:
-        main([command, "--muscles", "--out", str(tmp_path / "out.gif")])
+        main([*command, "--muscles", "--out", str(tmp_path / "out.gif")])
     assert stopped.value.code == 2
     assert "activesuit[muscles]" in capsys.readouterr().err
     assert not (tmp_path / "out.gif").exists()
