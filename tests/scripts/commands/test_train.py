@@ -30,8 +30,8 @@ ROLLOUT = 256  # steps of all environments together, after which PPO learns
 SMALL = f"{{n_envs: 8, n_steps: {ROLLOUT // 8}, batch_size: 64, learning_rate: 7e-4}}"
 QUICK = {
     "ppo": f"default: {SMALL}",
-    "sac": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
-    "tqc": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1}",
+    "sac": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1, learning_rate: 3e-4}",
+    "tqc": "default: {n_envs: 1, learning_starts: 20, gradient_steps: 1, learning_rate: 3e-4}",
     "recurrent-ppo": f"default: {SMALL}",
 }
 
