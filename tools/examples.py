@@ -47,7 +47,7 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("reproduce kao-fung-2009", "", ["--trials", "1", "--iterations", "20"]),
     ("bench", "", ["--repeats", "1"]),
 )
-SECONDS = 1200  # longest time of an example
+SECONDS = 600  # longest time of an example
 
 
 def examples() -> Iterator[list[str]]:
