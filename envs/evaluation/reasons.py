@@ -12,6 +12,7 @@ from ..model.cuffs import CUFFS
 from ..reward import COSTS, JOINT, LIMITS, STRAIN, WIDTH, failed
 from ..simulation.measurements import COLUMNS
 from ..tasks import Task
+from .oscillation import Oscillation, oscillation
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,8 @@ class Reason:
         time_s: Time at which it was first exceeded [s]. A root mean square is that of the whole
             motion: its time is that from which nothing could have kept it below the limit.
         part: Joint, motor or cuff that exceeded it; None where the whole hand did.
+        oscillation: Oscillation that dominates the tracking error of the joint, with its amplitude
+            in `unit`; None where there is none, and for other costs.
     """
 
     name: str
@@ -34,6 +37,7 @@ class Reason:
     unit: str
     time_s: float
     part: str | None
+    oscillation: Oscillation | None = None
 
 
 def reasons(measured: Array, costs: Array, task: Task, *, lost: bool) -> tuple[Reason, ...]:
@@ -52,7 +56,8 @@ def reasons(measured: Array, costs: Array, task: Task, *, lost: bool) -> tuple[R
         part = _part(limit.name, measured, costs, at)
         time = float(measured[at, COLUMNS["time"].start])
         value = float(course[-1])
-        found.append(Reason(limit.name, value, limit.value, limit.unit, time, part))
+        swing = _oscillation(measured, part) if limit.name == "worst_joint" else None
+        found.append(Reason(limit.name, value, limit.value, limit.unit, time, part, swing))
     return tuple(found)
 
 
@@ -86,6 +91,17 @@ def _part(cost: str, measured: Array, costs: Array, at: int) -> str | None:
     return None
 
 
+def _oscillation(measured: Array, joint: str | None) -> Oscillation | None:
+    """Returns the oscillation of a joint about its intended angle."""
+    time, angle, intended = (
+        measured[:, COLUMNS[name]] for name in ("time", "angle", "target_angle")
+    )
+    if joint is None or len(time) < 2:
+        return None
+    error = (angle - intended)[:, JOINTS.index(joint)]
+    return oscillation(error, intended, float(time[1, 0] - time[0, 0]))
+
+
 @dataclass(frozen=True)
 class Frequent:
     """A limit that some motions exceeded.
@@ -98,6 +114,7 @@ class Frequent:
         unit: Unit of both, "1" for a ratio.
         time_s: Median of the times at which they exceeded it first [s].
         part: Joint, motor or cuff that did so most often; None where the whole hand did.
+        oscillation: Medians of period and amplitude, where more than half of these oscillate.
     """
 
     name: str
@@ -107,6 +124,7 @@ class Frequent:
     unit: str
     time_s: float
     part: str | None
+    oscillation: Oscillation | None = None
 
 
 def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
@@ -125,5 +143,15 @@ def most_frequent(why: Sequence[Sequence[Reason]]) -> tuple[Frequent, ...]:
             float(np.median([getattr(r, of) for r in same])) for of in ("value", "time_s")
         )
         part = max(parts, key=parts.count)
-        found.append(Frequent(name, len(same), value, same[0].limit, same[0].unit, time, part))
+        swing = _most(same)
+        limit, unit = same[0].limit, same[0].unit
+        found.append(Frequent(name, len(same), value, limit, unit, time, part, swing))
     return tuple(sorted(found, key=lambda one: -one.motions))
+
+
+def _most(same: Sequence[Reason]) -> Oscillation | None:
+    found = [one.oscillation for one in same if one.oscillation is not None]
+    if 2 * len(found) <= len(same):
+        return None
+    periods, amplitudes = zip(*((one.period_s, one.amplitude) for one in found), strict=True)
+    return Oscillation(float(np.median(periods)), float(np.median(amplitudes)))

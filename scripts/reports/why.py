@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...envs.benchmark import Result
-from ...envs.evaluation import Score
+from ...envs.evaluation import REFERENCES, Score
 from ...envs.evaluation.reasons import Frequent, most_frequent
 
 LEAST = 0.01  # share of time at the peak torque that is worth a word
@@ -19,16 +19,37 @@ _WORDS = {
     "cuff_force": ("force of the {part} cuff", 100, "% of what a person bears"),
     "heat": ("load of the {part} motor", 100, "% of continuous"),
 }
+# Limits that an arm without motors can exceed, in a sentence.
+_UNASSISTED = {
+    "worst_joint": "tracking",
+    "effort": "effort",
+    "hand_error": "the hand's place",
+    "tilt": "the hand's tilt",
+    "slowness": "the hand's speed",
+    "lost": "the arm's range",
+}
 
 
 def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
-    """Yields a sentence for each policy some of whose motions failed, frequent reasons first."""
+    """Yields a sentence for each policy some of whose motions failed, frequent reasons first.
+
+    Another one follows where the suited arm without assistance exceeds a limit in none of the
+    motions in which the policy does, if its score is among them.
+    """
+    suited = next((one for one in scores if one.policy == REFERENCES[1]), None)
     for one in scores:
         failed = one.success.count(False)
         if failed:
             of = f" in {failed} of {len(one.success)} motions" if len(one.success) > 1 else ""
             parts = [_size(why) + _count(why, failed) for why in most_frequent(one.why)]
             yield f"{one.policy} failed{of}: {'; '.join([*parts, *_hot(one)])}"
+            kept = _kept_unassisted(one, suited) if suited else []
+            if kept and one.policy not in REFERENCES:
+                limits = "this limit" if len(kept) == 1 else "these limits"
+                yield (
+                    f"{one.policy}: without assistance the same motions stay within {limits}: "
+                    f"{', '.join(kept)}"
+                )
 
 
 def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
@@ -53,6 +74,16 @@ def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
             yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
 
 
+def _kept_unassisted(score: Score, suited: Score) -> list[str]:
+    """Returns words for the limits that the suited arm keeps in all motions that exceed them."""
+    exceeded: dict[str, list[bool]] = {}
+    for mine, theirs in zip(score.why, suited.why, strict=True):
+        for reason in mine:
+            also = any(one.name == reason.name for one in theirs)
+            exceeded.setdefault(reason.name, []).append(also)
+    return [words for name, words in _UNASSISTED.items() if not any(exceeded.get(name, [True]))]
+
+
 def _total(same: Sequence[tuple[Frequent, str]]) -> int:
     return sum(why.motions for why, _ in same)
 
@@ -72,7 +103,16 @@ def _size(why: Frequent) -> str:
         return f"arm lost at {why.time_s:.1f} s ({part})"
     words, factor, unit = _WORDS[why.name]
     size = f"{_number(factor * why.value)} {unit} of {_number(factor * why.limit)}"
-    return f"{words.format(part=part)} {size} from {why.time_s:.1f} s"
+    return f"{words.format(part=part)} {size} from {why.time_s:.1f} s{_swing(why)}"
+
+
+def _swing(why: Frequent) -> str:
+    """Returns period and amplitude of an oscillation; nothing where there is none."""
+    if why.oscillation is None:
+        return ""
+    _, factor, unit = _WORDS[why.name]
+    period, amplitude = why.oscillation.period_s, factor * why.oscillation.amplitude
+    return f", oscillates with a period of {period:.2g} s, amplitude {amplitude:.2g} {unit}"
 
 
 def _number(value: float) -> str:

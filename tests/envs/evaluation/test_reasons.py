@@ -4,8 +4,10 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout, score
+from activesuit.envs.evaluation.oscillation import Oscillation
 from activesuit.envs.evaluation.reasons import Reason, most_frequent
 from activesuit.envs.evaluation.scores import UNITS
 from activesuit.envs.policies import make_policy, needed_options
@@ -116,6 +118,36 @@ def test_the_most_frequent_reason_comes_first():
     assert (first.name, first.motions, first.value, first.time_s) == ("tilt", 3, 0.4, 3.0)
     assert (second.name, second.motions, second.part) == ("worst_joint", 2, "a")
     assert second.value == pytest.approx(0.4)
+
+
+def test_a_weak_wearer_oscillates_under_compensation_only():
+    task = replace(TASKS["OverheadHold"], duration=30.0)
+    weak = {"gravity": "moon", "wearer": {"sex": "female", "strength": 20}}
+    for policy in ("compensation", "none"):
+        traces, _ = played(task, policy, **weak)
+        reasons = {one.name: one for trace in traces for one in trace.why}
+        assert all(one.oscillation is None for one in reasons.values() if one.unit != "rad")
+        if policy == "none":
+            assert all(one.oscillation is None for one in reasons.values())
+            continue
+        found = reasons["worst_joint"].oscillation
+        assert found is not None and reasons["worst_joint"].part == "shoulder_flexion"
+        (trace, *_) = traces
+        error = (trace.angle - trace.target_angle)[:, JOINTS.index("shoulder_flexion")]
+        still = (trace.time > 9) & (trace.time < 13)  # at the second place
+        ups = np.flatnonzero(np.diff(np.sign(error[still])) > 0)
+        assert np.diff(ups) * 0.01 == pytest.approx(found.period_s, rel=0.15)
+        assert found.amplitude == pytest.approx(np.sqrt(2) * error.std(), rel=0.3)
+
+
+def test_an_oscillation_of_most_motions_is_that_of_all():
+    swings = [Oscillation(period, 0.1 * period) for period in (2.0, 3.0, 2.5)]
+
+    def why(*oscillations):
+        return [(Reason("worst_joint", 0.1, 0.03, "rad", 1.0, "a", one),) for one in oscillations]
+
+    assert most_frequent(why(*swings, None, None))[0].oscillation == Oscillation(2.5, 0.25)
+    assert most_frequent(why(swings[0], None))[0].oscillation is None
 
 
 def test_each_number_of_a_score_has_a_unit():

@@ -6,6 +6,7 @@ from typing import Any
 
 from activesuit.envs.benchmark import Result
 from activesuit.envs.benchmark.results import lines, read_results
+from activesuit.envs.evaluation.oscillation import Oscillation
 from activesuit.envs.evaluation.reasons import Reason, most_frequent
 from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
 from activesuit.scripts.main import main
@@ -15,10 +16,13 @@ HAND = Reason("hand_error", 0.065, 0.03, "m", 10.5, None)
 EFFORT = Reason("effort", 0.229, 0.15, "1", 54.0, "shoulder_flexion")
 
 
-def scored(*why, hot=(), full=()) -> Any:
+SWING = Reason("worst_joint", 0.07, 0.03, "rad", 15.5, "shoulder_flexion", Oscillation(2.49, 0.035))
+
+
+def scored(*why, hot=(), full=(), policy="mine") -> Any:
     success = tuple(not one for one in why)
     joint = "shoulder_flexion"
-    given = {"policy": "mine", "why": why, "success": success}
+    given = {"policy": policy, "why": why, "success": success}
     hot = {joint: hot} if hot else {}
     return SimpleNamespace(**given, hot_from=hot, saturated={joint: full or (0.0,) * len(why)})
 
@@ -39,6 +43,31 @@ def test_the_most_frequent_reason_comes_first_and_successes_do_not_count():
         "mine failed in 2 of 3 motions: hand 65 mm of 30 from 10.5 s; "
         "effort 22.9 % of 15 from 54.0 s (1 motion)"
     )
+
+
+def test_an_oscillation_has_its_period():
+    (said,) = why_remarks([scored((SWING, HAND))])
+    assert said == (
+        "mine failed: shoulder 70 mrad of 30 from 15.5 s, oscillates with a period of 2.5 s, "
+        "amplitude 35 mrad; hand 65 mm of 30 from 10.5 s"
+    )
+
+
+def test_limits_that_the_suited_arm_keeps():
+    suited = scored((), (), (EFFORT,), policy="suited")
+    first, failed, kept = why_remarks([suited, scored((SWING, HAND), (HAND,), (EFFORT,))])
+    assert first.startswith("suited failed") and failed.startswith("mine failed in 3 of 3")
+    assert kept == (
+        "mine: without assistance the same motions stay within these limits: tracking, the hand's "
+        "place"
+    )
+    *_, kept = why_remarks([suited, scored((EFFORT,), (), ())])
+    assert kept == "mine: without assistance the same motions stay within this limit: effort"
+    unsuited = scored((EFFORT,), (), (), policy="unsuited")
+    for other in (unsuited, scored((EFFORT,), (), (EFFORT,)), scored((), (), ())):
+        assert "without assistance" not in " ".join(why_remarks([suited, other]))
+    heat = Reason("heat", 1.2, 1.0, "1", 1.0, "shoulder_flexion")  # it has no motor
+    assert "without assistance" not in " ".join(why_remarks([suited, scored((heat,), (), ())]))
 
 
 def test_every_limit_has_words():
@@ -65,11 +94,14 @@ def test_a_benchmark_names_the_task_and_keeps_the_reasons(tmp_path):
         success=(False, True),
         why=most_frequent([(HAND,), ()]),
     )
-    other = replace(one, task="Hammer", success=(False, False), why=most_frequent([(HAND,)] * 2))
+    other = replace(
+        one, task="Hammer", success=(False, False), why=most_frequent([(HAND, SWING)] * 2)
+    )
     (said,) = benchmark_remarks([one, other])
     assert said == (
         "mine at shift failed in 3 of 4 motions: hand 65 mm of 30 from 10.5 s (3 motions, most in "
-        "Hammer)"
+        "Hammer); shoulder 70 mrad of 30 from 15.5 s, oscillates with a period of 2.5 s, amplitude "
+        "35 mrad (2 motions, most in Hammer)"
     )
     file = tmp_path / "results.jsonl"
     file.write_text(lines([one, other]))
