@@ -1,25 +1,26 @@
-"""Oscillation: a tracking error that repeats itself with a period which the motion does not have.
+"""Oscillation: a tracking error that swings with a period which the intended motion does not have.
 
 What the intended motion explains is subtracted first, by least squares: a mean, a drift, and what
-is proportional to the intended angles, rates, accelerations and directions, as the error of
-an arm with spring, damping, inertia and friction is. The rest oscillates if its autocorrelation has
-a valley and then a peak. The autocorrelation at the peak is the share of the rest that is there
-again one period later (Box, Jenkins, Reinsel and Ljung 2015, Time Series Analysis, ch. 2).
+is proportional to the intended angles, rates, accelerations and directions, as the error of an arm
+with spring, damping, inertia and friction is. The rest oscillates if most of the squared error is
+in one octave of its periodogram. An octave, since the period of a limit cycle with friction varies
+with its amplitude.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import correlate, find_peaks
+from scipy.signal import correlate, periodogram
 
 from ...arrays import Array
 
-PERIODS = 5  # fewest periods in a motion; drift and slow noise seem to have fewer
-REPEATED = 0.5  # least share of the squared error that repeats itself
-SAME = 0.8  # correlation from which the intended motion repeats itself
-NEAR = 0.9  # share of the highest peak from which an earlier one is that of the period
+SHARE = 0.6  # least share of the squared error in one octave; see tests/envs/evaluation
+PERIODS = 8  # fewest periods in a motion; drift and slow noise seem to have fewer
+SHORTEST = 6  # control periods; a wider octave at the end of the spectrum would be noise
 STILL = 1e-3  # rad/s, rate below which the intended motion has no direction
+SAME = 0.8  # correlation from which the intended motion repeats itself
+NEAR = 0.03  # relative difference of two periods that count as the same
 
 
 @dataclass(frozen=True)
@@ -27,9 +28,8 @@ class Oscillation:
     """An oscillation.
 
     Attributes:
-        period_s: Period [s].
-        amplitude: Amplitude of a sine whose mean square is that of what repeats itself, in the
-            unit of the error.
+        period_s: Period, the mean one if it varies [s].
+        amplitude: Amplitude of a sine with the same mean square, in the unit of the error.
     """
 
     period_s: float
@@ -39,10 +39,10 @@ class Oscillation:
 def oscillation(error: Array, intended: Array, dt: float) -> Oscillation | None:
     """Returns the oscillation that dominates an error; None where none does.
 
-    Peak and valley of the rest's autocovariance, over the mean squared error, must both be at least
-    `REPEATED`: half of what is limited is there again one period later, and opposite in between.
-    Drift and noise, white or filtered, stay below that. A period after which the intended motion is
-    the same or the opposite, or moves again, does not count.
+    It has at least the share `SHARE` of the squared error, a constant one included, in one octave
+    with at least `PERIODS` periods in the motion. Noise, white or filtered, and drift have less. A
+    period after which the intended motion is the same or the opposite, or moves again, does not
+    count.
 
     Args:
         error: Tracking error of a joint after each control period [rad], shape (n,).
@@ -51,35 +51,35 @@ def oscillation(error: Array, intended: Array, dt: float) -> Oscillation | None:
         dt: Control period [s].
     """
     most = len(error) // PERIODS  # longest period, in samples
-    if most < 3:
+    if most <= SHORTEST:
         return None
     rates = np.gradient(intended, dt, axis=0)
     rest, square = error - _explained(error, intended, rates, dt), np.mean(error**2)
-    if np.var(rest) < REPEATED * square or square == 0:
+    frequencies, powers = periodogram(rest, 1 / dt, scaling="spectrum")
+    below = np.concatenate([[0.0], np.cumsum(powers)])
+    first = np.searchsorted(frequencies, frequencies / np.sqrt(2))
+    end = np.searchsorted(frequencies, frequencies * np.sqrt(2), side="right")
+    periods = 1 / np.maximum(frequencies, frequencies[1] / 2)
+    inside = (periods <= most * dt) & (periods >= SHORTEST * dt)
+    in_octave = np.where(inside, below[end] - below[first], 0.0)
+    at = int(np.argmax(in_octave))
+    if square == 0 or in_octave[at] < SHARE * square:
         return None
-    repeated = _autocovariance(rest, most) / square
-    peaks, _ = find_peaks(repeated, height=REPEATED, prominence=REPEATED)
-    peaks = peaks[~_of_intended(rates, most)[peaks]]
-    if peaks.size == 0:
+    octave = slice(first[at], end[at])
+    period = 1 / np.average(frequencies[octave], weights=powers[octave])
+    low, high = (round(factor * period / dt) for factor in (1 - NEAR, 1 + NEAR))
+    if _of_intended(rates, most)[low : high + 1].any():
         return None
-    at = peaks[repeated[peaks] >= NEAR * repeated[peaks].max()][0]  # two periods repeat, too
-    if repeated[:at].min() > -REPEATED:
-        return None
-    return Oscillation(float(at * dt), float(np.sqrt(2 * repeated[at] * square)))
-
-
-def _autocovariance(values: Array, most: int) -> Array:
-    """Returns the mean products of values with those of some samples later, shape (most,)."""
-    products = correlate(values, values, method="fft")[len(values) - 1 :][:most]
-    return products / (len(values) - np.arange(most))
+    return Oscillation(float(period), float(np.sqrt(2 * in_octave[at])))
 
 
 def _of_intended(rates: Array, most: int) -> NDArray[np.bool_]:
-    """Returns the times after which an intended motion or its moves repeat, shape (most,)."""
-    found = np.zeros(most, np.bool_)
+    """Returns the times after which an intended motion or its moves repeat, shape (most + 1,)."""
+    n, found = len(rates), np.zeros(most + 1, np.bool_)
     moves = (np.abs(rates) > STILL).astype(float)
     for course in (*(rates * moves).T, *(moves - moves.mean(axis=0)).T):
-        same = _autocovariance(course, most)
+        same = correlate(course, course, method="fft")[n - 1 :][: most + 1]
+        same /= n - np.arange(most + 1)
         later = np.logical_or.accumulate(same < 0)  # before, it is the same move
         found |= later & (np.abs(same) >= SAME * same[0])
     return found

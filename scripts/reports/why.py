@@ -111,8 +111,8 @@ def _swing(why: Frequent) -> str:
     if why.oscillation is None:
         return ""
     _, factor, unit = _WORDS[why.name]
-    period, amplitude = why.oscillation.period_s, factor * why.oscillation.amplitude
-    return f", oscillates with a period of {period:.2g} s, amplitude {amplitude:.2g} {unit}"
+    period, amplitude = why.oscillation.period_s, _number(factor * why.oscillation.amplitude)
+    return f", oscillates with a period of {period:.2g} s, amplitude {amplitude} {unit}"
 
 
 def _number(value: float) -> str:
