@@ -14,8 +14,18 @@ import numpy as np
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.policies.trained import shipped_policies
+from .learners import BESIDE, LEARNERS, kept_learner
 from .measure import kept
-from .results import WEIGHTLESS, interval, relief_at, scores, settings, standing, standings
+from .results import (
+    WEIGHTLESS,
+    interval,
+    relief_at,
+    scores,
+    settings,
+    signed,
+    standing,
+    standings,
+)
 
 AIMED = ("ReachPanel", "ObjectRelocation")
 LOADED = ("ObjectRelocation", "Ratchet")
@@ -186,6 +196,24 @@ def _corrected(end: dict[str, Any]) -> bool:
     return end["way"] == "residual" and end["level"] == "shift"
 
 
+def _learners() -> Iterator[str]:
+    for name, learner in LEARNERS.items():
+        found = kept_learner(name)["result"]
+        versions = (f"{title} {found['versions'][one]}" for one, title in learner.packages.items())
+        yield f"(learners/{learner.program}) | {', '.join(versions)} |"
+        yield " ".join(f"{n} steps: mean reward {one:.3f}" for n, one in found["rewards"].items())
+        yield f"finds a relief of {interval(found['relief'][learner.policy])}"
+    found = kept_learner("torch")["result"]
+    beside = [signed(found["relief"][name]["value"]) for name in BESIDE]
+    yield f"has {beside[0]}; `gravity` has {beside[1]} and `compensation`"
+    yield f"which knows the suit, {beside[2]}"
+    *seeds, last = (signed(one["my-ppo"]["value"]) for one in found["seeds"].values())
+    yield f"it was {', '.join(seeds)} and {last} with the seeds"
+    rewards = [f"{one:.2f}" for one in found["noise"].values()]
+    yield f"earns {rewards[0]} in a control period with the usual standard deviation of 1, and"
+    yield f"and {rewards[1]} with 0.08"
+
+
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "controllers.md": _controllers,
     "benchmark.md": lambda: chain(_benchmark(), _knowledge()),
@@ -193,5 +221,6 @@ FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "model.md": _model,
     "environments.md": _environments,
     "training.md": _training,
+    "learners.md": _learners,
 }
 """Parts of sentences by the page that has them."""

@@ -5,6 +5,7 @@ import json
 import pytest
 from activesuit.errors import InputError
 from activesuit.tools import measure
+from activesuit.tools.learners import LEARNERS
 from activesuit.tools.measure import (
     EXPERIMENTS,
     FOLDER,
@@ -22,6 +23,7 @@ def test_every_experiment_is_kept_with_its_command():
         assert content["command"] == f"activesuit {command}", name
     others = {"suite-2"}  # numbers of version 0.2, which no command gives any more
     others |= {"hyperparameters-ppo", "hyperparameters-sac"}  # of `tools.tune_training`
+    others |= {f"learner-{name}" for name in LEARNERS}  # of `tools.learners`
     assert {path.stem for path in FOLDER.iterdir()} == set(EXPERIMENTS) | others
 
 
