@@ -4,13 +4,15 @@ import os
 import sys
 import threading
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Array
 from ..checks import within
 from ..errors import InputError, unknown_name
 from .memory import give_back
@@ -45,6 +47,30 @@ QUALITIES = {
     "fast": _Quality(shadowsize=0, offsamples=0, numslices=36, numstacks=24, reflection=False),
     "fine": _Quality(shadowsize=4096, offsamples=8, numslices=64, numstacks=48, reflection=True),
 }
+
+
+class Capsule(NamedTuple):
+    """What is drawn beside a model: a cylinder with round ends.
+
+    Attributes:
+        begin: Middle of one end in the world [m], shape (3,).
+        end: Middle of the other one.
+        radius: Its radius [m].
+        color: Red, green, blue and opacity, 0 to 1, shape (4,).
+    """
+
+    begin: Array
+    end: Array
+    radius: float
+    color: Array
+
+    def into(self, geom: mujoco.MjvGeom) -> mujoco.MjvGeom:
+        """Makes a geom of a scene this capsule, and returns it."""
+        capsule, origin = mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3)
+        color = np.asarray(self.color, np.float32)
+        mujoco.mjv_initGeom(geom, capsule, origin, origin, np.eye(3).ravel(), color)
+        mujoco.mjv_connector(geom, capsule, self.radius, self.begin, self.end)
+        return geom
 
 
 class RenderingUnavailableError(InputError):
@@ -146,8 +172,20 @@ class Renderer:
         flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = self.quality.reflection
         return self._offscreen
 
-    def show(self, model: mujoco.MjModel, data: mujoco.MjData, period: float) -> None:
+    def show(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        period: float,
+        beside: Sequence[Capsule] = (),
+    ) -> None:
         """Opens a window at the first call, and updates it at most once per `period` [s].
+
+        Args:
+            model: The model.
+            data: Its pose.
+            period: Least time between updates [s].
+            beside: What is drawn beside the model.
 
         Raises:
             RenderingUnavailableError: No window can be opened on this machine, or it was closed.
@@ -175,6 +213,11 @@ class Renderer:
             raise RenderingUnavailableError("the window was closed: make the environment again")
         time.sleep(max(0.0, self._shown + period - time.monotonic()))
         self._shown = time.monotonic()
+        with self._window.lock():
+            scene = self._window.user_scn
+            scene.ngeom = len(beside)
+            for geom, capsule in zip(scene.geoms, beside, strict=False):
+                capsule.into(geom)
         self._window.sync()
 
     def close(self) -> None:
@@ -200,11 +243,15 @@ class ArmRenderer:
         config: Configuration of the arm.
         edits: What a task adds to the model.
         **options: Options of `Renderer`.
+
+    Attributes:
+        beside: Function that returns what a window shows beside the arm; None for nothing.
     """
 
     def __init__(self, config: ArmConfig, edits: Edits | None = None, **options: Any) -> None:
         self.renderer, self._config, self._edits = Renderer(**options), config, edits
         self._drawn: tuple[mujoco.MjModel, mujoco.MjData] | None = None
+        self.beside: Callable[[], Sequence[Capsule]] | None = None
 
     def picture(self, posture: Posture) -> NDArray[np.uint8]:
         """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`."""
@@ -212,7 +259,8 @@ class ArmRenderer:
 
     def show(self, posture: Posture, period: float) -> None:
         """Shows the arm in a window; see `Renderer.show`."""
-        self.renderer.show(*self._posed(posture), period)
+        beside = () if self.beside is None else self.beside()
+        self.renderer.show(*self._posed(posture), period, beside)
 
     def forget(self) -> None:
         """Makes the next picture a new one, whatever time has passed."""
@@ -235,4 +283,4 @@ class ArmRenderer:
         return model, data
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_drawn": None}
+        return {**self.__dict__, "_drawn": None, "beside": None}

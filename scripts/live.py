@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from ..assets import JOINTS
 from ..envs.model import ASSISTED
+from ..envs.rendering import Capsule
 
 TAIL, NEW = 600, 100  # control periods that the panel shows, and those of the thick end
 EVERY = 2  # control periods from one drawn point to the next
@@ -35,6 +36,7 @@ class Live:
         status: One line about the motion; the simulation writes it.
         note: Why a choice was taken back, as a sentence; the simulation writes it.
         samples: The last control periods; the simulation writes them.
+        beside: What is drawn beside the arm; the simulation writes a new list each time.
     """
 
     choices: Mapping[str, list[str]]
@@ -44,6 +46,7 @@ class Live:
     status: str = ""
     note: str = ""
     samples: deque[Sample] = field(default_factory=lambda: deque(maxlen=TAIL))
+    beside: Sequence[Capsule] = ()
 
     def measure(self, info: Mapping[str, Any]) -> None:
         """Keeps what a control period has measured."""
@@ -60,7 +63,8 @@ class Live:
 
 
 def panel(live: Live) -> Any:
-    """Returns a plugin of MuJoCo Studio that draws the panel."""
+    """Returns a plugin of MuJoCo Studio that draws the panel, and what is beside the arm."""
+    import mujoco
     from mujoco.studio import messages, plugin
     from mujoco.studio.dear_imgui import dear_imgui as imgui
     from mujoco.studio.implot import implot
@@ -69,6 +73,10 @@ def panel(live: Live) -> Any:
     fit = int(implot.AxisFlags.AutoFit)
 
     class Panel(plugin.ViewerPlugin):
+        @messages.handler
+        def on_update(self, _: messages.UpdateEvent) -> None:
+            self.viewer.extra_geoms[:] = [one.into(mujoco.MjvGeom()) for one in live.beside]
+
         @messages.handler
         def on_build_gui(self, _: messages.BuildGuiEvent) -> None:
             imgui.SetNextWindowPos(imgui.Vec2(8, 30), first)

@@ -179,6 +179,22 @@ def rollout(
     ]
 
 
+def strength_left(strength: Array, angle: Array, fatigue: Array | None) -> Array:
+    """Returns what the extensors and the flexors of each joint could give at rest [N·m].
+
+    Args:
+        strength: The wearer's strength, as `isometric_strength` has it.
+        angle: Joint angles [rad], shape (n, 4).
+        fatigue: Fatigued part of the muscles, shape (n, 2, 4); None where they do not tire.
+
+    Returns:
+        The torques, shape (n, 2, 4).
+    """
+    low, high = strength_limits(strength, angle, np.zeros_like(angle))
+    left = np.stack([-low, high], axis=1)
+    return left if fatigue is None else left * (1 - fatigue)
+
+
 def _trace(
     measured: Array,
     rewards: Array,
@@ -199,14 +215,12 @@ def _trace(
         for name, shape in (("cuff_force", (3, 3)), ("fatigue", (2, 4)), ("motor_load", (2,)))
     )
     angle = measured[:, COLUMNS["angle"]]
-    low, high = strength_limits(strength, angle, np.zeros_like(angle))
-    left = np.stack([-low, high], axis=1)
     return Trace(
         time=measured[:, COLUMNS["time"].start],
         **{name: measured[:, COLUMNS[name]] for name in SERIES},
         hand=arm.in_world(angle),
         cuff_force=force,
-        strength=left if fatigue is None else left * (1 - fatigue),
+        strength=strength_left(strength, angle, fatigue),
         fatigue=fatigue,
         motor_load=load,
         peak_torque=peak_torque,

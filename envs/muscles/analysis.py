@@ -24,6 +24,7 @@ from ...arrays import Array
 from ...errors import InputError
 from ..evaluation.rollout import Trace
 from ..person import Person, isometric_strength, passive_torque, strength_limits
+from ..simulation.inverse_dynamics import Chain
 from .constraint import constraint_torques
 from .mapping import AXES, OWN, THIRD
 from .metabolic import MODELS, muscle_masses
@@ -92,6 +93,28 @@ class Demand(NamedTuple):
     geometry: Geometry
     dt: float
 
+    def last(self) -> "Demand":
+        """Returns what the last sample asks."""
+        return self._replace(
+            torque=self.torque[-1:],
+            elastic=self.elastic[-1:],
+            contraction=self.contraction[-1:],
+            geometry=Geometry(*(one[-1:] for one in self.geometry)),
+        )
+
+
+class Moments(NamedTuple):
+    """Some moments of a motion, with the series of a `Trace` that muscles need."""
+
+    time: Array
+    angle: Array
+    rate: Array
+    human_torque: Array
+    effort: Array
+    strength: Array
+    fatigue: Array | None
+    dressed: Chain
+
 
 class Shared(NamedTuple):
     """The muscles of one motion under one convention.
@@ -109,11 +132,11 @@ class Shared(NamedTuple):
     missed: Array
 
 
-def demand_of(trace: Trace, arm: MyoArm, *, threads: int = 0) -> Demand:
+def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Demand:
     """Returns what a motion asks of the wearer's muscles.
 
     Args:
-        trace: The motion.
+        trace: The motion, or some moments of one.
         arm: The muscles.
         threads: Number of threads; 0 uses all cores.
 
@@ -139,13 +162,16 @@ def demand_of(trace: Trace, arm: MyoArm, *, threads: int = 0) -> Demand:
     )
 
 
-def share_among_muscles(arm: MyoArm, demand: Demand, convention: Convention) -> Shared:
+def share_among_muscles(
+    arm: MyoArm, demand: Demand, convention: Convention, *, before: Array | None = None
+) -> Shared:
     """Returns activations, metabolic power and reserve torques of a motion.
 
     Args:
         arm: The muscles of the average man.
         demand: What the motion asks of them.
         convention: Choices in sharing the torque.
+        before: Activations a period before the motion, shape (muscles,); by default any.
     """
     geometry = demand.geometry
     wanted = demand.torque / demand.scale
@@ -166,6 +192,7 @@ def share_among_muscles(arm: MyoArm, demand: Demand, convention: Convention) -> 
     missed = np.empty(samples)
     share(
         *(arms, geometry.full, wanted, equal, np.full((samples, muscles), convention.least)),
+        np.full(muscles, np.nan) if before is None else before,
         *(demand.dt, cost_of(convention.cost, arm), activation, reserve, missed),
     )
     power = MODELS[convention.metabolic](arm, geometry, activation)
@@ -210,7 +237,7 @@ def antagonists(arms: Array, torque: Array) -> Array:
     return np.maximum(np.where(torque[..., None] < 0, arms, -arms), 0)
 
 
-def strength_scale(trace: Trace) -> float:
+def strength_scale(trace: Trace | Moments) -> float:
     """Returns the wearer's strength over that of the average man.
 
     Raises:
@@ -231,7 +258,7 @@ def _average() -> Array:
     return isometric_strength(Person.percentile("male", 50))
 
 
-def _contraction(trace: Trace) -> Array:
+def _contraction(trace: Trace | Moments) -> Array:
     """Returns the co-contraction of each joint [N·m]: what effort has beyond the net torque."""
     pull = np.stack([-trace.human_torque, trace.human_torque], axis=1)
     beyond = trace.effort[:, None] * trace.strength - np.maximum(pull, 0)

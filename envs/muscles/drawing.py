@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 from matplotlib import colormaps
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
 from ..rendering import Renderer, RenderQuality
@@ -15,6 +15,16 @@ EYE, TARGET = np.array([0.85, 0.2, 1.25]), np.array([0.24, -0.13, 0.0])
 """Camera and the place it looks at, forward, up and right of the shoulder [m]."""
 WIDTH = 0.0055  # [m], of a muscle at rest
 SWELLING = 0.006  # [m], by which a fully active one is thicker
+
+
+def color_of(active: ArrayLike) -> Array:
+    """Returns the colors of muscles, shape (..., 4), from pale at 0 to dark red at 1."""
+    return np.asarray(colormaps[COLORS](0.15 + 0.85 * np.asarray(active)))
+
+
+def width_of(active: ArrayLike) -> Array:
+    """Returns how thick muscles are drawn [m]: the radius of each."""
+    return WIDTH + SWELLING * np.asarray(active)
 
 
 class MusclePanel:
@@ -51,8 +61,8 @@ class MusclePanel:
         """Returns the picture of a sample, shape (height, width, 3)."""
         model, data = self._model, self._data
         share = self._activation[sample] / self._most
-        model.tendon_rgba[self._tendons] = colormaps[COLORS](0.15 + 0.85 * share)
-        model.tendon_width[self._tendons] = WIDTH + SWELLING * share
+        model.tendon_rgba[self._tendons] = color_of(share)
+        model.tendon_width[self._tendons] = width_of(share)
         data.qpos[:] = self._arm.coupled @ self._theirs[sample]
         mujoco.mj_fwdPosition(model, data)
         return self._renderer.picture(model, data)

@@ -176,7 +176,8 @@ class MuscleElbow(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         against = antagonists(arms[None, None], wanted[:, :1])
         activation, reserve = np.empty((1, self.model.nu)), np.empty((1, 2))
         rows, least = np.concatenate([arms[None, None], against], axis=1), np.zeros((1, full.size))
-        flat = (rows, full[None], wanted, 1, least, np.inf, self._cost)
+        free = np.full(full.size, np.nan)
+        flat = (rows, full[None], wanted, 1, least, free, np.inf, self._cost)
         share(*flat, activation, reserve, np.empty(1))
         return activation[0], float(reserve[0, 0])
 

@@ -208,6 +208,7 @@ def share(
     wanted: Array,
     equal: int,
     least: Array,
+    before: Array,
     dt: float,
     cost: Cost,
     activation: Array,
@@ -222,6 +223,7 @@ def share(
         wanted: Torques [N·m], shape (samples, axes).
         equal: Number of rows whose torque is wanted exactly; in the others more is as well.
         least: Least activation, shape (samples, muscles).
+        before: Activation a period before the first sample, shape (muscles,); NaN where any may be.
         dt: Time between samples, in which activation changes [s]; infinite for samples that have
             nothing to do with each other.
         cost: What is minimized.
@@ -235,8 +237,8 @@ def share(
     for n in range(samples):
         for m in range(muscles):
             low[m] = least[n, m]
-            if n > 0 and dt < math.inf:
-                a = activation[n - 1, m]
+            a = activation[n - 1, m] if n > 0 else before[m]
+            if dt < math.inf and not math.isnan(a):
                 change = 0.5 + 1.5 * a
                 low[m] = max(low[m], a * math.exp(-dt * change / 0.04))
                 high[m] = max(low[m], 1.0 - (1.0 - a) * math.exp(-dt / (0.01 * change)))

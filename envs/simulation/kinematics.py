@@ -87,6 +87,10 @@ class Arm:
         """Returns where the grip is in the world [m], shape (samples, 3)."""
         return self.torso + self.in_torso(angle) @ self.turn.T
 
+    def from_shoulder(self, places: Array) -> Array:
+        """Returns where places relative to the shoulder are in the world [m], the same shape."""
+        return self.torso + (places + self._shoulder) @ self._axes @ self.turn.T
+
     def postures(self, places: Array, start: Array) -> Array:
         """Returns joint angles that bring the grip to places one after the other [rad].
 

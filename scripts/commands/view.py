@@ -23,7 +23,7 @@ from ..live import panel
 from ..options import Env, Force, Gravity, PolicyName, Seed, Suit, Trust
 from ..output import say
 from ..runs import scene
-from ..stage import Stage
+from ..stage import Stage, live_muscles
 
 LARGEST = 4096  # pixels of a side of a snapshot
 BESIDE_PANEL, WHOLE = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of the browser's view
@@ -37,6 +37,7 @@ def view(
     gravity: Gravity = None,
     arm: ArmOptions = USUAL,
     seed: Seed = 0,
+    muscles: bool = False,
     web: bool = False,
     host: str = "localhost",
     port: int = PORT,
@@ -54,6 +55,8 @@ def view(
     Each next motion has the next seed.
 
     Args:
+        muscles: Draw the muscles of the arm beside it, colored by their activation (needs the extra
+            muscles).
         web: Serve to a browser instead of opening a window. Only who has the printed address, which
             holds a token, can use the page; it is not encrypted.
         host: Address that the web page listens on: localhost, which only programs on this machine
@@ -68,6 +71,11 @@ def view(
         height: Height of the snapshot [pixels].
     """
     check_seed(seed)
+    if muscles and snapshot is not None:
+        raise InputError(
+            "both muscles and snapshot are given, and a still arm has no activation: use animate "
+            "--muscles"
+        )
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
     if snapshot is not None:
@@ -79,7 +87,7 @@ def view(
     if web:
         check_address(host, port)
         with suppress(KeyboardInterrupt):
-            _serve(Stage(chosen, seed), host, port)
+            _serve(Stage(chosen, seed, muscles=muscles), host, port)
         return
     made, simulated = make_env(
         chosen.env,
@@ -87,6 +95,8 @@ def view(
         render_mode="human",
         render_quality=quality,
     )
+    if muscles:
+        simulated.renderer.beside = live_muscles(simulated)
     with suppress(KeyboardInterrupt):
         _open_window(_move(made, make_policy(acting, simulated), seed))
     made.close()

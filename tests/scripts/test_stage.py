@@ -1,12 +1,13 @@
 """The arm of the live viewer: its policy, task, suit and place change while it moves."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.scripts.arm_options import USUAL
-from activesuit.scripts.live import TAIL
+from activesuit.scripts.live import TAIL, panel
 from activesuit.scripts.runs import scene
 from activesuit.scripts.stage import Stage
 from helpers import shorten_tasks
@@ -97,3 +98,28 @@ def test_a_policy_that_cannot_act_is_refused():
     chosen = scene(USUAL, env="ActiveSuit/ElbowFlexion-v0", policies=("compensation:suit=nowhere",))
     with pytest.raises(InputError, match="nowhere"):
         Stage(chosen, seed=0)
+
+
+def test_muscles_move_with_the_arm_and_reach_the_viewer(monkeypatch):
+    pytest.importorskip("myo_sim")
+    messages = pytest.importorskip("mujoco.studio.messages")
+    shorten_tasks(monkeypatch, 1.0)
+    chosen = scene(USUAL, env="ActiveSuit/ElbowFlexion-v0", policies=("none",))
+    stage = Stage(chosen, seed=0, muscles=True)
+    motion = stage.motion()
+    advance(motion, 3)
+    assert stage.live.beside == []
+    advance(motion, 10)
+    before = stage.live.beside
+    advance(motion, 10)
+    assert len(before) > 32 and before[-1].end.tolist() != stage.live.beside[-1].end.tolist()
+    shown = panel(stage.live)
+    shown.viewer = SimpleNamespace(extra_geoms=["of before"])
+    shown.on_update(messages.UpdateEvent())
+    colors = [geom.rgba for geom in shown.viewer.extra_geoms]
+    np.testing.assert_allclose(colors, [one.color for one in stage.live.beside], atol=1e-6)
+    # A wearer who tires has no muscles: the choice is taken back, and why is said.
+    stage.live.chosen["task"] = "OverheadHold"
+    advance(motion, 2)
+    assert "does not tire" in stage.live.note and stage.live.chosen["task"] == "ElbowFlexion"
+    stage.env.close()

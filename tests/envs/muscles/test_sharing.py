@@ -21,12 +21,14 @@ COSTS = {
 }
 
 
-def shared(cost, *, levers=LEVERS, wanted=TARGETS, least=0.0, dt=math.inf, equal=EQUAL):
+def shared(
+    cost, *, levers=LEVERS, wanted=TARGETS, least=0.0, dt=math.inf, equal=EQUAL, before=np.nan
+):
     samples, rows, muscles = levers.shape
     activation, reserve = np.empty((samples, muscles)), np.empty((samples, rows))
     missed, force = np.empty(samples), np.ones((samples, muscles))
-    bounds = np.full((samples, muscles), least)
-    share(levers, force, wanted, equal, bounds, dt, cost, activation, reserve, missed)
+    bounds, before = np.full((samples, muscles), least), np.broadcast_to(before, muscles).copy()
+    share(levers, force, wanted, equal, bounds, before, dt, cost, activation, reserve, missed)
     return activation, reserve, missed
 
 
@@ -91,3 +93,15 @@ def test_activation_takes_time():
         rate = 0.5 + 1.5 * before
         assert (now <= 1 - (1 - before) * np.exp(-0.01 / (0.01 * rate)) + 1e-12).all()
         assert (now >= before * np.exp(-0.01 * rate / 0.04) - 1e-12).all()
+
+
+def test_a_motion_goes_on_from_the_activation_before():
+    levers = np.repeat(LEVERS[:1], 12, axis=0)
+    wanted = np.repeat(3 * TARGETS[:1], 12, axis=0)
+    wanted[5:] = 0
+    same = {"levers": levers, "wanted": wanted, "dt": 0.01}
+    whole = shared(COSTS["squares"], **same)[0]
+    same |= {"levers": levers[5:], "wanted": wanted[5:]}
+    part = shared(COSTS["squares"], **same, before=whole[4])[0]
+    np.testing.assert_allclose(part, whole[5:], atol=1e-6)
+    assert shared(COSTS["squares"], **same)[0][0].max() < part[0].max() - 0.05

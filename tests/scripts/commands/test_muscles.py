@@ -64,14 +64,17 @@ def test_bad_input_is_one_sentence(given, sentence, tmp_path, capsys):
     assert not folder.exists()
 
 
-@pytest.mark.parametrize("command", [["evaluate"], ["animate"], ["benchmark", "run"]])
+@pytest.mark.parametrize(
+    "command", [["evaluate"], ["animate"], ["benchmark", "run"], ["view", "--web"]]
+)
 def test_a_missing_extra_is_named_before_anything_runs(command, tmp_path, capsys, monkeypatch):
     from activesuit.envs.muscles import MyoArm
 
     MyoArm.load.cache_clear()
     monkeypatch.setitem(sys.modules, "myo_sim", None)
     with pytest.raises(SystemExit) as stopped:
-        main([*command, "--muscles", "--out", str(tmp_path / "out.gif")])
+        out = [] if "view" in command else ["--out", str(tmp_path / "out.gif")]
+        main([*command, "--muscles", *out])
     assert stopped.value.code == 2
     assert "activesuit[muscles]" in capsys.readouterr().err
     assert not (tmp_path / "out.gif").exists()
