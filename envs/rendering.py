@@ -24,6 +24,7 @@ RenderQuality = Literal["fast", "fine"]
 
 WINDOW_CLOSES = 5.0  # [s], longest wait for a window to close
 SEEN, HIDDEN = 2, 5  # groups of geoms
+FARTHER = 1.5  # times the usual distance of the camera, where something is beside the arm
 LONGEST_BETWEEN = 10.0  # [s], greatest `picture_dt`
 
 
@@ -177,7 +178,7 @@ class Renderer:
         model: mujoco.MjModel,
         data: mujoco.MjData,
         period: float,
-        beside: Sequence[Capsule] = (),
+        beside: Sequence[Capsule] | None = None,
     ) -> None:
         """Opens a window at the first call, and updates it at most once per `period` [s].
 
@@ -185,7 +186,7 @@ class Renderer:
             model: The model.
             data: Its pose.
             period: Least time between updates [s].
-            beside: What is drawn beside the model.
+            beside: What is drawn beside the model, for which the camera begins farther away.
 
         Raises:
             RenderingUnavailableError: No window can be opened on this machine, or it was closed.
@@ -209,14 +210,16 @@ class Renderer:
             self._window_threads = set(threading.enumerate()) - others
             with self._window.lock():
                 mujoco.mjv_defaultFreeCamera(model, self._window.cam)
+                if beside is not None:
+                    self._window.cam.distance *= FARTHER
         if not self._window.is_running():
             raise RenderingUnavailableError("the window was closed: make the environment again")
         time.sleep(max(0.0, self._shown + period - time.monotonic()))
         self._shown = time.monotonic()
         with self._window.lock():
             scene = self._window.user_scn
-            scene.ngeom = len(beside)
-            for geom, capsule in zip(scene.geoms, beside, strict=False):
+            scene.ngeom = len(beside or ())
+            for geom, capsule in zip(scene.geoms, beside or (), strict=False):
                 capsule.into(geom)
         self._window.sync()
 
@@ -259,7 +262,7 @@ class ArmRenderer:
 
     def show(self, posture: Posture, period: float) -> None:
         """Shows the arm in a window; see `Renderer.show`."""
-        beside = () if self.beside is None else self.beside()
+        beside = None if self.beside is None else self.beside()
         self.renderer.show(*self._posed(posture), period, beside)
 
     def forget(self) -> None:
