@@ -26,7 +26,9 @@ from ..runs import scene
 from ..stage import Stage, live_muscles
 
 LARGEST = 4096  # pixels of a side of a snapshot
-BESIDE_PANEL, WHOLE = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of the browser's view
+View = tuple[tuple[float, float, float], float]
+WHOLE: View = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of the browser's view, beside the panel
+WITH_MUSCLES: View = (-0.3, -0.65, 1.2), 1.5  # the same, where muscles are beside the arm
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
@@ -87,7 +89,7 @@ def view(
     if web:
         check_address(host, port)
         with suppress(KeyboardInterrupt):
-            _serve(Stage(chosen, seed, muscles=muscles), host, port)
+            _serve(Stage(chosen, seed, muscles=muscles), host, port, WITH_MUSCLES if muscles else WHOLE)
         return
     made, simulated = make_env(
         chosen.env,
@@ -127,8 +129,8 @@ def _open_window(motion: Iterator[None]) -> None:
             pass
 
 
-def _serve(stage: Stage, host: str, port: int) -> None:
-    simulated, shown = stage.env, _drawing(stage.env.config)
+def _serve(stage: Stage, host: str, port: int, seen: View) -> None:
+    simulated, shown = stage.env, _drawing(stage.env.config, seen)
     drawn = mujoco.MjData(shown)
     with served(host, port, panels=[panel(stage.live)]) as viewer:
         begin = time.monotonic()
@@ -136,7 +138,7 @@ def _serve(stage: Stage, host: str, port: int) -> None:
             if not viewer.is_running():
                 break
             if env is not simulated:
-                simulated, shown = env, _drawing(env.config)
+                simulated, shown = env, _drawing(env.config, seen)
                 drawn = mujoco.MjData(shown)
                 begin = time.monotonic() - step * env.control_dt
             drawn.qpos[:] = env.data.qpos
@@ -145,7 +147,7 @@ def _serve(stage: Stage, host: str, port: int) -> None:
     stage.env.close()
 
 
-def _drawing(config: ArmConfig) -> mujoco.MjModel:
+def _drawing(config: ArmConfig, seen: View) -> mujoco.MjModel:
     """Returns the model without engine plugins, which MuJoCo in a browser does not have."""
     spec = arm_spec(config)
     for sensor in spec.sensors:  # MuJoCo deletes the plugin that a sensor reads with it
@@ -155,7 +157,7 @@ def _drawing(config: ArmConfig) -> mujoco.MjModel:
     visor = spec.material("visor")  # the browser's renderer stops at a cube texture on metal
     visor.textures = [""] * len(visor.textures)
     visor.rgba = VISOR
-    spec.stat.center, spec.stat.extent = BESIDE_PANEL, WHOLE
+    spec.stat.center, spec.stat.extent = seen
     return spec.compile()
 
 

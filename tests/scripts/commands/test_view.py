@@ -132,7 +132,7 @@ def mistake(capsys, *arguments) -> str:
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
 def test_the_browser_gets_the_same_arm_without_plugins(coupling):
     config = ArmConfig(coupling=coupling)
-    shown, simulated = view._drawing(config), compose(config)
+    shown, simulated = view._drawing(config, view.WHOLE), compose(config)
     assert simulated.nplugin > 0
     assert shown.nplugin == 0
     poses = [mujoco.MjData(shown), mujoco.MjData(simulated)]
