@@ -27,7 +27,7 @@ from ..stage import Stage, live_muscles
 
 LARGEST = 4096  # pixels of a side of a snapshot
 View = tuple[tuple[float, float, float], float]
-WHOLE: View = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of the browser's view, beside the panel
+WHOLE: View = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of what a browser shows
 WITH_MUSCLES: View = (-0.3, -0.65, 1.2), 1.5  # the same, where muscles are beside the arm
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
@@ -89,7 +89,8 @@ def view(
     if web:
         check_address(host, port)
         with suppress(KeyboardInterrupt):
-            _serve(Stage(chosen, seed, muscles=muscles), host, port, WITH_MUSCLES if muscles else WHOLE)
+            stage = Stage(chosen, seed, muscles=muscles)
+            _serve(stage, host, port, WITH_MUSCLES if muscles else WHOLE)
         return
     made, simulated = make_env(
         chosen.env,

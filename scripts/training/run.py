@@ -23,6 +23,7 @@ from .checkpoints import (
 from .evaluations import Evaluations
 from .learners import new_learner, threads, training_environments
 from .page import advice, write_training_page
+from .seeds import finished
 
 CHECKPOINTS = 10  # number per run
 JUDGED = 200  # control periods after which the reward of a new training is judged
@@ -63,7 +64,7 @@ def learn(
         else:
             learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
         done = learner.num_timesteps
-        if done >= steps:
+        if done >= steps and (not training["motions"] or finished(folder.path, steps)):
             raise InputError(f"the run has {done} steps already: give --steps above that to go on")
         card = begin(folder, card, resume=bool(checkpoint))
         run = _Run(learner, folder, card, options)
@@ -111,7 +112,9 @@ class _Run:
         self.evaluations = Evaluations(folder, card, options, motions, done) if motions else None
         self._every = max(1, card.training["steps"] // CHECKPOINTS)
         self._next = done + self._every
-        self._evaluated = done if done else -1  # steps at the last evaluation
+        results = self.evaluations.results if self.evaluations else []
+        self._evaluated = results[-1]["steps"] if results else -1  # steps at the last evaluation
+        self._kept = done if done else -1  # steps of the checkpoint from which this goes on
         self.stopped, self._resumed = False, done > 0
 
     @property
@@ -138,7 +141,7 @@ class _Run:
         from ...envs.policies.saving import network_of
 
         network, steps = network_of(self._learner), int(self._learner.num_timesteps)
-        noted = save(self._learner, self._folder, begun=begun)
+        noted = steps == self._kept or save(self._learner, self._folder, begun=begun)
         if self.evaluations is None or (not self.evaluations.results and not evaluate):
             noted &= self._keep(network, steps, None)
         elif evaluate and steps > self._evaluated:

@@ -15,6 +15,7 @@ from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
 from activesuit.scripts.training import request as request_module
 from activesuit.scripts.training import run as run_module
+from activesuit.scripts.training.evaluations import Evaluations
 from helpers import shorten_tasks
 from pages import checked_page
 
@@ -536,6 +537,35 @@ def test_a_corrected_run_resumes_to_the_last_bit(tmp_path):
     train(tmp_path / "halves", "--resume", steps=2 * ROLLOUT)
     one, other = (tmp_path / name / "policy.safetensors" for name in ("whole", "halves"))
     assert one.read_bytes() == other.read_bytes()
+
+
+def test_a_run_that_was_killed_in_its_last_evaluation_ends_when_resumed(
+    corrected, tmp_path, monkeypatch, capsys
+):
+    class Killed(BaseException):
+        """As by kill -9: nothing that the training does afterwards sees it."""
+
+    def last(self, steps, network):
+        if steps == 4 * ROLLOUT:
+            raise Killed
+        return add(self, steps, network)
+
+    add = Evaluations.add
+    monkeypatch.setattr(Evaluations, "add", last)
+    out, own = tmp_path / "out", ["--residual", "compensation:lead=0.01"]
+    own += ["--reward", "own_rewards:gentle", "--motions", "8"]
+    with pytest.raises(Killed):
+        train(out, *WEIGHTLESS, *own, steps=4 * ROLLOUT)
+    monkeypatch.undo()
+    before = (out / "model.zip").read_bytes()
+    assert not (out / "report.html").exists()
+    train(out, "--resume", steps=4 * ROLLOUT)
+    for name in ("evaluations.json", "policy.safetensors"):
+        assert (out / name).read_bytes() == (corrected / name).read_bytes()
+    assert (out / "model.zip").read_bytes() == before
+    assert (out / "report.html").exists()
+    message = fails(capsys, "train", "--resume", "--out", out)
+    assert f"has {4 * ROLLOUT} steps already: give --steps above that to go on" in message
 
 
 def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
