@@ -6,6 +6,7 @@ file that is not noted there is somebody else's, whatever the folder says about 
 """
 
 import hashlib
+import math
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -57,5 +58,13 @@ def _digest(content: bytes) -> str:
 def _remove_oldest(folder: Path) -> None:
     notes = list(folder.iterdir())
     if len(notes) > MOST:
-        for old in sorted(notes, key=lambda one: one.stat().st_mtime)[: len(notes) - MOST]:
+        for old in sorted(notes, key=_written)[: len(notes) - MOST]:
             old.unlink(missing_ok=True)
+
+
+def _written(kept: Path) -> float:
+    """Returns when a note was written [s]; never for one that another training has removed."""
+    try:
+        return kept.stat().st_mtime
+    except FileNotFoundError:
+        return math.inf

@@ -164,6 +164,16 @@ def test_the_oldest_notes_are_removed(tmp_path, monkeypatch):
     assert [own_files.is_own(str(i).encode()) for i in range(4)] == [False, False, True, True]
 
 
+def test_two_trainings_remove_old_notes_at_once(tmp_path, monkeypatch):
+    """The other one removes a note between our list of them and a look at it."""
+    monkeypatch.setattr(own_files, "MOST", 0)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    (tmp_path / "file").write_text("")
+    listed = Path.iterdir
+    monkeypatch.setattr(Path, "iterdir", lambda folder: [*listed(folder), folder / "removed"])
+    assert own_files.note(tmp_path / "file", tmp_path / "file")
+
+
 def test_without_a_place_for_notes_a_run_needs_trust(run, tmp_path, monkeypatch, capsys):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
