@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -245,9 +246,12 @@ def write_own(folder: RunFolder, contents: Mapping[str, bytes]) -> bool:
 def note_missing(noted: bool) -> None:
     """Prints what follows where files could not be noted as ours."""
     if not noted:
-        messages.print(
-            f"note: {notes_folder()} cannot be written, so that --resume will need --trust"
-        )
+        _print_once(f"note: {notes_folder()} cannot be written, so that --resume will need --trust")
+
+
+@cache
+def _print_once(sentence: str) -> None:
+    messages.print(sentence)
 
 
 def _write(folder: RunFolder, name: str, write: Callable[[Path], Any]) -> bool:
