@@ -53,6 +53,8 @@ BESIDE = {
     "adaptive": ("0.2", "-."),
     "best-known-plan": ("0.2", ":"),
 }
+MARGIN = 0.15  # of the range of means, above and below
+MUCH_LONGER = 4  # times as many steps
 
 
 def study_figure(
@@ -65,6 +67,9 @@ def study_figure(
             and `low` and `high` where there is an interval.
         beside: Relief of policies that do not learn: `task`, `level`, `policy` and
             `in_training`, in the motions of the curves.
+
+    Panels show all means; an interval beyond them is cut at the frame. Steps are logarithmic where
+    the trainings of one way are much longer than those of another.
     """
     tasks, levels, ways = (
         list(dict.fromkeys(one[name] for one in curves)) for name in ("task", "level", "way")
@@ -72,7 +77,9 @@ def study_figure(
     shape = (len(tasks), len(levels))
     figure = Figure(figsize=(3.4 * shape[1] + 1, 2.6 * shape[0] + 0.8), layout="constrained")
     axes = figure.subplots(*shape, squeeze=False, sharex=True)
+    ends = [max(one["steps"] for one in curves if one["way"] == way) for way in ways]
     for ax, (task, level) in zip(axes.flat, product(tasks, levels), strict=True):
+        means = []
         for i, way in enumerate(ways):
             names = {"task": task, "level": level, "way": way}
             points = [one for one in curves if names.items() <= one.items()]
@@ -81,21 +88,27 @@ def study_figure(
                 for part in ("steps", "value", "low", "high")
             )
             color = COLORS[i % len(COLORS)]
+            means += [*value]
             ax.fill_between(steps, low, high, color=color, alpha=0.15, lw=0)
             ax.plot(steps, value, color=color, lw=1.3, label=way)
         for one in beside:
             if (one["task"], one["level"]) == (task, level):
                 name = one["policy"].partition(":")[0]
+                means.append(one["in_training"])
                 color, style = BESIDE[name]
                 ax.axhline(one["in_training"], color=color, ls=style, lw=1, label=name)
+        margin = MARGIN * (max(means) - min(means)) or MARGIN
+        ax.set_ylim(min(means) - margin, max(means) + margin)
         ax.set_title(f"{task}, {level}", fontsize=9)
         ax.grid(alpha=0.25)
+    if max(ends) > MUCH_LONGER * min(ends):
+        axes[0, 0].set_xscale("log")
     for ax in axes[-1]:
         ax.set_xlabel("steps")
     for ax in axes[:, 0]:
         ax.set_ylabel("relief")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(
-        handles, labels, loc="outside upper center", ncols=2 * shape[1], frameon=False, fontsize=8
+        handles, labels, loc="outside upper center", ncols=3 * shape[1], frameon=False, fontsize=8
     )
     return figure
