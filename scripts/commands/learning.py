@@ -48,7 +48,12 @@ WAYS: dict[str, dict[str, Any]] = {
     "student": {"teacher": "adaptive:suit=mock-suit", "history": 10},
 }
 USUAL_STEPS = 200_000
-STEPS = {"sac": 40_000, "tqc": 40_000, "student": 1_000_000}  # of ways with another number
+STEPS = {  # of ways with another number
+    "sac": 40_000,
+    "tqc": 40_000,
+    "recurrent-ppo": 600_000,
+    "student": 1_000_000,
+}
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)  # motions of a finished policy
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
@@ -94,7 +99,7 @@ def learning(
         levels: Names of levels.
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.
         steps: Number of environment steps of each training, by default 40,000 of sac and tqc,
-            1,000,000 of student and 200,000 of others.
+            600,000 of recurrent-ppo, 1,000,000 of student and 200,000 of others.
         workers: Number of trainings at once; -1 uses all cores.
         out: Folder of the trainings, result.json and the figure of learning curves.
     """
