@@ -94,12 +94,18 @@ def environments() -> list[str]:
     return [*(f"ActiveSuit/{task}-v0" for task in TASKS), "MODULE:ID"]
 
 
+def correctable() -> Iterable[str]:
+    """Returns the names of the policies that are no trained networks."""
+    from ..envs.policies import POLICIES
+
+    return POLICIES
+
+
 def policies() -> list[str]:
     """Returns the names of the policies; the folder of a training run is one too."""
-    from ..envs.policies import POLICIES
     from ..envs.policies.trained import shipped_policies
 
-    return [*POLICIES, *shipped_policies(), "FOLDER"]
+    return [*correctable(), *shipped_policies(), "FOLDER"]
 
 
 def evaluated() -> list[str]:
@@ -151,11 +157,16 @@ def gravity_option(usual: str) -> Any:
     )
 
 
-def tasks() -> list[str]:
-    """Returns the names of the shipped tasks; a file of a motion is one too."""
+def shipped_tasks() -> Iterable[str]:
+    """Returns the names of the shipped tasks."""
     from ..envs.tasks import TASKS
 
-    return [*TASKS, "FILE.csv"]
+    return TASKS
+
+
+def tasks() -> list[str]:
+    """Returns the names of the shipped tasks; a file of a motion is one too."""
+    return [*shipped_tasks(), "FILE.csv"]
 
 
 def uses() -> list[str]:

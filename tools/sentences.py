@@ -19,6 +19,7 @@ from .measure import kept
 from .results import (
     WEIGHTLESS,
     interval,
+    percent,
     relief_at,
     scores,
     settings,
@@ -182,6 +183,16 @@ def _training() -> Iterator[str]:
     before = {one["task"]: one["value"] for one in beside if "compensation" in one["policy"]}
     gains = (f"{ends[task] - before[task]:.2f} in `{task}`" for task in ends)
     yield f"gets {', '.join(gains)} more relief than compensation"
+    for who, text in (
+        ("residual", "correction succeeds in {}, {} and {} of the motions at the three levels"),
+        ("ppo", "network alone in {}, {} and {}"),
+        ("compensation:suit=mock-suit", "(compensation: {}, {} and {})"),
+    ):
+        yield text.format(*(percent(one, 0) for one in _successes("ObjectRelocation", who)))
+    alone, corrected = (
+        percent(_successes("RangeOfMotion", way)[-1], 0) for way in ("ppo", "residual")
+    )
+    yield f"network alone succeeds in {alone}, and the correction in {corrected}"
     levels = standings().levels
     by_level = [[float(relief_at(name, one)) for name in shipped_policies()] for one in levels]
     usual = (relief_at("compensation", one) for one in levels)
@@ -190,6 +201,17 @@ def _training() -> Iterator[str]:
         for found, compensation in zip(by_level, usual, strict=True)
     )
     yield ", ".join(f"{found} at {level}" for found, level in zip(ranges, levels, strict=True))
+
+
+def _successes(task: str, name: str) -> list[float]:
+    """Returns the success of a way of training, or of a policy beside them, at each level."""
+    found = kept("learning")["result"]
+    rows = [*found["ends"], *found["beside"]]
+    return [
+        one["success"]
+        for one in rows
+        if one["task"] == task and name in (one.get("way"), one.get("policy"))
+    ]
 
 
 def _corrected(end: dict[str, Any]) -> bool:

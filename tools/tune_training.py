@@ -64,6 +64,7 @@ def settings_of(trial: optuna.Trial, algo: str) -> dict[str, Any]:
     }
     networks: dict[str, Any] = {"net_arch": {"pi": [size] * 2, "vf": [size] * 2}}
     if algo == "recurrent-ppo":
+        found["target_kl"] = trial.suggest_categorical("target_kl", [0.01, 0.02, 0.05])
         networks = {"lstm_hidden_size": size, "net_arch": {"pi": [size], "vf": [size]}}
     networks["log_std_init"] = trial.suggest_float("log_std_init", -3.5, -1.5)
     return {**found, "policy_kwargs": networks}

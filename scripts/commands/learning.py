@@ -21,7 +21,7 @@ from ..arm_options import USUAL
 from ..backends import run_all
 from ..options import Force, Json, choice, optional_number
 from ..options import levels as level_names
-from ..options import tasks as task_names
+from ..options import shipped_tasks as task_names
 from ..output import RunFolder, conclude, progress
 from ..reports.learning import study_figure
 from ..runs import scene
@@ -51,7 +51,7 @@ USUAL_STEPS = 200_000
 STEPS = {  # of ways with another number
     "sac": 40_000,
     "tqc": 40_000,
-    "recurrent-ppo": 600_000,
+    "recurrent-ppo": 300_000,
     "student": 1_000_000,
 }
 TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
@@ -86,26 +86,30 @@ def learning(
 ) -> None:
     """Compare ways of training over tasks, levels and seeds.
 
-    Each training is a run of `activesuit train`, at the level at which its policy is then tested,
-    with seeds that no training uses; but residual-drawn trains at level randomized. The same
-    command again does what is left.
+    Each training is a run of `activesuit train` at the level at which its policy is tested; only
+    residual-drawn always trains at level randomized. The tests use seeds that no training uses.
+    The same command again does what is left.
 
     Args:
-        ways: Names of ways of training: the algorithms, with a history of five observations, as
-            correction of compensation that believes the suit mock-suit, the same with wearers who
-            are guided along the intention, the same with suits drawn from mock-suit and emu-like,
-            or as student of adaptive.
+        ways: Names of ways of training: an algorithm alone; ppo-history observes five control
+            periods; residual corrects compensation that believes the suit mock-suit, and
+            residual-history does so with five control periods; residual-guided has wearers who are
+            guided along the intention; residual-drawn is residual-history with suits drawn from
+            mock-suit and emu-like; student repeats adaptive.
         tasks: Names of tasks.
         levels: Names of levels.
         seeds: Seeds of the trainings, as 0-9 or 0,3,5.
         steps: Number of environment steps of each training, by default 40,000 of sac and tqc,
-            600,000 of recurrent-ppo, 1,000,000 of student and 200,000 of others.
+            300,000 of recurrent-ppo, 1,000,000 of student and 200,000 of others.
         workers: Number of trainings at once; -1 uses all cores.
         out: Folder of the trainings, result.json and the figure of learning curves.
     """
     for way in ways:
         if way not in WAYS:
             raise unknown_name("way of training", way, WAYS)
+    for task in tasks:
+        if task not in task_names():
+            raise unknown_name("task", task, task_names())
     if workers != -1:
         at_least("workers", workers, 1)
     if steps is not None:

@@ -15,10 +15,11 @@ from ...envs.policies.trained import OBSERVATION, environment_of, portable
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
+from ..options import correctable as corrected_names
 from ..options import levels as level_names
 from ..options import policies as policy_names
+from ..options import shipped_tasks as task_names
 from ..options import suits as suit_names
-from ..options import tasks as task_names
 from ..output import say
 from ..runs import scene
 from ..settings import joined
@@ -39,10 +40,10 @@ def train(
     sensors: tuple[str, ...] = (),
     history: Annotated[int | None, optional_number("1", int)] = None,
     normalize: bool = False,
-    belief: Annotated[str | None, choice(suit_names, usual="none")] = None,
-    residual: Annotated[str | None, choice(policy_names, usual="none")] = None,
+    belief: Annotated[str | None, choice(suit_names, usual="no belief")] = None,
+    residual: Annotated[str | None, choice(corrected_names, usual="no correction")] = None,
     residual_scale: Annotated[float | None, optional_number(f"{SCALE}")] = None,
-    teacher: Annotated[str | None, choice(policy_names, usual="none")] = None,
+    teacher: Annotated[str | None, choice(policy_names, usual="no teacher")] = None,
     reward: str | None = None,
     suits: tuple[Annotated[str, choice(suit_names)], ...] = (),
     samples: bool = False,

@@ -80,6 +80,7 @@ def test_an_interrupted_student_goes_on(tmp_path, monkeypatch, capsys):
     ("given", "message"),
     [
         (["--ways", "prayer"], "unknown way of training 'prayer'"),
+        (["--tasks", "mine.csv"], "unknown task 'mine.csv'"),
         (["--workers", "0"], "workers is 0"),
         (["--seeds", "x"], "give whole numbers, as 0-9 or 0,3,5"),
         (["--steps", "0"], "steps is 0"),
