@@ -457,17 +457,19 @@ def weightless() -> str:
     return markdown_table(["options", "interquartile mean", "lowest to highest"], rows)
 
 
-def learning(name: str = "learning") -> str:
+def learning(first: str = "learning", *others: str) -> str:
     """Returns the relief that ways of training reach in each task, beside other policies."""
-    found = kept(name)["result"]
-    settings = list(dict.fromkeys((one["task"], one["level"]) for one in found["ends"]))
-    ways = list(dict.fromkeys(one["way"] for one in found["ends"]))
-    beside = list(dict.fromkeys(one["policy"] for one in found["beside"]))
+    results = [kept(name)["result"] for name in (first, *others)]
+    found = [end for result in results for end in result["ends"]]
+    settings = list(dict.fromkeys((one["task"], one["level"]) for one in found))
+    ways = list(dict.fromkeys(one["way"] for one in found))
+    compared = results[0]["beside"]
+    beside = list(dict.fromkeys(one["policy"] for one in compared))
     rows = []
     for place in settings:
-        at = [one for one in found["beside"] if (one["task"], one["level"]) == place]
+        at = [one for one in compared if (one["task"], one["level"]) == place]
         by_policy = {one["policy"]: signed(one["value"]) for one in at}
-        ends = [one for one in found["ends"] if (one["task"], one["level"]) == place]
+        ends = [one for one in found if (one["task"], one["level"]) == place]
         by_way = {
             one["way"]: interval(one) if "low" in one else signed(one["value"]) for one in ends
         }
@@ -623,7 +625,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
         **{"learning": learning, "drawn": lambda: learning("learning-drawn")},
-        **{"others": lambda: learning("learning-others")},
+        **{"others": lambda: learning("learning-recurrent", "learning-others")},
         **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
         **{"weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},

@@ -3,6 +3,6 @@
 from activesuit.scripts.reports.learning import study_figure
 from activesuit.tools.measure import kept
 
-found = [kept(name)["result"] for name in ("learning", "learning-others")]
+found = [kept(name)["result"] for name in ("learning", "learning-recurrent", "learning-others")]
 curves = [curve for one in found for curve in one["curves"]]
 study_figure(curves, found[0]["beside"]).savefig("learning.png", dpi=130)
