@@ -486,30 +486,34 @@ ON_POLICY = {
     "epochs": "n_epochs",
     "periods of one exploration": "sde_sample_freq",
 }
-OFF_POLICY = {"tau": "tau", "updates": "gradient_steps", "batch": "batch_size"}
+TUNED = {
+    "ppo": ON_POLICY,
+    "recurrent-ppo": ON_POLICY | {"greatest KL": "target_kl"},
+    "sac": {"tau": "tau", "updates": "gradient_steps", "batch": "batch_size"},
+}
 USUAL = {"n_epochs": 10, "tau": 0.005, "batch_size": 256}  # those of Stable-Baselines3
 
 
 def tuned(algo: str) -> str:
     """Returns the best hyperparameters of an algorithm that were tried, and the shipped ones."""
-    columns = {"learning rate": "learning_rate", "gamma": "gamma"}
-    columns |= ON_POLICY if algo == "ppo" else OFF_POLICY
+    columns = {"learning rate": "learning_rate", "gamma": "gamma"} | TUNED[algo]
+    columns |= {"log std": "log_std_init", "LSTM": "lstm_hidden_size"}
     rows = []
     for one in kept(f"hyperparameters-{algo}")["rows"]:
-        settings = {**USUAL, **one["settings"]}
-        networks = settings["policy_kwargs"]
-        layers, noise = networks["net_arch"], networks.get("log_std_init")
+        networks = one["settings"]["policy_kwargs"]
+        layers = networks["net_arch"]
+        settings = {**USUAL, **one["settings"], **networks}
+        columns = {title: name for title, name in columns.items() if name in settings}
+        cells = (settings[name] for name in columns.values())
         rows.append(
             [
                 *(str(one["trial"]), f"{one['alone']:.2f}", f"{one['correction']:.2f}"),
-                *(str(settings[name]) for name in columns.values()),
-                *([] if noise is None else [f"{noise:.1f}"]),
+                *(f"{one:.3g}" if isinstance(one, float) else str(one) for one in cells),
                 str((layers["pi"] if isinstance(layers, dict) else layers)[0]),
             ]
         )
-    header = ["trial", "relief alone", "relief of the correction", *columns]
-    header += ["log std"] if algo == "ppo" else []
-    return markdown_table([*header, "layer"], rows)
+    header = ["trial", "relief alone", "relief of the correction", *columns, "layer"]
+    return markdown_table(header, rows)
 
 
 # The leaderboard.

@@ -18,6 +18,7 @@ from ..envs.tasks import TASKS
 from ..errors import InputError
 from ..files import write_text
 from ..scripts.output import markdown_table
+from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
 from .changes import CHANGES
 from .muscle_results import MUSCLE_TABLES, muscle_strength
 from .results import RESULT_TABLES
@@ -102,6 +103,16 @@ def levels() -> str:
     return markdown_table(["level", "differs by"], rows)
 
 
+def algorithms() -> str:
+    """Returns the table of the learning algorithms."""
+    rows = []
+    for name, (package, kind) in ALGORITHMS.items():
+        usual, learner = hyperparameters(name, DEFAULT), f"{kind} of {package.replace('_', '-')}"
+        counts = (f"{usual[count]:,.0f}" for count in ("n_envs", "n_timesteps"))
+        rows.append([f"`{name}`", learner, *counts])
+    return markdown_table(["`--algo`", "learner", "usual `--rows`", "usual `--steps`"], rows)
+
+
 def _gain(group: Sequence[Quantity]) -> Iterator[str]:
     values = [f"{quantity.value:g}" for quantity in group]
     yield ", ".join(values if len(set(values)) > 1 else values[:1])
@@ -119,6 +130,7 @@ TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "model.md": {"gains": gains, **RESULT_TABLES["model.md"], "strengths": muscle_strength},
     "muscles.md": MUSCLE_TABLES,
     "changes_of_numbers.md": CHANGES,
+    "training.md": {"algorithms": algorithms, **RESULT_TABLES["training.md"]},
     "tasks.md": {"tasks": tasks, "levels": levels, **RESULT_TABLES["tasks.md"]},
     "environments.md": {"sensor suites": sensor_suites, **RESULT_TABLES["environments.md"]},
 }
