@@ -127,7 +127,7 @@ def training(repeats: int) -> tuple[list[Row], list[Training]]:
         folder = RunFolder(Path(opened.enter_context(tempfile.TemporaryDirectory())))
 
         def in_rows() -> _Learner:
-            arms = training_environments(ENV, usual["n_envs"], 0, OPTIONS)
+            arms = training_environments(ENV, usual["n_envs"], OPTIONS)
             return _Learner(opened.enter_context(closing(arms)), folder, usual)
 
         def in_single_arms(changes: dict[str, int]) -> _Learner:

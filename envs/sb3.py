@@ -46,6 +46,17 @@ class ArmVecEnv(VecEnv):
         self.metadata = arms.metadata
         self._actions = np.zeros(arms.action_space.shape or (), np.float32)
 
+    def seed(self, seed: int | Sequence[int] | None = None) -> Sequence[int | None]:
+        """Sets the seeds of the next reset; returns them.
+
+        Args:
+            seed: Seed of row 0, where row i has seed + i; or one seed for every row. None draws it.
+        """
+        if seed is None or isinstance(seed, int):
+            return super().seed(seed)
+        self._seeds = [*seed]
+        return self._seeds
+
     def reset(self) -> NDArray[np.float32]:
         """Begins a new episode in every row, with the seeds that `seed` has set."""
         seeds = self._seeds if any(seed is not None for seed in self._seeds) else None

@@ -24,7 +24,7 @@ from ..output import RunFolder, messages, progress
 from ..reports.learning import learning_figure
 from .checkpoints import CHECKPOINT, Checkpoint, note_missing, unreadable, write_own
 from .evaluations import Evaluations
-from .learners import threads
+from .learners import threads, training_seeds
 from .page import write_training_page
 from .run import begin, report
 from .seeds import finished
@@ -87,8 +87,8 @@ def distill(
     evaluations = Evaluations(folder, card, options, motions, begun * size) if motions else None
     with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
         for i in range(begun, rounds):
-            first = 10**6 * (training["seed"] + 1) + i * training["rows"]
-            kept.append(lesson.round(student.network() if i else None, first))
+            seeds = training_seeds(training["seed"], training["rows"], part=i)
+            kept.append(lesson.round(student.network() if i else None, seeds))
             student.learn(kept)
             bar.move_to(i + 1)
             network, done = student.network(), (i + 1) * size
@@ -180,15 +180,15 @@ class Lesson:
         self.periods = round(self._arms.duration / self._arms.control_dt)
         self.size, self.motors = self._mine.size, plant.motors
 
-    def round(self, student: Network | None, first: int) -> tuple[Samples, Samples]:
+    def round(self, student: Network | None, seeds: list[int]) -> tuple[Samples, Samples]:
         """Returns what the student saw, and what the teacher would have done, sample by sample.
 
         Args:
             student: Student that acts; None lets the teacher act.
-            first: Seed of the first row.
+            seeds: Seed of each row.
         """
         seen, wished = [], []
-        observation, _ = self._arms.reset(seed=first)
+        observation, _ = self._arms.reset(seed=seeds)
         self._teacher.reset()
         over = np.zeros(self._arms.num_envs, np.bool_)
         for _ in range(self.periods):

@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+
+from ...checks import HIGHEST_SEED
 from ...envs.making import make_arms
 from ...envs.policies.network import Residual
 from ...envs.policies.saving import network_of
@@ -12,15 +15,29 @@ from ..output import RunFolder
 from .hyperparameters import algorithm_class, arguments
 
 
+def training_seeds(seed: int, rows: int, part: int = 0) -> list[int]:
+    """Returns a seed for each row of arms in a training, which no other one has.
+
+    With Gymnasium's own, where row i has seed + i, the trainings 0 and 1 would meet the same
+    motions and persons in all rows but one.
+
+    Args:
+        seed: Seed of the training.
+        rows: Number of rows.
+        part: Number of the part of the training, where each part begins with new seeds.
+    """
+    drawn = np.random.SeedSequence((seed, part)).generate_state(rows, np.uint64)
+    return (drawn & np.uint64(HIGHEST_SEED)).tolist()
+
+
 def training_environments(
-    env: str, rows: int, seed: int, options: dict[str, Any], residual: Residual | None = None
+    env: str, rows: int, options: dict[str, Any], residual: Residual | None = None
 ) -> Any:
     """Returns the environments that a learner trains in, as one of Stable-Baselines3.
 
     Args:
         env: Id of the environment.
         rows: Number of arms.
-        seed: Seed of the first arm.
         options: Options of the environment.
         residual: Policy that the learner corrects; None if it acts alone.
     """
@@ -32,9 +49,7 @@ def training_environments(
     rows_of_arms: Any = ArmVecEnv(arms)
     if residual is not None:
         rows_of_arms = ResidualVecEnv(rows_of_arms, residual.policy, residual.scale)
-    environments = VecMonitor(rows_of_arms)
-    environments.seed(seed)
-    return environments
+    return VecMonitor(rows_of_arms)
 
 
 def new_learner(

@@ -21,7 +21,7 @@ from .checkpoints import (
     write_own,
 )
 from .evaluations import Evaluations
-from .learners import new_learner, threads, training_environments
+from .learners import new_learner, threads, training_environments, training_seeds
 from .page import advice, write_training_page
 from .seeds import finished
 
@@ -56,13 +56,14 @@ def learn(
     with (
         threads(torch_threads),
         closing(
-            training_environments(env, training["rows"], seed, {**options, **own}, card.residual)
+            training_environments(env, training["rows"], {**options, **own}, card.residual)
         ) as environments,
     ):
         if checkpoint:
             learner = resumed_learner(algo, environments, checkpoint)
         else:
             learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
+        environments.seed(training_seeds(seed, training["rows"]))  # the learner has set its own
         done = learner.num_timesteps
         if done >= steps and (not training["motions"] or finished(folder.path, steps)):
             raise InputError(f"the run has {done} steps already: give --steps above that to go on")
