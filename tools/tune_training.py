@@ -1,8 +1,9 @@
 """Tunes the shipped hyperparameters: `python -m activesuit.tools.tune_training --algo ppo`.
 
-Optuna (TPE; Akiba et al. 2019, KDD) maximizes the relief of adapted wearers in the second half of
-two short trainings: a policy that acts alone, on Earth, and a correction of a compensation that
-believes another suit. The trials are kept in a file, so that the same command goes on. The result
+Optuna (Akiba et al. 2019, KDD) maximizes the relief of adapted wearers in the second half of two
+short trainings: a policy that acts alone, on Earth, and a correction of a compensation that
+believes another suit. The first half of the trials is random, and TPE chooses the others. The
+trials are kept in a file, so that the same command goes on. The result
 is a table in docs/measured; the shipped files are changed by hand, with its numbers.
 """
 
@@ -87,6 +88,11 @@ def score(settings: dict[str, Any], algo: str, steps: int) -> dict[str, float]:
     return found
 
 
+def _done(study: optuna.Study) -> list[optuna.trial.FrozenTrial]:
+    """Returns the trials that have come to their end; others were stopped."""
+    return study.get_trials(states=[optuna.trial.TrialState.COMPLETE])
+
+
 def main() -> None:
     """Tunes one algorithm, and keeps its best trials beside the shipped hyperparameters."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -102,10 +108,14 @@ def main() -> None:
         storage=f"sqlite:///{given.out}",
         load_if_exists=True,
         direction="maximize",
-        sampler=optuna.samplers.TPESampler(seed=0, constant_liar=True),
+    )
+    study.sampler = optuna.samplers.TPESampler(
+        seed=len(study.trials),  # a study that goes on tries others than it has tried
+        n_startup_trials=(given.trials + 1) // 2,
+        constant_liar=True,
     )
     with Parallel(given.workers) as parallel:
-        while len(study.trials) < given.trials:
+        while len(_done(study)) < given.trials:
             trials = [study.ask() for _ in range(given.workers)]
             tried = [settings_of(trial, given.algo) for trial in trials]
             calls = (delayed(score)(one, given.algo, given.steps) for one in tried)
@@ -116,7 +126,7 @@ def main() -> None:
                 study.tell(trial, float(np.mean([*found.values()])))
                 print(trial.number, found, settings, flush=True)
     shipped = hyperparameters(given.algo, "default")
-    done: Any = [one for one in study.trials if one.value is not None]  # the others were stopped
+    done: Any = _done(study)
     rows = [
         {
             "trial": trial.number,
