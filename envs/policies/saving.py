@@ -148,7 +148,8 @@ def network_of(model: Any) -> Network:
         if policy.actor.use_sde and policy.actor.clip_mean:
             raise _foreign(model, "use_sde clips its mean actions: give policy_kwargs clip_mean 0")
     elif hasattr(policy, "action_net"):  # PPO, A2C, RecurrentPPO
-        between, last, squashed = policy.mlp_extractor.policy_net, policy.action_net, False
+        between, last = policy.mlp_extractor.policy_net, policy.action_net
+        squashed = bool(policy.squash_output)
         features = policy.features_extractor
     else:
         raise _foreign(model, "it is no PPO or SAC, no torch.nn.Sequential and no Network")

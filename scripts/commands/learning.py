@@ -11,10 +11,13 @@ import numpy as np
 from ...checks import at_least
 from ...envs.evaluation.core import FIRST_SEED, REFERENCES, run
 from ...envs.evaluation.relief import relief
+from ...envs.evaluation.wearers import ArmLost
 from ...envs.levels import COMPARED
 from ...envs.policies import policy_spec
 from ...envs.policies.build import residual_of
+from ...envs.policies.network import CARD
 from ...envs.policies.residual import SCALE
+from ...envs.policies.trained import training_of
 from ...errors import InputError, unknown_name
 from ...json_files import read_json
 from ..arm_options import USUAL
@@ -25,10 +28,10 @@ from ..options import shipped_tasks as task_names
 from ..output import RunFolder, conclude, progress
 from ..reports.learning import study_figure
 from ..runs import scene
-from ..training.evaluations import EVALUATIONS, FIRST, MOTIONS
+from ..training.evaluations import EVALUATIONS, FIRST, MOTIONS, relief_text
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_STEPS, TrainingRequest
-from ..training.seeds import finished, over_trainings, seeds_of
+from ..training.seeds import over_trainings, seeds_of
 
 COMPENSATION = "compensation:suit=mock-suit"
 BESIDE = (COMPENSATION, "adaptive:suit=mock-suit", "best-known-plan")
@@ -88,7 +91,7 @@ def learning(
 
     Each training is a run of `activesuit train` at the level at which its policy is tested; only
     residual-drawn always trains at level randomized. The tests use seeds that no training uses.
-    The same command again does what is left.
+    The same command again does what is left. Where an arm is lost in a test, there is no relief.
 
     Args:
         ways: Names of ways of training: an algorithm alone; ppo-history observes five control
@@ -128,7 +131,14 @@ def learning(
     ]
     for (cell, seed), path in runs.items():
         many = steps or STEPS.get(cell.way, USUAL_STEPS)
-        if not (finished(path, many) and (path / SCORE).exists()):
+        asked = _steps(path)
+        if asked not in (None, many) and not force:
+            raise InputError(
+                f"a training has {many} steps, and the one in {str(path)!r} {asked}: give --steps "
+                f"{asked}, another --out, or --force to train anew"
+            )
+        score = path / SCORE
+        if not (score.is_file() and read_json(score, "score").get("steps") == many):
             work.append((_train, cell, seed, path, many))
     with progress("learning", len(work)) as bar:
         for _ in run_all(_call, work, "loky", workers):
@@ -150,14 +160,21 @@ def _call(function: Any, *arguments: Any) -> None:
 
 
 def _train(cell: Cell, seed: int, path: Path, steps: int) -> None:
-    """Trains in a folder, or continues what is there, and tests the policy that is kept."""
+    """Trains in a folder, or continues what is there, and tests the policy that is kept.
+
+    A training of another number of steps begins anew, as its learning rate has fallen to 0.
+    """
     given = {"level": cell.level, "steps": steps, **WAYS[cell.way]}
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
     request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
-    if not finished(path, steps):
-        request.seed(path, seed, resume=True)
-    RunFolder(path).json(SCORE, _tested(str(path), cell.task, cell.level))
+    request.seed(path, seed, resume=_steps(path) == steps)
+    RunFolder(path).json(SCORE, {"steps": steps, **_tested(str(path), cell.task, cell.level)})
+
+
+def _steps(path: Path) -> int | None:
+    """Returns the steps that the training in a folder was asked for; None if there is none."""
+    return training_of(path).get("steps") if (path / CARD).exists() else None
 
 
 def _beside(setting: tuple[str, str], folder: RunFolder, name: str) -> None:
@@ -182,7 +199,10 @@ def _tested(
 ) -> dict[str, Any]:
     found = _scene(task)(level=level)
     given = name if name in (*REFERENCES, "best-known-plan") else policy_spec(name)
-    score = run(name, given, found.env, seeds, **found.options).score
+    try:
+        score = run(name, given, found.env, seeds, **found.options).score
+    except ArmLost:
+        return {"effort": None, "success": 0.0}
     return {"effort": list(map(float, score.effort)), "success": float(np.mean(score.success))}
 
 
@@ -204,7 +224,9 @@ def _result(
                 found = over_trainings([one["relief"]["value"] for one in at])
                 curves.append({**names, "steps": steps, **found})
         scores = [read_json(path / SCORE, "score") for path in paths]
-        found = over_trainings([_relief(beside[cell[:2]]["tested"], one) for one in scores])
+        reliefs = [_relief(beside[cell[:2]]["tested"], one) for one in scores]
+        reached = [one for one in reliefs if one is not None]
+        found = over_trainings(reached) if reached == reliefs else {"value": None}
         success = float(np.mean([one["success"] for one in scores]))
         ends.append({**names, **found, "success": success, "trainings": len(scores)})
     for (task, level), found in beside.items():
@@ -216,8 +238,13 @@ def _result(
     return {"curves": curves, "ends": ends, "beside": others}
 
 
-def _relief(beside: Mapping[str, Any], score: Mapping[str, Any]) -> float:
-    """Returns the mean relief of a score beside those of references in the same motions."""
+def _relief(beside: Mapping[str, Any], score: Mapping[str, Any]) -> float | None:
+    """Returns the mean relief of a score beside those of references in the same motions.
+
+    It is None where an arm was lost.
+    """
+    if score["effort"] is None:
+        return None
     unsuited, suited = (beside[one]["effort"] for one in REFERENCES)
     found = relief(unsuited, suited, score["effort"])
     if found is None:
@@ -230,10 +257,10 @@ def _table(result: Mapping[str, Any]) -> tuple[list[str], Iterator[list[str]]]:
 
     def rows() -> Iterator[list[str]]:
         for one in (*result["ends"], *result["beside"]):
-            low = f" ({one['low']:.2f} to {one['high']:.2f})" if "low" in one else ""
             yield [
                 *(one["task"], one["level"], one.get("way") or one["policy"]),
-                *(str(one.get("trainings", "-")), f"{one['value']:.2f}{low}"),
+                str(one.get("trainings", "-")),
+                relief_text(None if one["value"] is None else one),
                 f"{one['success']:.0%}",
             ]
 

@@ -7,11 +7,10 @@ from typing import Annotated, Any
 import tyro
 
 from ...checks import at_least, check_seed
-from ...envs.levels import NOMINAL
 from ...envs.policies.build import residual_of
 from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
-from ...envs.policies.trained import OBSERVATION, environment_of, portable
+from ...envs.policies.trained import OBSERVATION, portable
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
@@ -137,11 +136,9 @@ def train(
     )
     if seeds is None:
         done = request.one(out)
-        level = environment_of(out).get("level", NOMINAL)
-        at = "" if level == NOMINAL else f"--level {level} "
         say(
             f"trained {done} steps; compare, in this task and with these options: "
-            f"activesuit evaluate {at}--policies none {out}"
+            f"activesuit evaluate --policies none {out}"
         )
         return
     if motions == 0:

@@ -66,14 +66,15 @@ def study_figure(
         curves: Relief of a way of training at some steps: `task`, `level`, `way`, `steps`, `value`,
             and `low` and `high` where there is an interval.
         beside: Relief of policies that do not learn: `task`, `level`, `policy` and
-            `in_training`, in the motions of the curves.
+            `in_training`, in the motions of the curves, or None where they lose arms.
 
     Panels show all means; an interval beyond them is cut at the frame. Steps are logarithmic where
     the trainings of one way are much longer than those of another.
     """
-    tasks, levels, ways = (
-        list(dict.fromkeys(one[name] for one in curves)) for name in ("task", "level", "way")
+    tasks, levels = (
+        list(dict.fromkeys(one[name] for one in (*curves, *beside))) for name in ("task", "level")
     )
+    ways = list(dict.fromkeys(one["way"] for one in curves))
     shape = (len(tasks), len(levels))
     figure = Figure(figsize=(3.4 * shape[1] + 1, 2.6 * shape[0] + 0.8), layout="constrained")
     axes = figure.subplots(*shape, squeeze=False, sharex=True)
@@ -92,16 +93,17 @@ def study_figure(
             ax.fill_between(steps, low, high, color=color, alpha=0.15, lw=0)
             ax.plot(steps, value, color=color, lw=1.3, label=way)
         for one in beside:
-            if (one["task"], one["level"]) == (task, level):
+            if (one["task"], one["level"]) == (task, level) and one["in_training"] is not None:
                 name = one["policy"].partition(":")[0]
                 means.append(one["in_training"])
                 color, style = BESIDE[name]
                 ax.axhline(one["in_training"], color=color, ls=style, lw=1, label=name)
-        margin = MARGIN * (max(means) - min(means)) or MARGIN
-        ax.set_ylim(min(means) - margin, max(means) + margin)
+        if means:
+            margin = MARGIN * (max(means) - min(means)) or MARGIN
+            ax.set_ylim(min(means) - margin, max(means) + margin)
         ax.set_title(f"{task}, {level}", fontsize=9)
         ax.grid(alpha=0.25)
-    if max(ends) > MUCH_LONGER * min(ends):
+    if ends and max(ends) > MUCH_LONGER * min(ends):
         axes[0, 0].set_xscale("log")
     for ax in axes[-1]:
         ax.set_xlabel("steps")

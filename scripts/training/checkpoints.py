@@ -5,7 +5,7 @@ import random
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from .hyperparameters import algorithm_class
 CHECKPOINT, REPLAY = "model.zip", "replay.pkl"
 MONITORED = ("episode_returns", "episode_lengths")
 NOISE = ("exploration_mat", "exploration_matrices")
+_EMPTY = {"replay": (0, False)}  # memory of a learner that has seen nothing
 LATEST = ("_last_episode_starts", "_last_lstm_states")
 
 
@@ -126,6 +127,7 @@ def _remember(learner: Any, begun: bool) -> None:
         },
         "noise": _noise(learner) if begun else None,
         "residual": residual and residual.get_memory(),
+        "replay": _filled(learner),
     }
     learner.memory = memory | {name: getattr(learner, name, None) for name in LATEST}
 
@@ -156,6 +158,12 @@ def _go_back(learner: Any, path: Path) -> None:
         ) from error
 
 
+def _filled(learner: Any) -> tuple[int, bool] | None:
+    """Returns how far the experience of a learner is filled; None if it keeps none."""
+    replay = getattr(learner, "replay_buffer", None)
+    return None if replay is None else (replay.pos, replay.full)
+
+
 def _load_replay(learner: Any, content: bytes, path: Path) -> None:
     try:
         learner.load_replay_buffer(io.BytesIO(content))
@@ -164,7 +172,7 @@ def _load_replay(learner: Any, content: bytes, path: Path) -> None:
             learner.observation_space.shape,
             learner.action_space.shape[0],
             learner.n_envs,
-        )
+        ) and getattr(learner, "memory", _EMPTY)["replay"] == _filled(learner)
     except Exception as error:
         raise InputError(
             f"{str(path)!r} is not a readable experience of this run ({type(error).__name__}): "
@@ -172,8 +180,8 @@ def _load_replay(learner: Any, content: bytes, path: Path) -> None:
         ) from error
     if not fits:
         raise InputError(
-            f"{str(path)!r} holds the experience of another run: restore it, or remove it to go on "
-            "without"
+            f"{str(path)!r} holds the experience of another run or checkpoint: restore it, or "
+            "remove it to go on without"
         )
 
 
@@ -226,21 +234,18 @@ def save(learner: Any, folder: RunFolder, *, begun: bool) -> bool:
         begun: Whether a rollout has begun.
     """
     _remember(learner, begun)
-    noted = _write(folder, CHECKPOINT, learner.save)
+    writers: dict[str, Callable[[Path], Any]] = {CHECKPOINT: learner.save}
     if hasattr(learner, "save_replay_buffer"):
-        noted &= _write(folder, REPLAY, learner.save_replay_buffer)
-    return noted
+        writers[REPLAY] = learner.save_replay_buffer
+    return _write(folder, writers)
 
 
 def write_own(folder: RunFolder, contents: Mapping[str, bytes]) -> bool:
     """Writes files that belong together and notes them as ours; returns whether that worked."""
-    with ExitStack() as all_written:  # they take their places when the last one is complete
-        noted = True
-        for name, content in contents.items():
-            scratch = all_written.enter_context(folder.replacing(name))
-            scratch.write_bytes(content)
-            noted &= note(scratch, folder / name)
-    return noted
+    return _write(
+        folder,
+        {name: partial(Path.write_bytes, data=content) for name, content in contents.items()},
+    )
 
 
 def note_missing(noted: bool) -> None:
@@ -254,8 +259,13 @@ def _print_once(sentence: str) -> None:
     messages.print(sentence)
 
 
-def _write(folder: RunFolder, name: str, write: Callable[[Path], Any]) -> bool:
-    # Noted before it is in its place: a run that is killed in between is still ours.
-    with folder.replacing(name) as scratch:
-        write(scratch)
-        return note(scratch, folder / name)
+def _write(folder: RunFolder, writers: Mapping[str, Callable[[Path], Any]]) -> bool:
+    """Writes files that take their places when the last one is complete."""
+    noted = True
+    with ExitStack() as all_written:
+        for name, write in writers.items():
+            scratch = all_written.enter_context(folder.replacing(name))
+            write(scratch)
+            # Noted before it is in its place: a run that is killed in between is still ours.
+            noted &= note(scratch, folder / name)
+    return noted

@@ -85,23 +85,31 @@ def distill(
         )
     card = begin(folder, card, resume=bool(checkpoint))
     evaluations = Evaluations(folder, card, options, motions, begun * size) if motions else None
+
+    def files_after(done: int, network: Network) -> Mapping[str, bytes]:
+        """Evaluates the student; returns the files of its policy if it is the best so far."""
+        scores = None
+        if evaluations is not None:
+            scores = evaluations.add(done, network)
+            evaluations.write()
+            messages.print(report(scores))
+            if not evaluations.last_is_best:
+                return {}
+        filled = {"training": {**training, "done": done}, "scores": scores}
+        return files_of(card.model_copy(update=filled), network)
+
     with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
         for i in range(begun, rounds):
             seeds = training_seeds(training["seed"], training["rows"], part=i)
             kept.append(lesson.round(student.network() if i else None, seeds))
             student.learn(kept)
             bar.move_to(i + 1)
-            network, done = student.network(), (i + 1) * size
-            best, scores = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0, None
-            if best and evaluations is not None:
-                scores = evaluations.add(done, network)
-                messages.print(report(scores))
-                best = evaluations.last_is_best
-            filled = card.model_copy(
-                update={"training": {**training, "done": done}, "scores": scores}
-            )
-            files = files_of(filled, network) if best else {}
-            note_missing(write_own(folder, files | {CHECKPOINT: _content(student, kept, i + 1)}))
+            due = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0
+            files = files_after((i + 1) * size, student.network()) if due else {}
+            content = {**files, CHECKPOINT: _content(student, kept, i + 1)}
+            note_missing(write_own(folder, content))
+        if evaluations is not None and not evaluations.results:  # all rounds were without
+            note_missing(write_own(folder, files_after(begun * size, student.network())))
     if evaluations is not None:
         evaluations.finish()
         folder.figure("learning_curve", learning_figure({"student": evaluations.results}))
@@ -159,7 +167,8 @@ class Lesson:
         motors: Number of motors.
 
     Raises:
-        InputError: Student or teacher observe normalized values, which differ from each other.
+        InputError: Student or teacher observe normalized values, which differ from each other, or
+            they observe different beliefs.
     """
 
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
@@ -168,6 +177,8 @@ class Lesson:
         mine = {"sensors": ("encoders",), "history": 1, **options}
         if mine.get("normalize") or theirs.get("normalize"):
             raise InputError("student or teacher have normalize: leave --normalize out")
+        if "belief" in options and theirs["belief"] != options["belief"]:
+            raise InputError("student and teacher observe different beliefs: leave --belief out")
         sensors = [*dict.fromkeys((*mine["sensors"], *theirs["sensors"]))]
         frames = max(mine["history"], theirs["history"])
         both = {**mine, **theirs, "sensors": sensors, "history": frames}

@@ -65,10 +65,10 @@ class Evaluations:
         """
         values = [value(one) for one in self.results]
         before, last = values[:-patience], values[-patience:]
-        return bool(before) and max(last) < max(before) + BETTER
+        return bool(before) and not max(last) > max(before) + BETTER  # both may be minus infinity
 
     def add(self, steps: int, network: Network) -> dict[str, Any]:
-        """Evaluates a network; returns the result.
+        """Evaluates a network; returns the result, which `write` keeps.
 
         Args:
             steps: Steps of the training so far.
@@ -99,14 +99,14 @@ class Evaluations:
                 result |= {"reliefs": np.asarray(each_relief(unsuited, suited, effort)).tolist()}
             result |= physical(found.traces, peak)
         self.results.append(result)
-        self._write()
         return result
 
     def finish(self) -> None:
         """Notes that the training is at its end, with the steps that it was asked for."""
-        self._write(finished=self._card.training["steps"])
+        self.write(finished=self._card.training["steps"])
 
-    def _write(self, **more: int) -> None:
+    def write(self, **more: int) -> None:
+        """Writes all results, and more numbers by name, to the folder."""
         content = {"seeds": list(self._seeds), "references": self._references, **more}
         self._folder.json(EVALUATIONS, {**content, "results": self.results})
 
@@ -114,6 +114,14 @@ class Evaluations:
 def value(result: Mapping[str, Any]) -> float:
     """Returns the relief of a result; minus infinity where there is none."""
     return -np.inf if result["relief"] is None else result["relief"]["value"]
+
+
+def relief_text(found: Mapping[str, float] | None) -> str:
+    """Returns a relief, and its interval if it has one, as "0.87 (0.80 to 0.95)"; "-" for none."""
+    if found is None:
+        return "-"
+    interval = f" ({found['low']:.2f} to {found['high']:.2f})" if "low" in found else ""
+    return f"{found['value']:.2f}{interval}"
 
 
 def physical(traces: list[Trace], peak: Array) -> dict[str, float]:

@@ -7,6 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+
 from ...errors import InputError, install_line, shown, unknown_name
 from ...files import content_of
 
@@ -20,6 +22,8 @@ DEFAULT = "default"  # what applies to environments that a file does not name
 NETWORKS = "policy_kwargs"  # arguments of the networks, a hyperparameter of several parts
 LARGEST = 1_000_000  # bytes
 _COUNTS = ("n_envs", "n_timesteps")
+_POSITIVE = (*_COUNTS, "n_steps", "batch_size", "n_epochs", "train_freq", "buffer_size")
+_CONFIG = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
 _OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
 _LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the training
 
@@ -66,8 +70,7 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
     given = parts.get(env, parts.get(DEFAULT))
     if not isinstance(given, dict):
         raise InputError(f"{str(path)!r} has neither {env!r} nor 'default': name one of them")
-    given = {name: _as_number(value) for name, value in given.items()}
-    _check(algo, given, path)
+    given = checked(algo, given, str(path))
     networks = given.get(NETWORKS)
     if isinstance(networks, dict):
         given[NETWORKS] = {**usual[NETWORKS], **networks}
@@ -87,7 +90,7 @@ def _read(content: bytes, name: str) -> dict[str, Any]:
 
     try:
         found = yaml.safe_load(content)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())
         raise InputError(f"{name!r} is no YAML file of hyperparameters: {reason}") from error
     if not isinstance(found, dict):
@@ -95,22 +98,38 @@ def _read(content: bytes, name: str) -> dict[str, Any]:
     return found
 
 
-def _check(algo: str, given: Mapping[str, Any], path: Path) -> None:
+def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
+    """Returns hyperparameters with the types that the algorithm declares.
+
+    Args:
+        algo: Name of the algorithm.
+        given: Hyperparameters by name.
+        where: Place that they are from, for messages.
+
+    Raises:
+        InputError: They have no names, or one is unknown or of the wrong type.
+    """
+    if not isinstance(given, Mapping):
+        raise InputError(f"the hyperparameters in {where!r} are {shown(given)}: name each one")
     taken = inspect.signature(algorithm_class(algo)).parameters
     known = sorted({"policy", *_COUNTS, *taken} - {*_OURS})
+    found = {}
     for name, value in given.items():
         if name not in known:
-            raise unknown_name(f"hyperparameter of {algo} in {str(path)!r}", name, known)
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        usual = taken[name].default if name in taken else None
-        if isinstance(usual, float) and not number and not str(value).startswith(_LINEAR):
+            raise unknown_name(f"hyperparameter of {algo} in {where!r}", name, known)
+        kind = int if name in _COUNTS else taken[name].annotation
+        number = _as_number(value)
+        try:
+            typed = TypeAdapter(kind, config=_CONFIG).validate_python(_schedule(number))
+        except ValidationError as error:
+            reason = error.errors()[0]["msg"]
             raise InputError(
-                f"{name} in {str(path)!r} is {shown(value)}: use a number, or lin_3e-4"
-            )
-        if name in _COUNTS and not (number and value >= 1 and value == int(value)):
-            raise InputError(
-                f"{name} in {str(path)!r} is {shown(value)}: use a whole number of at least 1"
-            )
+                f"{name} in {where!r} is {shown(value)}: {reason[0].lower()}{reason[1:]}"
+            ) from error
+        if name in _POSITIVE and isinstance(typed, int) and typed < 1:
+            raise InputError(f"{name} in {where!r} is {typed}: use a whole number of at least 1")
+        found[name] = number if callable(typed) else typed
+    return found
 
 
 def arguments(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -79,6 +79,21 @@ def new_learner(
     return learner
 
 
+def check_finite(learner: Any) -> None:
+    """Checks the numbers of a learner's networks.
+
+    Raises:
+        InputError: One is not finite.
+    """
+    import torch
+
+    if not all(torch.isfinite(one).all() for one in learner.policy.parameters()):
+        raise InputError(
+            f"the training diverged within {learner.num_timesteps} steps, as numbers of its "
+            "network are not finite: use a smaller learning_rate"
+        )
+
+
 def _begin_at_zero(learner: Any) -> None:
     """Makes the mean action of a learner zero, so that a residual begins as the policy alone."""
     import torch

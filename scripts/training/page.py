@@ -6,7 +6,7 @@ from typing import Any
 from ...envs.policies.network import Card
 from ..html.writing import write_report
 from ..output import Rows, RunFolder
-from .evaluations import value
+from .evaluations import relief_text, value
 
 COLUMNS = {  # what `physical` returns, as columns of the table
     "success": ("success", "{:.0%}"),
@@ -62,7 +62,7 @@ def _answer(card: Card, done: int, results: Sequence[Mapping[str, Any]]) -> Iter
     best, motions = max(results, key=value), card.training.get("motions", 0)
     gives = "has no relief, as it loses arms or the suit costs nothing"
     if best["relief"] is not None:
-        gives = f"has a relief of {_relief(best)}"
+        gives = f"has a relief of {relief_text(best['relief'])}"
     yield (
         f"The best policy, after {best['steps']} of {done} steps, {gives}, and succeeds in "
         f"{best['success']:.0%} of {motions} motions that are in no training."
@@ -76,14 +76,9 @@ def _answer(card: Card, done: int, results: Sequence[Mapping[str, Any]]) -> Iter
 
 def _table(results: Sequence[Mapping[str, Any]]) -> Rows:
     header = ["steps", "relief,\n95 % interval", *(title for title, _ in COLUMNS.values())]
-    return header, [[str(one["steps"]), _relief(one), *_cells(one)] for one in results]
-
-
-def _relief(result: Mapping[str, Any]) -> str:
-    relief = result["relief"]
-    if relief is None:
-        return "-"
-    return f"{relief['value']:.2f} ({relief['low']:.2f} to {relief['high']:.2f})"
+    return header, [
+        [str(one["steps"]), relief_text(one["relief"]), *_cells(one)] for one in results
+    ]
 
 
 def _cells(result: Mapping[str, Any]) -> Iterator[str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...checks import at_least
+from ...envs.levels import NOMINAL
 from ...envs.making import make_arms
 from ...envs.plant import Plant
 from ...envs.policies import needed_options
@@ -20,11 +21,13 @@ from ..runs import Scene
 from .checkpoints import CHECKPOINT, Checkpoint
 from .distillation import USUAL, distill
 from .evaluations import MOTIONS
-from .hyperparameters import algorithm_class, hyperparameters
+from .hyperparameters import algorithm_class, checked, hyperparameters
 from .run import TRAINING_ONLY, learn
+from .seeds import finished
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_STEPS, MOST_ROWS = 10**11, 10**5
+_IMPLIED = {"level": NOMINAL, "sensors": ["encoders"], "history": 1}  # a card is without these
 KEPT = ("algo", "seed", "rows", "steps", "level", "motions", "patience", "teacher", *TRAINING_ONLY)
 
 
@@ -51,10 +54,18 @@ class TrainingRequest:
     torch_threads: int = 1
 
     def seed(self, out: Path, seed: int, *, resume: bool | None = None) -> None:
-        """Trains with a seed in a folder, or continues what is there if that is asked for."""
+        """Trains with a seed in a folder, or continues what is there if that is asked for.
+
+        A training that is there with all its steps stays, if it has the same options.
+        """
         resume = (self.resume if resume is None else resume) and (out / CHECKPOINT).exists()
         file = None if resume else self.file
-        replace(self, resume=resume, file=file, given={**self.given, "seed": seed}).one(out)
+        given = {**self.given, "seed": seed}
+        request = replace(self, resume=resume, trust=self.trust and resume, file=file, given=given)
+        if resume and finished(out, self.given.get("steps")):
+            request.chosen(_config(_before(out, self.trust), given, out), out)
+        else:
+            request.one(out)
 
     def one(self, out: Path) -> int:
         """Trains, or goes on, in a folder; returns the number of steps."""
@@ -71,7 +82,7 @@ class TrainingRequest:
             train = learn
             algorithm_class(config["algo"])  # reports a missing extra before the folder is made
             settings = hyperparameters(config["algo"], chosen.env, self.file)
-            settings |= before.get("hyperparameters", {})
+            settings |= checked(config["algo"], before.get("hyperparameters", {}), str(out))
             usual = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"])}
             config = {**usual, **config, "hyperparameters": settings}
         at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
@@ -171,10 +182,12 @@ def _before(out: Path, trust: bool) -> dict[str, Any]:
 def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
     """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
     for name, value in given.items():
-        if before and name not in ("steps", "motions", "patience") and before.get(name) != value:
+        old = before.get(name, _IMPLIED.get(name))
+        if before and name not in ("steps", "motions", "patience") and old != value:
+            other = "without" if old is None else f"with {shown(old)}"
             raise InputError(
                 f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
-                f"trained with {shown(before.get(name))}: leave --{name} out, or train another run"
+                f"trained {other}: leave --{name} out, or train another run"
             )
     names = (*KEPT, "residual", *OBSERVATION)
     found = {name: before[name] for name in names if name in before}

@@ -20,8 +20,14 @@ from .checkpoints import (
     save,
     write_own,
 )
-from .evaluations import Evaluations
-from .learners import new_learner, threads, training_environments, training_seeds
+from .evaluations import EVALUATIONS, Evaluations, relief_text
+from .learners import (
+    check_finite,
+    new_learner,
+    threads,
+    training_environments,
+    training_seeds,
+)
 from .page import advice, write_training_page
 from .seeds import finished
 
@@ -80,6 +86,9 @@ def learn(
                 )
             except KeyboardInterrupt:
                 interrupted = True
+            except ValueError:  # of torch, if the numbers of the network are not finite
+                check_finite(learner)
+                raise
             run.checkpoint(evaluate=not (interrupted or run.stopped))
     if interrupted:
         raise KeyboardInterrupt(
@@ -112,10 +121,11 @@ class _Run:
         motions, done = card.training["motions"], learner.num_timesteps
         self.evaluations = Evaluations(folder, card, options, motions, done) if motions else None
         self._every = max(1, card.training["steps"] // CHECKPOINTS)
-        self._next = done + self._every
         results = self.evaluations.results if self.evaluations else []
-        self._evaluated = results[-1]["steps"] if results else -1  # steps at the last evaluation
-        self._kept = done if done else -1  # steps of the checkpoint from which this goes on
+        self._evaluated = results[-1]["steps"] if results else 0  # steps at the last evaluation
+        self._kept = done if done else -1  # steps of the last checkpoint
+        last = self._evaluated if motions else done  # an evaluation that was stopped is still due
+        self._next = self._every * (last // self._every + 1)
         self.stopped, self._resumed = False, done > 0
 
     @property
@@ -141,8 +151,10 @@ class _Run:
         """
         from ...envs.policies.saving import network_of
 
+        check_finite(self._learner)
         network, steps = network_of(self._learner), int(self._learner.num_timesteps)
         noted = steps == self._kept or save(self._learner, self._folder, begun=begun)
+        self._kept = steps
         if self.evaluations is None or (not self.evaluations.results and not evaluate):
             noted &= self._keep(network, steps, None)
         elif evaluate and steps > self._evaluated:
@@ -151,6 +163,7 @@ class _Run:
             self._tell(result)
             if self.evaluations.last_is_best:
                 noted &= self._keep(network, steps, result)
+            self.evaluations.write()  # the last file: without it, the evaluation is done again
             patience = self._card.training.get("patience")
             self.stopped = bool(patience) and self.evaluations.stagnant(patience)
         note_missing(noted)
@@ -176,7 +189,7 @@ def report(result: dict[str, Any]) -> str:
     """Returns a line about an evaluation."""
     relief, text = result["relief"], "no relief, as the policy loses arms or the suit costs nothing"
     if relief is not None:
-        text = f"relief {relief['value']:.2f} ({relief['low']:.2f} to {relief['high']:.2f})"
+        text = f"relief {relief_text(relief)}"
     return f"{result['steps']} steps: {text}, success {result['success']:.0%}"
 
 
@@ -219,7 +232,7 @@ def _callback(run: _Run, bar: Bar) -> Any:
 def begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
     """Writes the card, and beside it a copy of the suit file if there is one; returns the card."""
     if not resume:
-        for name in (CHECKPOINT, REPLAY, WEIGHTS):
+        for name in (CHECKPOINT, REPLAY, WEIGHTS, EVALUATIONS):
             folder.claim(name).unlink(missing_ok=True)
     suit = card.environment["suit"]
     if suit != "none" and suit not in suit_names():

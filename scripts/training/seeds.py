@@ -13,9 +13,9 @@ from ...json_files import read_json
 from ..backends import run_all
 from ..output import RunFolder, conclude
 from ..reports.learning import learning_figure
-from .evaluations import EVALUATIONS, value
+from .evaluations import EVALUATIONS, relief_text, value
 
-MOST = 1000
+MOST, LONGEST = 1000, 40  # seeds, and characters of a pair of them
 FEWEST = 5  # trainings from which an interval can be had
 Train = Callable[[Path, int], None]
 
@@ -29,7 +29,7 @@ def seeds_of(text: str) -> list[int]:
     found: list[int] = []
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
-        if not first.isdecimal() or (dash and not last.isdecimal()):
+        if not first.isdecimal() or (dash and not last.isdecimal()) or len(part) > LONGEST:
             raise InputError(f"--seeds is {text!r}: give whole numbers, as 0-9 or 0,3,5")
         low, high = int(first), int(last) if dash else int(first)
         if not 1 <= high - low + 1 <= MOST:
@@ -64,18 +64,21 @@ def train_all(
     """
     folder = RunFolder(out, "train", force=force or resume)
     runs = {seed: folder.subfolder(f"seed-{seed}") for seed in seeds}
-    left = [(path, seed) for seed, path in runs.items() if not (resume and finished(path, steps))]
+    given = [(path, seed) for seed, path in runs.items()]
     if workers == 1:
-        for path, seed in left:
+        for path, seed in given:
             train(path, seed)
     else:
-        for _ in run_all(train, left, "loky", workers):
+        for _ in run_all(train, given, "loky", workers):
             pass
     results = {seed: read_json(path / EVALUATIONS, "evaluations") for seed, path in runs.items()}
     curves = {f"seed {seed}": one["results"] for seed, one in results.items()}
     folder.figure("learning_curves", learning_figure(curves))
     best = {seed: max(one["results"], key=value) for seed, one in results.items()}
-    rows = [[str(seed), str(one["steps"]), *_cells(one)] for seed, one in best.items()]
+    rows = [
+        [str(seed), str(one["steps"]), relief_text(one["relief"]), f"{one['success']:.0%}"]
+        for seed, one in best.items()
+    ]
     header = ["seed", "steps of the best", "relief", "success"]
     conclude(
         {"best": {str(seed): one for seed, one in best.items()}, "together": together(best)},
@@ -112,28 +115,13 @@ def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
     return interquartile_mean_interval(scores[:, None]).to_dict()
 
 
-def _cells(result: dict[str, Any]) -> list[str]:
-    relief = result["relief"]
-    if relief is None:
-        return ["-", f"{result['success']:.0%}"]
-    return [
-        f"{relief['value']:.2f} ({relief['low']:.2f} to {relief['high']:.2f})",
-        f"{result['success']:.0%}",
-    ]
-
-
 def _remarks(best: dict[int, dict[str, Any]]) -> Iterator[str]:
     found = together(best)
     if found is None:
         yield "a training has no relief, so that they are not summed up"
-    elif "low" not in found:
-        yield (
-            f"interquartile mean of the relief {found['value']:.2f}; give at least {FEWEST} seeds "
-            "for an interval"
-        )
     else:
-        yield (
-            f"interquartile mean of the relief {found['value']:.2f} "
-            f"({found['low']:.2f} to {found['high']:.2f}) over trainings"
-        )
+        more = "over trainings"
+        if "low" not in found:
+            more = f"over trainings; give at least {FEWEST} seeds for an interval"
+        yield f"interquartile mean of the relief {relief_text(found)} {more}"
     yield "relief is of adapted wearers in motions that are in no training"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.policies import Network, make_policy, needed_options, save_policy
+from activesuit.envs.policies.saving import network_of
 from activesuit.envs.sb3 import ArmVecEnv
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
@@ -64,6 +65,20 @@ def test_acts_as_the_learner(saved):
             np.testing.assert_allclose(action, expected, rtol=0, atol=1e-6)
             observation, *_ = arms.step(action)
             begin = np.zeros(3, bool)
+
+
+def test_a_mean_action_that_the_learner_squashes():
+    arms = ArmVecEnv(ArmVectorEnv(3, "ArmTracking", autoreset_mode="SameStep"))
+    make = algorithm_class("ppo")
+    squashed = {"squash_output": True, "net_arch": [4]}
+    model = make("MlpPolicy", arms, seed=3, use_sde=True, policy_kwargs=squashed, device="cpu")
+    model.policy.action_net.weight.data *= 100
+    seen, network = arms.reset(), network_of(model)
+    expected, _ = model.predict(seen, deterministic=True)
+    assert abs(expected).max() > 0.3  # where tanh differs
+    given = network.act(seen, network.memory(len(seen)))
+    np.testing.assert_allclose(given, expected, rtol=0, atol=1e-6)
+    arms.close()
 
 
 def test_a_single_arm_is_a_row(saved):

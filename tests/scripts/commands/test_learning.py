@@ -4,8 +4,10 @@ import json
 import shutil
 
 import pytest
+from activesuit.envs.evaluation.wearers import ArmLost
 from activesuit.scripts.commands import learning as command
 from activesuit.scripts.main import main
+from activesuit.scripts.training.evaluations import Evaluations
 from helpers import shorten_tasks
 
 pytest.importorskip("stable_baselines3")
@@ -56,14 +58,15 @@ def test_ways_beside_policies(tmp_path, capsys):
 def test_an_interrupted_student_goes_on(tmp_path, monkeypatch, capsys):
     """The same command does the rounds that are left."""
     from activesuit.scripts.training.distillation import Lesson
+    from activesuit.scripts.training.learners import training_seeds
 
     call, begun = Lesson.round, []
 
-    def counted(self, student, first):
-        begun.append(first)
+    def counted(self, student, seeds):
+        begun.append(seeds)
         if len(begun) == 2:
             raise KeyboardInterrupt
-        return call(self, student, first)
+        return call(self, student, seeds)
 
     monkeypatch.setattr(Lesson, "round", counted)
     steps = ["--steps", str(2 * 64 * 200), "--ways", "student", "--seeds", "0"]
@@ -72,8 +75,56 @@ def test_an_interrupted_student_goes_on(tmp_path, monkeypatch, capsys):
         main([*GIVEN[:-2], *steps, *out])
     capsys.readouterr()
     main([*GIVEN[:-2], *steps, *out])
-    assert begun == [10**6, 10**6 + 64, 10**6 + 64]
+    assert begun == [training_seeds(0, 64, part=i) for i in (0, 1, 1)]
     assert "student" in capsys.readouterr().out
+
+
+def test_other_steps_are_no_longer_training(tmp_path, capsys):
+    """What has learned with a falling rate is not what a longer training would have given."""
+    out, longer = tmp_path / "out", ["--steps", "12000"]
+    given = [*GIVEN[:-2], "--ways", "ppo", "--seeds", "0", "--out", str(out)]
+    main([*given, "--steps", "9000"])
+    with pytest.raises(SystemExit) as stop:
+        main([*given, *longer])
+    assert stop.value.code == 2
+    assert "a training has 12000 steps, and the one in" in capsys.readouterr().err
+    main([*given, *longer, "--force"])
+    run = out / "ArmTracking-shift-ppo" / "seed-0"
+    assert json.loads((run / "score.json").read_text())["steps"] == 12000
+    card = json.loads((run / "policy.json").read_text())
+    assert card["training"]["steps"] == 12000
+    main([*given[:-2], *longer, "--out", str(tmp_path / "new")])
+    new = tmp_path / "new" / "ArmTracking-shift-ppo" / "seed-0" / "policy.safetensors"
+    assert new.read_bytes() == (run / "policy.safetensors").read_bytes()
+
+
+def test_a_policy_that_loses_arms_ends_nothing(tmp_path, monkeypatch, capsys):
+    """It has no relief, and others in the study have theirs."""
+    call = command.run
+
+    def lost(name, *given, **options):
+        if "seed-0" in name or name.startswith("adaptive"):
+            raise ArmLost("the arm is lost")
+        return call(name, *given, **options)
+
+    monkeypatch.setattr(command, "run", lost)
+    monkeypatch.setattr(Evaluations, "add", lose_arms)
+    out = tmp_path / "out"
+    given = ["--ways", "ppo", "--seeds", "0,1", "--out", str(out)]
+    main([*GIVEN, *given])
+    found = json.loads((out / "result.json").read_text())
+    assert (found["curves"], found["ends"][0]["value"]) == ([], None)
+    beside = {one["policy"].partition(":")[0]: one for one in found["beside"]}
+    assert beside["adaptive"]["value"] is beside["adaptive"]["in_training"] is None
+    assert beside["compensation"]["value"] > 0
+    assert (out / "learning.png").exists()
+
+
+def lose_arms(evaluations, steps, network):
+    """Adds the result of a policy that loses arms in a training."""
+    result = {"steps": steps, "relief": None, "success": 0.0}
+    evaluations.results.append(result)
+    return result
 
 
 @pytest.mark.parametrize(

@@ -225,6 +225,19 @@ def test_force_begins_anew(tmp_path):
     assert not (tmp_path / "replay.pkl").exists()
 
 
+def test_force_forgets_the_evaluations_before(tmp_path, monkeypatch, capsys):
+    """Their references are of another scene, and a training that has not begun has no end."""
+    given = [*WEIGHTLESS, "--motions", "8"]
+    train(tmp_path, *given)
+    interrupt_in(monkeypatch, "new_learner")
+    interrupted(capsys, tmp_path, "--motions", "8", "--force")
+    assert (tmp_path / "evaluations.json").exists()  # nothing new began
+    monkeypatch.undo()
+    interrupt_in(monkeypatch, "_callback")
+    interrupted(capsys, tmp_path, "--motions", "8", "--force")
+    assert not (tmp_path / "evaluations.json").exists()
+
+
 def interrupt(*arguments, **options):
     raise KeyboardInterrupt
 
@@ -289,12 +302,26 @@ def test_sac_trains_and_resumes_with_its_experience(tmp_path):
     assert steps_done(tmp_path, "sac") == 40
 
 
+def test_experience_of_another_checkpoint_is_refused(tmp_path, capsys):
+    train(tmp_path, algo="sac", steps=30)
+    before = (tmp_path / "replay.pkl").read_bytes()
+    train(tmp_path, "--resume", algo="sac", steps=40)
+    (tmp_path / "replay.pkl").write_bytes(before)
+    resume = ["train", "--resume", "--steps", 50, "--out", tmp_path]
+    assert "holds the experience of another run or checkpoint" in fails(capsys, *resume)
+    (tmp_path / "replay.pkl").unlink()
+    train(tmp_path, "--resume", algo="sac", steps=50)
+    assert steps_done(tmp_path, "sac") == 50
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [
         ([], "holds a trained run: add --resume"),
         (["--resume", "--seed", "5"], "has --seed 5, and the run"),
         (["--resume", "--algo", "sac"], "has --algo 'sac', and the run"),
+        (["--resume", "--residual", "compensation"], "was trained without: leave --residual out"),
+        (["--resume", "--sensors", "encoders", "--history", "1"], "give --steps above that"),
         (["--force", "--algo", "dqn"], "unknown algo 'dqn'"),
         (["--torch-threads", "0"], "torch-threads is 0"),
         (["--resume", "--steps", "10"], "give --steps above that"),
@@ -336,7 +363,7 @@ def test_nothing_to_resume(tmp_path, capsys):
 def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
     scene = ["--task", "ArmTracking", "--level", "shift", "--sensors", "encoders", "--history", "2"]
     train(tmp_path / "run", *scene, algo=algo, steps=60)
-    hint = f"activesuit evaluate --level shift --policies none {tmp_path / 'run'}"
+    hint = f"activesuit evaluate --policies none {tmp_path / 'run'}"
     said = capsys.readouterr()
     assert hint in said.out.replace("\n", " ")
     assert NEGATIVE not in said.err  # that of the shipped reward
@@ -354,10 +381,20 @@ HYPERPARAMETERS = [
     ),
     ("default: {env_wrapper: x}", "unknown hyperparameter"),
     ("default: {n_envs: 1000000}", "rows is 1000000"),
-    ("default: {n_envs: 0.5}", "n_envs in .* is 0.5: use a whole number of at least 1"),
+    ("default: {n_envs: 0.5}", "n_envs in .* is 0.5: input should be a valid integer"),
+    ("default: {n_envs: 0}", "n_envs in .* is 0: use a whole number of at least 1"),
+    ("default: {n_envs: .inf}", "n_envs in .* is inf: input should be a finite number"),
+    ("default: {n_epochs: 2.5}", "n_epochs in .* is 2.5: input should be a valid integer"),
+    ("default: {target_kl: x}", "target_kl in .* is 'x': input should be a valid number"),
+    ("default: {gamma: lin_0.9}", "gamma in .* is 'lin_0.9': input should be a valid number"),
+    ("default: {gamma: .nan}", "gamma in .* is nan: input should be a finite number"),
+    ("default: {learning_rate: 1e9}", "the training diverged within .* steps"),
+    ("default: {gamma: 2020-13-45}", "is no YAML file of hyperparameters"),
+    (f"default: {'[' * 3000}", "is no YAML file of hyperparameters"),
     ("default: {learning_rate: lin_x}", "the schedule is 'lin_x': write it as lin_3e-4"),
-    ("default: {gamma: many}", "gamma in .* is 'many': use a number, or lin_3e-4"),
-    ("default: {policy_kwargs: 5}", "ppo refuses its hyperparameters"),
+    ("default: {gamma: many}", "gamma in .* is 'many': input should be a valid number"),
+    ("default: {policy_kwargs: 5}", "policy_kwargs in .* is 5: input should be a valid dictionary"),
+    ("default: {policy_kwargs: {n: 5}}", "ppo refuses its hyperparameters"),
     ("CartPole-v1: {gamma: 0.9}", "has neither 'ActiveSuit/ElbowFlexion-v0' nor 'default'"),
     ("[1, 2]", r"is \[1, 2\]: give hyperparameters below 'default'"),
     ("default: [", "is no YAML file of hyperparameters"),
@@ -525,11 +562,12 @@ def test_tensorboard_has_physical_quantities(corrected):
     assert {f"adapted/{part}" for part in parts} <= {*names}
 
 
-def test_a_correction_begins_as_its_policy(tmp_path):
+def test_a_correction_begins_as_its_policy(tmp_path, monkeypatch):
     """The last layer is zero, so that before the first update nothing is added."""
     from activesuit.envs.making import make_arms
     from activesuit.envs.policies import make_policy
 
+    monkeypatch.setitem(QUICK, "ppo", QUICK["ppo"].replace("7e-4", "0.0"))
     train(tmp_path / "run", *WEIGHTLESS, "--residual", "compensation", steps=1)
     folder = tmp_path / "run"
     arms = make_arms("ActiveSuit/ArmTracking-v0", 3, gravity="microgravity")
@@ -537,7 +575,7 @@ def test_a_correction_begins_as_its_policy(tmp_path):
     observation, _ = arms.reset(seed=1)
     for _ in range(5):
         given = other.act(observation)
-        assert abs(one.act(observation) - given).max() < 0.05  # one update of 256 steps
+        np.testing.assert_array_equal(one.act(observation), given)
         observation, *_ = arms.step(given)
 
 
@@ -550,12 +588,47 @@ def test_a_corrected_run_resumes_to_the_last_bit(tmp_path):
     assert one.read_bytes() == other.read_bytes()
 
 
+class Killed(BaseException):
+    """As by kill -9: nothing that the training does afterwards sees it."""
+
+
+@pytest.mark.parametrize("algo", ["ppo", "recurrent-ppo"])
+@pytest.mark.parametrize("stop", [Killed, KeyboardInterrupt])
+@pytest.mark.parametrize("part", ["add", "write"])
+def test_a_run_that_is_stopped_in_an_evaluation_is_the_whole_to_the_last_bit(
+    tmp_path, monkeypatch, capsys, algo, stop, part
+):
+    """Weights, evaluations and the policy that is kept, for an evaluation on the way."""
+    sde = QUICK[algo].replace("}", ", use_sde: true, sde_sample_freq: 16}")
+    monkeypatch.setitem(QUICK, algo, sde)
+    given = [*WEIGHTLESS, "--motions", "8"]
+    train(tmp_path / "whole", *given, algo=algo, steps=4 * ROLLOUT)
+    call, calls = getattr(Evaluations, part), []
+
+    def stopped(self, *given, **more):
+        calls.append(1)
+        if len(calls) == 2:
+            raise stop
+        return call(self, *given, **more)
+
+    with monkeypatch.context() as patch, pytest.raises((stop, SystemExit)):
+        patch.setattr(Evaluations, part, stopped)
+        train(tmp_path / "halves", *given, algo=algo, steps=4 * ROLLOUT)
+    assert steps_done(tmp_path / "halves", algo) == 2 * ROLLOUT
+    train(tmp_path / "halves", "--resume", algo=algo, steps=4 * ROLLOUT)
+    for name in ("evaluations.json", "policy.safetensors", "policy.json"):
+        one, other = (tmp_path / run / name for run in ("whole", "halves"))
+        assert one.read_bytes() == other.read_bytes(), name
+    weights = [
+        algorithm_class(algo).load(tmp_path / name / "model.zip", device="cpu").get_parameters()
+        for name in ("whole", "halves")
+    ]
+    assert _equal(*weights)
+
+
 def test_a_run_that_was_killed_in_its_last_evaluation_ends_when_resumed(
     corrected, tmp_path, monkeypatch, capsys
 ):
-    class Killed(BaseException):
-        """As by kill -9: nothing that the training does afterwards sees it."""
-
     def last(self, steps, network):
         if steps == 4 * ROLLOUT:
             raise Killed
@@ -589,6 +662,19 @@ def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
     assert "This policy costs the wearer more" in " ".join(capsys.readouterr().err.split())
 
 
+def test_training_ends_where_arms_are_lost_again_and_again(tmp_path, monkeypatch):
+    monkeypatch.setattr(Evaluations, "add", lose_arms)
+    train(tmp_path, *WEIGHTLESS, "--motions", "8", "--patience", "1", steps=20 * ROLLOUT)
+    assert len(json.loads((tmp_path / "evaluations.json").read_text())["results"]) == 2
+
+
+def lose_arms(evaluations, steps, network):
+    """Adds the result of a policy that loses arms."""
+    result = {"steps": steps, "relief": None, "success": 0.0}
+    evaluations.results.append(result)
+    return result
+
+
 def test_several_seeds(tmp_path, capsys):
     given = [*WEIGHTLESS, "--seeds", "3,5", "--motions", "8"]
     train(tmp_path / "all", *given, steps=ROLLOUT)
@@ -607,6 +693,22 @@ def test_several_seeds(tmp_path, capsys):
     train(tmp_path / "all", *given, "--resume", steps=ROLLOUT)
     assert (tmp_path / "all" / "seed-3" / "model.zip").stat().st_mtime_ns == before
     assert (tmp_path / "all" / "seed-5" / "policy.safetensors").exists()
+    train(tmp_path / "all", *given, "--resume", "--trust", steps=ROLLOUT)
+    shutil.rmtree(tmp_path / "all" / "seed-5")
+    train(tmp_path / "all", *given, "--resume", "--trust", steps=ROLLOUT)
+    resume = ["train", "--resume", "--seeds", "3,5", "--out", tmp_path / "all"]
+    assert "has --algo 'sac', and the run" in fails(capsys, *resume, "--algo", "sac")
+    assert "was trained with 'microgravity'" in fails(capsys, *resume, "--gravity", "moon")
+
+
+def test_trainings_of_different_seeds_meet_different_motions(tmp_path):
+    seen = {}
+    for seed in (0, 1):
+        train(tmp_path / str(seed), "--seed", str(seed), algo="sac", steps=10)
+        learner = algorithm_class("sac").load(tmp_path / str(seed) / "model.zip", device="cpu")
+        seen[seed] = {*learner.memory["arms"]["seed"].tolist()}
+    assert not seen[0] & seen[1]
+    assert min(seen[0] | seen[1]) > 10**6  # far from those of evaluations
 
 
 def test_what_is_believed_and_drawn(tmp_path, capsys):
@@ -620,6 +722,9 @@ def test_what_is_believed_and_drawn(tmp_path, capsys):
     score = ["evaluate", "--episodes", "8", "--unadapted", "--json", "--policies"]
     main([*score, str(tmp_path / "run")])
     assert json.loads(capsys.readouterr().out)["suit"] == "emu-like"
+    other = ["--belief", "emu-like", "--teacher", tmp_path / "run", "--out", tmp_path / "student"]
+    message = fails(capsys, "train", "--suit", "emu-like", *other)
+    assert "student and teacher observe different beliefs: leave --belief out" in message
 
 
 def test_a_student_learns_from_its_teacher(tmp_path, capsys):
@@ -678,6 +783,15 @@ def test_a_student_of_two_halves_is_the_whole_to_the_last_bit(student, tmp_path)
     ]
     assert results[0] == results[1]
     assert [one["steps"] for one in results[0]] == [ROUND * (i + 1) for i in range(7)]
+
+
+def test_a_student_is_evaluated_at_its_end_if_not_before(tmp_path):
+    train_student(tmp_path, 2, *STUDENT[:-1], "0")
+    assert not (tmp_path / "evaluations.json").exists()
+    train_student(tmp_path, 2, "--resume", "--motions", "8")
+    (result,) = json.loads((tmp_path / "evaluations.json").read_text())["results"]
+    assert result["steps"] == 2 * ROUND
+    assert json.loads((tmp_path / "policy.json").read_text())["scores"] == result
 
 
 @pytest.mark.parametrize("part", ["learn", "evaluation", "round"])
@@ -832,6 +946,7 @@ def test_several_students(tmp_path, capsys):
         (["--patience", "0"], "patience is 0"),
         (["--seeds", "4-2"], "lowest first"),
         (["--seeds", "1,1"], "a seed twice"),
+        (["--seeds", "9" * 5000], "give whole numbers, as 0-9 or 0,3,5"),
         (["--seeds", "few"], "give whole numbers, as 0-9 or 0,3,5"),
         (["--seeds", "1", "--seed", "1"], "--seed and --seeds are given"),
         (["--teacher", "compensation", "--residual", "none"], "leave --residual out"),
