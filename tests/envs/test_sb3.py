@@ -67,6 +67,16 @@ def test_it_is_what_single_ones_are(wrap):
     assert ends == 3 * ROWS
 
 
+def test_one_seed_for_every_row():
+    ours = VecMonitor(pair()[0])
+    assert ours.seed([7, 5, 9]) == [7, 5, 9]
+    ours.reset()
+    assert ours.unwrapped.arms.get_state()["seed"].tolist() == [7, 5, 9]
+    ours.seed([7, 5])
+    with pytest.raises(InputError, match="seed has 2 numbers: give one for each of 3 rows"):
+        ours.reset()
+
+
 def test_rows_that_go_on_share_one_info():
     ours, _ = pair()
     ours.reset()
