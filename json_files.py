@@ -2,7 +2,9 @@
 
 import json
 import os
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
 
 from .errors import InputError, shown
 from .files import content_of
@@ -11,6 +13,7 @@ LARGEST = 64 * 2**20  # bytes; a suit file takes some thousand
 DEEPEST = 50  # greatest depth of nested lists and objects; a suit file has 7
 MOST_DIGITS = 400  # most digits of a whole number; one with more than 309 is no float
 REMAKE = "restore or remake it"
+Model = TypeVar("Model", bound=BaseModel)
 
 
 def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any:
@@ -33,6 +36,29 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
             f"cannot read the {what} {shown(str(path))}: not a UTF-8 text file"
         ) from error
     return parse_json(text, str(path), fix)
+
+
+def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = REMAKE) -> Model:
+    """Returns the content of a JSON file as a model of pydantic.
+
+    Args:
+        content: The content.
+        model: The model.
+        name: Name of the file.
+        what: What the file should be, as the error message calls it ("card of a policy").
+        fix: What to do with a wrong file, as the error message says it.
+
+    Raises:
+        InputError: The content is not as the model has it.
+    """
+    try:
+        return model.model_validate(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(map(str, first["loc"])) or "content"
+        raise InputError(
+            f"{name!r} is no {what}: its {place} is wrong ({first['msg']}); {fix}"
+        ) from None
 
 
 def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:

@@ -52,10 +52,10 @@ class ArmVecEnv(VecEnv):
         Args:
             seed: Seed of row 0, where row i has seed + i; or one seed for every row. None draws it.
         """
-        if seed is None or isinstance(seed, int):
-            return super().seed(seed)
-        self._seeds = [*seed]
-        return self._seeds
+        if isinstance(seed, Sequence | np.ndarray):
+            self._seeds = [*seed]
+            return self._seeds
+        return super().seed(seed)
 
     def reset(self) -> NDArray[np.float32]:
         """Begins a new episode in every row, with the seeds that `seed` has set."""

@@ -126,4 +126,4 @@ def poison_weights(folder: Path, trap: Path) -> None:
 
 def poison_replay(folder: Path, trap: Path) -> None:
     """Makes the experience a pickled object."""
-    (folder / "replay.pkl").write_bytes(pickle.dumps(Enemy(trap)))
+    replace_part(folder / "model.zip", "replay.pkl", pickle.dumps(Enemy(trap)))

@@ -496,14 +496,14 @@ USUAL = {"n_epochs": 10, "tau": 0.005, "batch_size": 256}  # those of Stable-Bas
 
 def tuned(algo: str) -> str:
     """Returns the best hyperparameters of an algorithm that were tried, and the shipped ones."""
+    found = kept(f"hyperparameters-{algo}")["rows"]
+    tried = [{**USUAL, **one["settings"], **one["settings"]["policy_kwargs"]} for one in found]
     columns = {"learning rate": "learning_rate", "gamma": "gamma"} | TUNED[algo]
     columns |= {"log std": "log_std_init", "LSTM": "lstm_hidden_size"}
+    columns = {title: name for title, name in columns.items() if name in tried[0]}
     rows = []
-    for one in kept(f"hyperparameters-{algo}")["rows"]:
-        networks = one["settings"]["policy_kwargs"]
-        layers = networks["net_arch"]
-        settings = {**USUAL, **one["settings"], **networks}
-        columns = {title: name for title, name in columns.items() if name in settings}
+    for one, settings in zip(found, tried, strict=True):
+        layers = settings["net_arch"]
         cells = (settings[name] for name in columns.values())
         rows.append(
             [

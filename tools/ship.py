@@ -14,13 +14,12 @@ from ..envs.policies.build import residual_of
 from ..envs.policies.network import CARD, WEIGHTS, card_file, read_card
 from ..envs.policies.trained import SHIPPED
 from ..files import replacing
-from ..json_files import read_json
 from ..scripts.arm_options import USUAL
 from ..scripts.backends import run_all
 from ..scripts.runs import scene
-from ..scripts.training.evaluations import EVALUATIONS, value
+from ..scripts.training.evaluations import finished, read_evaluations, value
 from ..scripts.training.request import TrainingRequest
-from ..scripts.training.seeds import finished, seeds_of
+from ..scripts.training.seeds import seeds_of
 
 LICENSE = "Apache-2.0"
 LEARNERS = Path(__file__).parent.parent / "docs" / "learners"
@@ -67,8 +66,8 @@ def train(name: str, seed: int, out: Path) -> None:
     given = dict(NETWORKS[name][1])
     file = given.pop("hyperparameters", None)
     place = partial(scene, USUAL, env=None, task="ArmTracking", suit=None, gravity=None)
-    request = TrainingRequest(given=given, file=file, scene=place, force=True)
-    request.seed(out, seed, resume=True)
+    request = TrainingRequest(given=given, file=file, scene=place, resume=True, force=True)
+    request.seed(out, seed)
 
 
 def main() -> None:
@@ -85,7 +84,7 @@ def main() -> None:
         pass
     reliefs = {}
     for seed, path in runs.items():
-        results = read_json(path / EVALUATIONS, "evaluations")["results"]
+        results = read_evaluations(path)["results"]
         reliefs[seed] = max(map(value, results))
         print(f"seed {seed}: relief {reliefs[seed]:.3f}")
     best = max(reliefs, key=lambda seed: reliefs[seed])

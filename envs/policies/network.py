@@ -13,12 +13,12 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from ...arrays import Array
 from ...errors import InputError, shown, unknown_name
 from ...files import content_of
-from ...json_files import read_json
+from ...json_files import modelled, read_json
 from ..plant import Plant
 from .residual import LEAST_SCALE, MOST_SCALE
 
@@ -243,15 +243,8 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
             f"{str(folder)!r} is neither a policy name nor a trained policy: it has no readable "
             f"{CARD}; train it, or save one with `save_policy`"
         )
-    try:
-        card = Card.model_validate(read_json(path, "policy"))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(map(str, first["loc"])) or "content"
-        raise InputError(
-            f"{str(path)!r} is no card of a policy: its {place} is wrong ({first['msg']}); restore "
-            "it, or train again"
-        ) from None
+    name, fix = str(path), "restore it, or train again"
+    card = modelled(read_json(path, "policy"), Card, name, "card of a policy", fix)
     if contract_of(card.observation) != card.contract:
         raise InputError(
             f"{str(path)!r} has the contract {shown(card.contract)}, which is not that of its "

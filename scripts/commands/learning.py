@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...checks import at_least
 from ...envs.evaluation.core import FIRST_SEED, REFERENCES, run
@@ -19,7 +20,7 @@ from ...envs.policies.network import CARD
 from ...envs.policies.residual import SCALE
 from ...envs.policies.trained import training_of
 from ...errors import InputError, unknown_name
-from ...json_files import read_json
+from ...json_files import Model, modelled, read_json
 from ..arm_options import USUAL
 from ..backends import run_all
 from ..options import Force, Json, choice, optional_number
@@ -28,7 +29,7 @@ from ..options import shipped_tasks as task_names
 from ..output import RunFolder, conclude, progress
 from ..reports.learning import study_figure
 from ..runs import scene
-from ..training.evaluations import EVALUATIONS, FIRST, MOTIONS, relief_text
+from ..training.evaluations import FIRST, MOTIONS, read_evaluations, relief_text
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_STEPS, TrainingRequest
 from ..training.seeds import over_trainings, seeds_of
@@ -61,6 +62,27 @@ TASKS = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
 TESTED = range(FIRST_SEED, FIRST_SEED + 20)  # motions of a finished policy
 IN_TRAINING = range(FIRST, FIRST + MOTIONS)
 SCORE = "score.json"
+
+
+class Score(BaseModel):
+    """What a policy gave in the test.
+
+    Attributes:
+        steps: Number of steps of its training; 0 of a policy that has none.
+        effort: Effort of each motion; None where an arm was lost.
+        success: Share of the motions with success.
+    """
+
+    steps: int = 0
+    effort: list[float] | None
+    success: float
+
+
+class Beside(BaseModel):
+    """Scores of references, policies and the bound in a setting, in two sets of motions."""
+
+    tested: dict[str, Score]
+    in_training: dict[str, Score]
 
 
 class Cell(NamedTuple):
@@ -138,12 +160,12 @@ def learning(
                 f"{asked}, another --out, or --force to train anew"
             )
         score = path / SCORE
-        if not (score.is_file() and read_json(score, "score").get("steps") == many):
+        if not score.is_file() or _read(score, Score).steps != many:
             work.append((_train, cell, seed, path, many))
     with progress("learning", len(work)) as bar:
         for _ in run_all(_call, work, "loky", workers):
             bar.advance()
-    beside = {one: read_json(path, "scores") for one, path in files.items()}
+    beside = {one: _read(path, Beside) for one, path in files.items()}
     result = _result(cells, chosen, runs, beside)
     folder.figure("learning", study_figure(result["curves"], result["beside"]))
     conclude(
@@ -153,6 +175,10 @@ def learning(
         folder=folder,
         json=json,
     )
+
+
+def _read(path: Path, model: type[Model]) -> Model:
+    return modelled(read_json(path, "scores"), model, str(path), "file of scores", "remove it")
 
 
 def _call(function: Any, *arguments: Any) -> None:
@@ -167,9 +193,11 @@ def _train(cell: Cell, seed: int, path: Path, steps: int) -> None:
     given = {"level": cell.level, "steps": steps, **WAYS[cell.way]}
     if "residual" in given:
         given["residual"] = residual_of(given["residual"], SCALE)
-    request = TrainingRequest(given=given, scene=_scene(cell.task), force=True)
-    request.seed(path, seed, resume=_steps(path) == steps)
-    RunFolder(path).json(SCORE, {"steps": steps, **_tested(str(path), cell.task, cell.level)})
+    again = _steps(path) == steps
+    request = TrainingRequest(given=given, scene=_scene(cell.task), resume=again, force=True)
+    request.seed(path, seed)
+    score = _tested(str(path), cell.task, cell.level)
+    RunFolder(path).json(SCORE, {**score.model_dump(), "steps": steps})
 
 
 def _steps(path: Path) -> int | None:
@@ -181,7 +209,7 @@ def _beside(setting: tuple[str, str], folder: RunFolder, name: str) -> None:
     """Tests references, policies and the bound in a setting."""
     motions = {"tested": TESTED, "in_training": IN_TRAINING}
     found = {
-        part: {one: _tested(one, *setting, seeds) for one in (*REFERENCES, *BESIDE)}
+        part: {one: _tested(one, *setting, seeds).model_dump() for one in (*REFERENCES, *BESIDE)}
         for part, seeds in motions.items()
     }
     RunFolder(folder.path).json(name, found)
@@ -196,57 +224,59 @@ def _tested(
     task: str,
     level: str,
     seeds: Sequence[int] = TESTED,
-) -> dict[str, Any]:
+) -> Score:
     found = _scene(task)(level=level)
     given = name if name in (*REFERENCES, "best-known-plan") else policy_spec(name)
     try:
         score = run(name, given, found.env, seeds, **found.options).score
     except ArmLost:
-        return {"effort": None, "success": 0.0}
-    return {"effort": list(map(float, score.effort)), "success": float(np.mean(score.success))}
+        return Score(effort=None, success=0.0)
+    return Score(effort=list(map(float, score.effort)), success=float(np.mean(score.success)))
 
 
 def _result(
     cells: list[Cell],
     seeds: list[int],
     runs: Mapping[tuple[Cell, int], Path],
-    beside: Mapping[tuple[str, str], Any],
+    beside: Mapping[tuple[str, str], Beside],
 ) -> dict[str, Any]:
     """Returns the relief of each way, and of what stands beside it, as plain data."""
     curves, ends, others = [], [], []
     for cell in cells:
         names = {"task": cell.task, "level": cell.level, "way": cell.way}
         paths = [runs[cell, seed] for seed in seeds]
-        results = [read_json(path / EVALUATIONS, "evaluations")["results"] for path in paths]
+        results = [read_evaluations(path)["results"] for path in paths]
         for at in zip(*results, strict=False):
             if all(one["relief"] for one in at):
                 steps = int(np.mean([one["steps"] for one in at]))
                 found = over_trainings([one["relief"]["value"] for one in at])
                 curves.append({**names, "steps": steps, **found})
-        scores = [read_json(path / SCORE, "score") for path in paths]
-        reliefs = [_relief(beside[cell[:2]]["tested"], one) for one in scores]
+        scores = [_read(path / SCORE, Score) for path in paths]
+        reliefs = [_relief(beside[cell[:2]].tested, one) for one in scores]
         reached = [one for one in reliefs if one is not None]
         found = over_trainings(reached) if reached == reliefs else {"value": None}
-        success = float(np.mean([one["success"] for one in scores]))
+        success = float(np.mean([one.success for one in scores]))
         ends.append({**names, **found, "success": success, "trainings": len(scores)})
     for (task, level), found in beside.items():
         for name in BESIDE:
-            tested = found["tested"][name]
-            more = {"policy": name, "value": _relief(found["tested"], tested)}
-            more |= {"in_training": _relief(found["in_training"], found["in_training"][name])}
-            others.append({"task": task, "level": level, **more, "success": tested["success"]})
+            tested = found.tested[name]
+            more = {"policy": name, "value": _relief(found.tested, tested)}
+            more |= {"in_training": _relief(found.in_training, found.in_training[name])}
+            others.append({"task": task, "level": level, **more, "success": tested.success})
     return {"curves": curves, "ends": ends, "beside": others}
 
 
-def _relief(beside: Mapping[str, Any], score: Mapping[str, Any]) -> float | None:
+def _relief(beside: Mapping[str, Score], score: Score) -> float | None:
     """Returns the mean relief of a score beside those of references in the same motions.
 
     It is None where an arm was lost.
     """
-    if score["effort"] is None:
+    if score.effort is None:
         return None
-    unsuited, suited = (beside[one]["effort"] for one in REFERENCES)
-    found = relief(unsuited, suited, score["effort"])
+    unsuited, suited = (beside[one].effort for one in REFERENCES)
+    found = None
+    if unsuited is not None and suited is not None:
+        found = relief(unsuited, suited, score.effort)
     if found is None:
         raise InputError("the suit costs nothing in one of the tasks: choose others")
     return float(np.mean(found))

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import tyro
 
-from ...checks import at_least, check_seed
+from ...checks import at_least
 from ...envs.policies.build import residual_of
 from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
@@ -25,7 +25,7 @@ from ..settings import joined
 from ..training.evaluations import MOTIONS
 from ..training.hyperparameters import ALGORITHMS
 from ..training.request import MOST_ROWS, MOST_STEPS, TASK, TrainingRequest
-from ..training.seeds import seeds_of, train_all
+from ..training.seeds import HIGHEST, seeds_of, train_all
 
 
 def train(
@@ -108,11 +108,15 @@ def train(
     if rows is not None:
         at_least("rows", rows, 1, MOST_ROWS)
     if seed is not None:
-        check_seed(seed)
+        at_least("seed", seed, 0, HIGHEST)
     if motions is not None and motions != 0:
         at_least("motions", motions, MOTIONS)
     if patience is not None:
         at_least("patience", patience, 1)
+    if trust and not resume:
+        raise InputError(
+            "--trust is given without --resume: it is about the files of a run to resume"
+        )
     if seeds is not None and seed is not None:
         raise InputError("--seed and --seeds are given: give one of them")
     given: dict[str, Any] = {"algo": algo, "seed": seed, "rows": rows, "steps": steps}
@@ -144,7 +148,7 @@ def train(
     if motions == 0:
         raise InputError("--motions is 0, and --seeds compares evaluations: leave one out")
     chosen = seeds_of(seeds)
-    train_all(request.seed, chosen, out, workers, steps=steps, resume=resume, force=force)
+    train_all(request.seed, chosen, out, workers, resume=resume, force=force)
 
 
 def _portable(given: dict[str, Any]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -16,54 +17,48 @@ from ..output import RunFolder, messages
 from ..own_files import is_own, note, notes_folder
 from .hyperparameters import algorithm_class
 
-CHECKPOINT, REPLAY = "model.zip", "replay.pkl"
+CHECKPOINT = "model.zip"
+REPLAY = "replay.pkl"  # in the checkpoint: the experience of a learner that keeps one
 MONITORED = ("episode_returns", "episode_lengths")
 NOISE = ("exploration_mat", "exploration_matrices")
-_EMPTY = {"replay": (0, False)}  # memory of a learner that has seen nothing
 LATEST = ("_last_episode_starts", "_last_lstm_states")
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Content of the files from which a training goes on.
+    """Content of the file from which a training goes on.
 
     Attributes:
         path: Path of the checkpoint.
-        learner: Learner, with its options as Python objects.
-        replay: Experience of the learner; None if it keeps none.
+        learner: Learner, with its options and its experience as Python objects.
     """
 
     path: Path
     learner: bytes
-    replay: bytes | None
 
     @classmethod
     def read(cls, out: Path, *, trust: bool) -> "Checkpoint":
-        """Reads the files of a run, without looking into them.
+        """Reads the file of a run, without looking into it.
 
         Args:
             out: Folder of the run.
-            trust: True to take files that this machine did not write.
+            trust: True to take a file that this machine did not write.
 
         Raises:
-            InputError: A file is missing, or was not written on this machine.
+            InputError: The file is missing, or was not written on this machine.
         """
-        contents: list[bytes | None] = []
-        for path in (out / CHECKPOINT, out / REPLAY):
-            content = path.read_bytes() if path.is_file() else None
-            if content is not None and not trust and not is_own(content):
-                raise InputError(
-                    f"{str(path)!r} was not written by you on this machine, and to resume it runs "
-                    "whatever code it holds: add --trust if you trust whoever made it, or train "
-                    "anew"
-                )
-            contents.append(content)
-        learner, replay = contents
-        if learner is None:
+        path = out / CHECKPOINT
+        if not path.is_file():
             raise InputError(
                 f"{str(out)!r} holds no {CHECKPOINT} to resume: train without --resume first"
             )
-        return cls(out / CHECKPOINT, learner, replay)
+        content = path.read_bytes()
+        if not trust and not is_own(content):
+            raise InputError(
+                f"{str(path)!r} was not written by you on this machine, and to resume it runs "
+                "whatever code it holds: add --trust if you trust whoever made it, or train anew"
+            )
+        return cls(path, content)
 
 
 def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any:
@@ -73,17 +68,18 @@ def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any
     `_remember`.
 
     Raises:
-        InputError: A file is damaged or belongs to another run.
+        InputError: The file is damaged.
     """
     try:
         file = io.BytesIO(checkpoint.learner)
         learner = algorithm_class(algo).load(
             file, env=environments, device="cpu", force_reset=False
         )
+        if _has_experience(learner):
+            with ZipFile(file) as archive:
+                learner.load_replay_buffer(io.BytesIO(archive.read(REPLAY)))
     except Exception as error:  # a damaged file fails wherever it is damaged
         raise unreadable(checkpoint.path, error) from error
-    if checkpoint.replay is not None:
-        _load_replay(learner, checkpoint.replay, checkpoint.path.with_name(REPLAY))
     _go_back(learner, checkpoint.path)
     return learner
 
@@ -127,7 +123,6 @@ def _remember(learner: Any, begun: bool) -> None:
         },
         "noise": _noise(learner) if begun else None,
         "residual": residual and residual.get_memory(),
-        "replay": _filled(learner),
     }
     learner.memory = memory | {name: getattr(learner, name, None) for name in LATEST}
 
@@ -158,31 +153,8 @@ def _go_back(learner: Any, path: Path) -> None:
         ) from error
 
 
-def _filled(learner: Any) -> tuple[int, bool] | None:
-    """Returns how far the experience of a learner is filled; None if it keeps none."""
-    replay = getattr(learner, "replay_buffer", None)
-    return None if replay is None else (replay.pos, replay.full)
-
-
-def _load_replay(learner: Any, content: bytes, path: Path) -> None:
-    try:
-        learner.load_replay_buffer(io.BytesIO(content))
-        replay = learner.replay_buffer
-        fits = (replay.obs_shape, replay.action_dim, replay.n_envs) == (
-            learner.observation_space.shape,
-            learner.action_space.shape[0],
-            learner.n_envs,
-        ) and getattr(learner, "memory", _EMPTY)["replay"] == _filled(learner)
-    except Exception as error:
-        raise InputError(
-            f"{str(path)!r} is not a readable experience of this run ({type(error).__name__}): "
-            "restore it, or remove it to go on without"
-        ) from error
-    if not fits:
-        raise InputError(
-            f"{str(path)!r} holds the experience of another run or checkpoint: restore it, or "
-            "remove it to go on without"
-        )
+def _has_experience(learner: Any) -> bool:
+    return hasattr(learner, "load_replay_buffer")
 
 
 def _restore_random(learner: Any, states: Mapping[str, Any]) -> None:
@@ -226,18 +198,23 @@ def _residual(environments: Any) -> Any:
 
 
 def save(learner: Any, folder: RunFolder, *, begun: bool) -> bool:
-    """Writes a checkpoint and notes its files as ours; returns whether that worked.
+    """Writes a checkpoint and notes it as ours; returns whether that worked.
 
     Args:
         learner: The learner.
         folder: Folder of the run.
         begun: Whether a rollout has begun.
     """
+
+    def write(path: Path) -> None:
+        learner.save(path)
+        if _has_experience(learner):
+            learner.save_replay_buffer(experience := io.BytesIO())
+            with ZipFile(path, "a") as archive:  # one file, so that both are of the same step
+                archive.writestr(REPLAY, experience.getbuffer())
+
     _remember(learner, begun)
-    writers: dict[str, Callable[[Path], Any]] = {CHECKPOINT: learner.save}
-    if hasattr(learner, "save_replay_buffer"):
-        writers[REPLAY] = learner.save_replay_buffer
-    return _write(folder, writers)
+    return _write(folder, {CHECKPOINT: write})
 
 
 def write_own(folder: RunFolder, contents: Mapping[str, bytes]) -> bool:

@@ -21,13 +21,10 @@ from ...envs.policies.network import Card, Network, files_of
 from ...envs.vector_env import ArmVectorEnv
 from ...errors import InputError, install_line
 from ..output import RunFolder, messages, progress
-from ..reports.learning import learning_figure
 from .checkpoints import CHECKPOINT, Checkpoint, note_missing, unreadable, write_own
-from .evaluations import Evaluations
+from .evaluations import Evaluations, nothing_left
 from .learners import threads, training_seeds
-from .page import write_training_page
-from .run import begin, report
-from .seeds import finished
+from .run import begin, end, report
 
 USUAL: dict[str, Any] = {"rows": 64, "steps": 1_000_000}
 LAYERS = (64, 64)
@@ -70,52 +67,53 @@ def distill(
         ) from error
     env, training = card.environment["env"], card.training
     own = {name: training[name] for name in ("randomize",) if name in training}
-    teacher, motions, steps = training["teacher"], training["motions"], training["steps"]
+    teacher, steps = training["teacher"], training["steps"]
     lesson = Lesson(env, {**options, **own}, teacher, training["rows"])
     size = training["rows"] * lesson.periods  # steps of a round
     rounds = max(1, round(steps / size))
     torch.manual_seed(training["seed"])
     student = _Student(lesson.size, lesson.motors)
     kept: deque[tuple[Samples, Samples]] = deque(maxlen=LAST)
-    begun = _go_back(student, kept, checkpoint) if checkpoint else 0
-    if begun >= rounds and (not motions or finished(folder.path, steps)):
+    done = _go_back(student, kept, checkpoint) if checkpoint else 0  # rounds
+    if done >= rounds and nothing_left(folder.path, steps):
         raise InputError(
-            f"the run has {begun * size} steps already, in rounds of {size}: give --steps above "
+            f"the run has {done * size} steps already, in rounds of {size}: give --steps above "
             "that to go on"
         )
     card = begin(folder, card, resume=bool(checkpoint))
-    evaluations = Evaluations(folder, card, options, motions, begun * size) if motions else None
+    evaluations = Evaluations(folder, card, options, done * size)
 
-    def files_after(done: int, network: Network) -> Mapping[str, bytes]:
-        """Evaluates the student; returns the files of its policy if it is the best so far."""
+    def keep_if_best(steps: int, network: Network) -> None:
+        """Evaluates the student, and keeps its policy if it is the best so far."""
         scores = None
-        if evaluations is not None:
-            scores = evaluations.add(done, network)
-            evaluations.write()
+        if evaluations.wanted:
+            scores = evaluations.add(steps, network)
             messages.print(report(scores))
-            if not evaluations.last_is_best:
-                return {}
-        filled = {"training": {**training, "done": done}, "scores": scores}
-        return files_of(card.model_copy(update=filled), network)
+        if scores is None or evaluations.last_is_best:
+            filled = {"training": {**training, "done": steps}, "scores": scores}
+            note_missing(write_own(folder, files_of(card.model_copy(update=filled), network)))
+        evaluations.write()  # the last file: without it, the evaluation is done again
+
+    def due(done: int) -> bool:
+        """Returns whether there is an evaluation after some rounds, which is not done yet."""
+        last = evaluations.results[-1]["steps"] if evaluations.results else 0
+        fifth = done > 0 and done % max(1, rounds // 5) == 0
+        return (fifth or done == rounds) and done * size > last
 
     with threads(torch_threads), progress(f"student of {teacher} on {env}", rounds) as bar:
-        for i in range(begun, rounds):
-            seeds = training_seeds(training["seed"], training["rows"], part=i)
-            kept.append(lesson.round(student.network() if i else None, seeds))
+        if due(done):  # stopped before it was done
+            keep_if_best(done * size, student.network())
+        while done < rounds:
+            seeds = training_seeds(training["seed"], training["rows"], part=done)
+            kept.append(lesson.round(student.network() if done else None, seeds))
             student.learn(kept)
-            bar.move_to(i + 1)
-            due = i + 1 == rounds or (i + 1) % max(1, rounds // 5) == 0
-            files = files_after((i + 1) * size, student.network()) if due else {}
-            content = {**files, CHECKPOINT: _content(student, kept, i + 1)}
-            note_missing(write_own(folder, content))
-        if evaluations is not None and not evaluations.results:  # all rounds were without
-            note_missing(write_own(folder, files_after(begun * size, student.network())))
-    if evaluations is not None:
-        evaluations.finish()
-        folder.figure("learning_curve", learning_figure({"student": evaluations.results}))
-    done = max(begun, rounds) * size
-    write_training_page(folder, card, done, [] if evaluations is None else evaluations.results)
-    return done
+            done += 1
+            bar.move_to(done)
+            note_missing(write_own(folder, {CHECKPOINT: _content(student, kept, done)}))
+            if due(done):
+                keep_if_best(done * size, student.network())
+    end(folder, card, done * size, evaluations, "student")
+    return done * size
 
 
 def _content(student: "_Student", kept: deque[tuple[Samples, Samples]], rounds: int) -> bytes:
@@ -174,10 +172,12 @@ class Lesson:
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:
         theirs = {**options, **{"history": 1}, **needed_options(teacher)}
         theirs.setdefault("sensors", options.get("sensors", ("encoders",)))
+        if "belief" not in theirs["sensors"]:
+            theirs.pop("belief", None)
         mine = {"sensors": ("encoders",), "history": 1, **options}
         if mine.get("normalize") or theirs.get("normalize"):
             raise InputError("student or teacher have normalize: leave --normalize out")
-        if "belief" in options and theirs["belief"] != options["belief"]:
+        if "belief" in mine and theirs.get("belief", mine["belief"]) != mine["belief"]:
             raise InputError("student and teacher observe different beliefs: leave --belief out")
         sensors = [*dict.fromkeys((*mine["sensors"], *theirs["sensors"]))]
         frames = max(mine["history"], theirs["history"])

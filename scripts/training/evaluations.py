@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from ...arrays import Array
 from ...assets import JOINTS
@@ -18,13 +19,37 @@ from ...envs.plant import Plant
 from ...envs.policies import Policy
 from ...envs.policies.build import network_policy
 from ...envs.policies.network import Card, Network
-from ...json_files import read_json
+from ...envs.policies.trained import training_of
+from ...json_files import modelled, read_json
+from ..html.writing import PAGE
 from ..output import RunFolder
 
 EVALUATIONS = "evaluations.json"
-FIRST = 20_000  # first seed; those from 10,000 are left for scores after the training
+FIRST = 20_000  # first seed; those from 10,000 are for scores after the training
 MOTIONS = 8  # usual number, which is the least that an interval takes
 BETTER = 0.005  # relief by which an evaluation must be better to count
+
+
+class _Relief(BaseModel):
+    """What the relief of a result must have."""
+
+    value: float
+
+
+class _Result(BaseModel):
+    """What a result must have."""
+
+    steps: int
+    relief: _Relief | None
+    success: float
+
+
+class _Content(BaseModel):
+    """What a file of evaluations must have."""
+
+    references: dict[str, list[float]]
+    results: list[_Result]
+    finished: int = 0
 
 
 class Evaluations:
@@ -32,24 +57,23 @@ class Evaluations:
 
     Args:
         folder: Folder of the run, in which the results are kept.
-        card: Card of the policy.
+        card: Card of the policy, with the number of motions.
         options: Options of the environment.
-        motions: Number of motions.
         done: Steps of the training so far; results of later ones are dropped.
 
     Attributes:
         results: Results in the order of the training: steps, relief with its interval, success and
             what `physical` returns; relief is None where the policy loses arms.
+        wanted: Whether there are motions to evaluate.
     """
 
-    def __init__(
-        self, folder: RunFolder, card: Card, options: dict[str, Any], motions: int, done: int
-    ) -> None:
+    def __init__(self, folder: RunFolder, card: Card, options: dict[str, Any], done: int) -> None:
         self._folder, self._card, self._options = folder, card, options
-        self._seeds = range(FIRST, FIRST + motions)
-        before = _before(folder / EVALUATIONS, motions) if done else {}
+        self._seeds = range(FIRST, FIRST + card.training["motions"])
+        before = read_evaluations(folder.path) if done else {}
         self._references: dict[str, list[float]] = before.get("references", {})
         self.results = [one for one in before.get("results", []) if one["steps"] <= done]
+        self.wanted = len(self._seeds) > 0
 
     @property
     def last_is_best(self) -> bool:
@@ -102,7 +126,7 @@ class Evaluations:
         return result
 
     def finish(self) -> None:
-        """Notes that the training is at its end, with the steps that it was asked for."""
+        """Notes that the training has come to its end, with the steps that it was asked for."""
         self.write(finished=self._card.training["steps"])
 
     def write(self, **more: int) -> None:
@@ -153,9 +177,38 @@ def _by_joint(whose: str, joints: tuple[str, ...], torques: list[Array]) -> dict
     return {f"{whose}_{joint}": size for joint, size in zip(joints, sizes, strict=True)}
 
 
-def _before(path: Path, motions: int) -> dict[str, Any]:
-    """Returns the results of a run that goes on; nothing where they are of other motions."""
+def read_evaluations(folder: Path) -> dict[str, Any]:
+    """Returns what `Evaluations` has kept in the folder of a run; nothing where it has not.
+
+    Raises:
+        InputError: The file was changed.
+    """
+    path = folder / EVALUATIONS
     if not path.is_file():
         return {}
     found = read_json(path, "evaluations")
-    return found if len(found.get("seeds", ())) == motions else {}
+    modelled(found, _Content, str(path), "file of evaluations", "restore it, or train anew")
+    return found
+
+
+def finished(folder: Path, steps: int | None = None) -> bool:
+    """Returns whether a training in a folder has come to its end, and was asked for so many steps.
+
+    Its end has two files: the evaluations with a note of it, and then the report with their hash.
+
+    Args:
+        folder: Folder of the run.
+        steps: Least number of steps; None for any.
+    """
+    ended = read_evaluations(folder).get("finished", 0) >= (steps or 1)
+    return ended and (folder / PAGE).is_file()
+
+
+def nothing_left(folder: Path, steps: int) -> bool:
+    """Returns whether a run that has all steps has nothing to do to its end, either.
+
+    Args:
+        folder: Folder of the run.
+        steps: Steps that it shall have in the end.
+    """
+    return training_of(folder).get("steps") != steps or finished(folder, steps)

@@ -22,7 +22,11 @@ DEFAULT = "default"  # what applies to environments that a file does not name
 NETWORKS = "policy_kwargs"  # arguments of the networks, a hyperparameter of several parts
 LARGEST = 1_000_000  # bytes
 _COUNTS = ("n_envs", "n_timesteps")
-_POSITIVE = (*_COUNTS, "n_steps", "batch_size", "n_epochs", "train_freq", "buffer_size")
+_POSITIVE = (
+    *(*_COUNTS, "n_steps", "batch_size", "n_epochs", "train_freq", "buffer_size"),
+    "target_update_interval",
+)
+_SHARES = ("gamma", "gae_lambda", "tau")  # from 0 to 1
 _CONFIG = ConfigDict(arbitrary_types_allowed=True, allow_inf_nan=False)
 _OURS = ("env", "seed", "device", "tensorboard_log", "verbose", "_init_setup_model")
 _LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the training
@@ -62,8 +66,10 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
         InputError: The file cannot be read, has no part for the environment, or a hyperparameter is
             unknown or of the wrong type.
     """
+    algorithm_class(algo)  # reports an unknown one, or a missing extra
     name = f"assets/hyperparameters/{algo}.yml"
     usual = _read(files("activesuit").joinpath(name).read_bytes(), name)[DEFAULT]
+    usual = checked(algo, usual, name)
     if path is None:
         return usual
     parts = _read(content_of(path, "hyperparameters", LARGEST), str(path))
@@ -77,8 +83,12 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
     return {**usual, **given}
 
 
-def _as_number(value: Any) -> Any:
-    """Returns the number of a text such as 3e-4, which YAML 1.1 takes for a text."""
+def _with_numbers(value: Any) -> Any:
+    """Returns a value with numbers in place of texts such as 3e-4, which YAML 1.1 takes for one."""
+    if isinstance(value, dict):
+        return {name: _with_numbers(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [_with_numbers(one) for one in value]
     try:
         return float(value) if isinstance(value, str) else value
     except ValueError:
@@ -118,7 +128,7 @@ def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
         if name not in known:
             raise unknown_name(f"hyperparameter of {algo} in {where!r}", name, known)
         kind = int if name in _COUNTS else taken[name].annotation
-        number = _as_number(value)
+        number = _with_numbers(value)
         try:
             typed = TypeAdapter(kind, config=_CONFIG).validate_python(_schedule(number))
         except ValidationError as error:
@@ -126,10 +136,25 @@ def checked(algo: str, given: Any, where: str) -> dict[str, Any]:
             raise InputError(
                 f"{name} in {where!r} is {shown(value)}: {reason[0].lower()}{reason[1:]}"
             ) from error
-        if name in _POSITIVE and isinstance(typed, int) and typed < 1:
-            raise InputError(f"{name} in {where!r} is {typed}: use a whole number of at least 1")
+        mistake = _mistake(name, value, typed)
+        if mistake:
+            raise InputError(f"{name} in {where!r} is {shown(value)}: {mistake}")
         found[name] = number if callable(typed) else typed
     return found
+
+
+def _mistake(name: str, value: Any, typed: Any) -> str:
+    """Returns what to use in place of a hyperparameter of the right type; empty if it is right."""
+    if isinstance(value, bool) and not isinstance(typed, bool):
+        return "use a number"
+    if name in _SHARES and not 0 <= typed <= 1:
+        return "use a number from 0 to 1"
+    count, unit = typed if isinstance(typed, tuple) else (typed, "step")  # a tuple of train_freq
+    if unit != "step":
+        return "use a number of steps, as episodes end at any time in some of the arms"
+    if name in _POSITIVE and isinstance(count, int) and count < 1:
+        return "use a whole number of at least 1"
+    return ""
 
 
 def arguments(settings: Mapping[str, Any]) -> dict[str, Any]:

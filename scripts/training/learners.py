@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,7 @@ def new_learner(
     usual = {"seed": seed, "device": "cpu", "tensorboard_log": logs}
     try:
         learner = algorithm_class(algo)(
-            settings["policy"], environments, **usual, **arguments(settings)
+            settings["policy"], environments, **usual, **arguments(deepcopy(settings))
         )
     except InputError:
         raise

@@ -20,10 +20,9 @@ from ..own_files import is_own
 from ..runs import Scene
 from .checkpoints import CHECKPOINT, Checkpoint
 from .distillation import USUAL, distill
-from .evaluations import MOTIONS
-from .hyperparameters import algorithm_class, checked, hyperparameters
-from .run import TRAINING_ONLY, learn
-from .seeds import finished
+from .evaluations import MOTIONS, finished
+from .hyperparameters import checked, hyperparameters
+from .run import RENEWED, TRAINING_ONLY, learn
 
 TASK = "ActiveSuit/ElbowFlexion-v0"
 MOST_STEPS, MOST_ROWS = 10**11, 10**5
@@ -53,43 +52,57 @@ class TrainingRequest:
     force: bool = False
     torch_threads: int = 1
 
-    def seed(self, out: Path, seed: int, *, resume: bool | None = None) -> None:
+    def seed(self, out: Path, seed: int) -> None:
         """Trains with a seed in a folder, or continues what is there if that is asked for.
 
         A training that is there with all its steps stays, if it has the same options.
         """
-        resume = (self.resume if resume is None else resume) and (out / CHECKPOINT).exists()
-        file = None if resume else self.file
+        resume = self.resume and (out / CHECKPOINT).exists()
         given = {**self.given, "seed": seed}
-        request = replace(self, resume=resume, trust=self.trust and resume, file=file, given=given)
-        if resume and finished(out, self.given.get("steps")):
-            request.chosen(_config(_before(out, self.trust), given, out), out)
-        else:
-            request.one(out)
+        request = replace(self, resume=resume, trust=self.trust and resume, given=given)
+        if resume:
+            asked, steps = training_of(out)["steps"], request._scene_and_config(out)[1]["steps"]
+            if finished(out, steps):
+                if steps < asked:
+                    raise InputError(
+                        f"--steps is {steps}, and the run in {str(out)!r} has {asked}: give at "
+                        "least that, or another --out"
+                    )
+                return
+        request.one(out)
 
     def one(self, out: Path) -> int:
         """Trains, or goes on, in a folder; returns the number of steps."""
         checkpoint = _check_folder(out, self.resume, self.trust, self.force)
-        before = _before(out, self.trust) if self.resume else {}
-        if self.resume and self.file is not None:
-            raise InputError("--hyperparameters is given with --resume: a run keeps its own")
-        config = _config(before, self.given, out)
-        chosen = self.chosen(config, out if self.resume else None)
-        if "teacher" in config:
-            self._check_student()
-            train, config = distill, {**USUAL, **config, "algo": "dagger"}
-        else:
-            train = learn
-            algorithm_class(config["algo"])  # reports a missing extra before the folder is made
-            settings = hyperparameters(config["algo"], chosen.env, self.file)
-            settings |= checked(config["algo"], before.get("hyperparameters", {}), str(out))
-            usual = {"rows": int(settings["n_envs"]), "steps": int(settings["n_timesteps"])}
-            config = {**usual, **config, "hyperparameters": settings}
-        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
+        chosen, config = self._scene_and_config(out)
         card, options = card_and_options(chosen, config)
         folder = RunFolder(out, "train", force=self.force or self.resume)
+        train = distill if "teacher" in config else learn
         with telling(lambda: _kept(folder)):
             return train(folder, card, options, checkpoint, self.torch_threads)
+
+    def _scene_and_config(self, out: Path) -> tuple[Scene, dict[str, Any]]:
+        """Returns task and arms, and all that describes the training in a folder."""
+        before = _before(out, self.trust) if self.resume else {}
+        config = _config(before, self.given, out)
+        chosen = self._chosen(config, out if self.resume else None)
+        if "teacher" in config:
+            self._check_student()
+            config = {**USUAL, **config, "algo": "dagger"}
+        else:
+            settings = hyperparameters(config["algo"], chosen.env, self.file)
+            if before:
+                own = checked(config["algo"], before.get("hyperparameters", {}), str(out))
+                if self.file is not None and settings != own:
+                    raise InputError(
+                        f"{str(self.file)!r} has other hyperparameters than the run in "
+                        f"{str(out)!r}: leave --hyperparameters out, or train another run"
+                    )
+                settings |= own
+            usual = {"rows": settings["n_envs"], "steps": settings["n_timesteps"]}
+            config = {**usual, **config, "hyperparameters": settings}
+        at_least("rows", config["rows"], 1, MOST_ROWS)  # that of a file or of a run, too
+        return chosen, config
 
     def _check_student(self) -> None:
         """Refuses options of learners, which a student of a teacher does not have."""
@@ -100,7 +113,7 @@ class TrainingRequest:
                     f"--{name} is given, and the student of a teacher has none: leave --{name} out"
                 )
 
-    def chosen(self, config: dict[str, Any], run: Path | None = None) -> Scene:
+    def _chosen(self, config: dict[str, Any], run: Path | None) -> Scene:
         """Returns the task and the options of the arms."""
         chosen = self.scene(level=config.get("level"), run=run, usual={"env": TASK})
         if "task" in chosen.options:
@@ -127,8 +140,7 @@ def card_and_options(chosen: Scene, config: dict[str, Any]) -> tuple[Card, dict[
     if residual is not None and "sensors" not in observation:
         observation["sensors"] = list(needed_options(base_of(residual))["sensors"])
     if "belief" in observation:
-        sensors = observation.get("sensors", ["encoders"])
-        observation["sensors"] = [*sensors, *({"belief"} - {*sensors})]
+        observation["sensors"] = _believing(observation.get("sensors", ["encoders"]))
     config.pop("level", None)
     options = {**chosen.options, **observation}
     arms = make_arms(chosen.env, 1, **options)
@@ -141,10 +153,6 @@ def _check_folder(out: Path, resume: bool, trust: bool, force: bool) -> Checkpoi
     """Returns the checkpoint to go on from; None for a new run."""
     if resume:
         return Checkpoint.read(out, trust=trust)
-    if trust:
-        raise InputError(
-            "--trust is given without --resume: it is about the files of a run to resume"
-        )
     if force:
         return None
     if (out / CHECKPOINT).exists():
@@ -181,9 +189,11 @@ def _before(out: Path, trust: bool) -> dict[str, Any]:
 
 def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[str, Any]:
     """Returns algo, seed and so on: those of the run before, which stay, those given, the usual."""
+    if "belief" in given and "sensors" in given:
+        given = {**given, "sensors": _believing(given["sensors"])}
     for name, value in given.items():
         old = before.get(name, _IMPLIED.get(name))
-        if before and name not in ("steps", "motions", "patience") and old != value:
+        if before and name not in RENEWED and old != value:
             other = "without" if old is None else f"with {shown(old)}"
             raise InputError(
                 f"this command has --{name} {shown(value)}, and the run in {str(out)!r} was "
@@ -192,6 +202,11 @@ def _config(before: dict[str, Any], given: dict[str, Any], out: Path) -> dict[st
     names = (*KEPT, "residual", *OBSERVATION)
     found = {name: before[name] for name in names if name in before}
     return {"algo": "ppo", "seed": 0, "motions": MOTIONS, **found, **given}
+
+
+def _believing(sensors: list[str]) -> list[str]:
+    """Returns sensor suites with that of a belief."""
+    return [*sensors, *({"belief"} - {*sensors})]
 
 
 def _kept(folder: RunFolder) -> str:

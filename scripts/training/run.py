@@ -1,18 +1,18 @@
 """One training: from a card to a learner that has done all steps, or was stopped."""
 
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
 from ...assets import load_suit, suit_names
-from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of
+from ...envs.policies.network import CARD, WEIGHTS, Card, Network, card_file, files_of, read_card
 from ...envs.policies.trained import OWN_SUIT
 from ...errors import InputError
+from ..html.writing import PAGE
 from ..output import Bar, RunFolder, messages, progress
 from ..reports.learning import learning_figure
 from .checkpoints import (
     CHECKPOINT,
-    REPLAY,
     Checkpoint,
     begin_as_before,
     note_missing,
@@ -20,7 +20,7 @@ from .checkpoints import (
     save,
     write_own,
 )
-from .evaluations import EVALUATIONS, Evaluations, relief_text
+from .evaluations import EVALUATIONS, Evaluations, finished, nothing_left, relief_text
 from .learners import (
     check_finite,
     new_learner,
@@ -29,11 +29,11 @@ from .learners import (
     training_seeds,
 )
 from .page import advice, write_training_page
-from .seeds import finished
 
 CHECKPOINTS = 10  # number per run
 JUDGED = 200  # control periods after which the reward of a new training is judged
 TRAINING_ONLY = ("reward", "randomize", "control")  # options that evaluations are without
+RENEWED = ("steps", "patience")  # what may be new in a resume
 
 
 def learn(
@@ -71,37 +71,39 @@ def learn(
             learner = new_learner(algo, environments, folder, seed, training["hyperparameters"])
         environments.seed(training_seeds(seed, training["rows"]))  # the learner has set its own
         done = learner.num_timesteps
-        if done >= steps and (not training["motions"] or finished(folder.path, steps)):
+        if done >= steps and nothing_left(folder.path, steps):
             raise InputError(f"the run has {done} steps already: give --steps above that to go on")
+        had_ended = finished(folder.path)
         card = begin(folder, card, resume=bool(checkpoint))
-        run = _Run(learner, folder, card, options)
+        run = _Run(learner, folder, card, options, had_ended=had_ended)
         interrupted = False
         with progress(f"{algo} on {env}", steps) as bar:
             try:
-                learner.learn(
-                    steps - done,
-                    callback=_callback(run, bar),
-                    reset_num_timesteps=not checkpoint,
-                    tb_log_name=algo,
-                )
+                with suppress(_PlateauError):
+                    learner.learn(
+                        steps - done,
+                        callback=_callback(run, bar),
+                        reset_num_timesteps=not checkpoint,
+                        tb_log_name=algo,
+                    )
             except KeyboardInterrupt:
                 interrupted = True
             except ValueError:  # of torch, if the numbers of the network are not finite
                 check_finite(learner)
                 raise
-            run.checkpoint(evaluate=not (interrupted or run.stopped))
+            run.checkpoint(evaluate=not interrupted)
     if interrupted:
         raise KeyboardInterrupt(
             f"{learner.num_timesteps} steps are kept in {folder.path}; go on with --resume"
         )
-    if run.evaluations is not None:
-        run.evaluations.finish()
-        folder.figure("learning_curve", learning_figure({algo: run.evaluations.results}))
-    results = [] if run.evaluations is None else run.evaluations.results
-    write_training_page(folder, card, learner.num_timesteps, results)
-    for sentence in advice(card, results):
+    end(folder, card, learner.num_timesteps, run.evaluations, algo)
+    for sentence in advice(card, run.evaluations.results):
         messages.print(f"note: {sentence}")
     return learner.num_timesteps
+
+
+class _PlateauError(Exception):
+    """The training ends, as its evaluations are no better any more."""
 
 
 class _Run:
@@ -112,61 +114,79 @@ class _Run:
         folder: Folder of the run.
         card: Card of the policy.
         options: Options of the environment.
+        had_ended: Whether the training had come to an end, perhaps on a plateau, and goes on.
     """
 
     def __init__(
-        self, learner: Any, folder: RunFolder, card: Card, options: dict[str, Any]
+        self,
+        learner: Any,
+        folder: RunFolder,
+        card: Card,
+        options: dict[str, Any],
+        *,
+        had_ended: bool,
     ) -> None:
         self._learner, self._folder, self._card = learner, folder, card
-        motions, done = card.training["motions"], learner.num_timesteps
-        self.evaluations = Evaluations(folder, card, options, motions, done) if motions else None
+        done = learner.num_timesteps
+        self.evaluations = Evaluations(folder, card, options, done)
         self._every = max(1, card.training["steps"] // CHECKPOINTS)
-        results = self.evaluations.results if self.evaluations else []
+        results, wanted = self.evaluations.results, self.evaluations.wanted
         self._evaluated = results[-1]["steps"] if results else 0  # steps at the last evaluation
         self._kept = done if done else -1  # steps of the last checkpoint
-        last = self._evaluated if motions else done  # an evaluation that was stopped is still due
+        last = self._evaluated if wanted else done  # an evaluation that was stopped is still due
         self._next = self._every * (last // self._every + 1)
-        self.stopped, self._resumed = False, done > 0
-
-    @property
-    def resumed(self) -> bool:
-        """Whether this goes on with a training, until its next rollout begins."""
-        return self._resumed
+        self._plateau = not had_ended and self._stagnant()
+        self.resumed = done > 0  # until the next rollout begins
+        self._begun = False  # whether a rollout has begun, and no step of it is done
 
     def between_updates(self) -> None:
-        """Makes a checkpoint where one is due."""
-        if self._resumed:
+        """Makes a checkpoint where one is due.
+
+        Raises:
+            _PlateauError: The training is to end.
+        """
+        if self.resumed:
             begin_as_before(self._learner)
-            self._resumed = False
+            self.resumed = False
+        self._begun = True
         if self._learner.num_timesteps >= self._next:
             self._next += self._every
-            self.checkpoint(begun=True)
+            self.checkpoint()
+        if self._plateau:
+            raise _PlateauError
 
-    def checkpoint(self, *, evaluate: bool = True, begun: bool = False) -> None:
+    def stepped(self) -> None:
+        """Notes that a step of the rollout is done."""
+        self._begun = False
+
+    def checkpoint(self, *, evaluate: bool = True) -> None:
         """Evaluates the policy, and keeps the learner and the best policy so far.
 
         Args:
             evaluate: Whether to evaluate.
-            begun: Whether a rollout has begun.
         """
         from ...envs.policies.saving import network_of
 
         check_finite(self._learner)
         network, steps = network_of(self._learner), int(self._learner.num_timesteps)
-        noted = steps == self._kept or save(self._learner, self._folder, begun=begun)
+        noted = steps == self._kept or save(self._learner, self._folder, begun=self._begun)
         self._kept = steps
-        if self.evaluations is None or (not self.evaluations.results and not evaluate):
+        evaluations = self.evaluations
+        if not evaluations.wanted or not (evaluations.results or evaluate):
             noted &= self._keep(network, steps, None)
         elif evaluate and steps > self._evaluated:
             self._evaluated = steps
-            result = self.evaluations.add(steps, network)
+            result = evaluations.add(steps, network)
             self._tell(result)
-            if self.evaluations.last_is_best:
+            if evaluations.last_is_best:
                 noted &= self._keep(network, steps, result)
-            self.evaluations.write()  # the last file: without it, the evaluation is done again
-            patience = self._card.training.get("patience")
-            self.stopped = bool(patience) and self.evaluations.stagnant(patience)
+            evaluations.write()  # the last file: without it, the evaluation is done again
+            self._plateau = self._stagnant()
         note_missing(noted)
+
+    def _stagnant(self) -> bool:
+        patience = self._card.training.get("patience")
+        return bool(patience) and self.evaluations.stagnant(patience)
 
     def _keep(self, network: Network, steps: int, scores: dict[str, Any] | None) -> bool:
         training = {**self._card.training, "done": steps}
@@ -214,12 +234,13 @@ def _callback(run: _Run, bar: Bar) -> Any:
             run.between_updates()
 
         def _on_step(self) -> bool:
+            run.stepped()
             bar.move_to(self.num_timesteps)
             self.rewards += self.locals["rewards"].sum()
             for info in self.locals["infos"]:
                 for name, cost in info.get("episode_costs", {}).items():
                     self.logger.record_mean(f"arm/{name}", cost)
-            return not run.stopped
+            return True
 
         def _on_rollout_end(self) -> None:
             if not self.judged and self.num_timesteps >= JUDGED:
@@ -230,10 +251,13 @@ def _callback(run: _Run, bar: Bar) -> Any:
 
 
 def begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
-    """Writes the card, and beside it a copy of the suit file if there is one; returns the card."""
-    if not resume:
-        for name in (CHECKPOINT, REPLAY, WEIGHTS, EVALUATIONS):
-            folder.claim(name).unlink(missing_ok=True)
+    """Writes the card, and beside it a copy of the suit file if there is one; returns the card.
+
+    In a resume the card of the policy that was kept gets what is new, which holds from now on. The
+    report is removed, as it is the last file of a training that has ended.
+    """
+    for name in (PAGE,) if resume else (PAGE, CHECKPOINT, WEIGHTS, EVALUATIONS):
+        folder.claim(name).unlink(missing_ok=True)
     suit = card.environment["suit"]
     if suit != "none" and suit not in suit_names():
         if Path(suit) != folder / OWN_SUIT:
@@ -242,4 +266,26 @@ def begin(folder: RunFolder, card: Card, *, resume: bool) -> Card:
         card = card.model_copy(update={"environment": {**card.environment, "suit": OWN_SUIT}})
     if not resume:
         write_own(folder, {CARD: card_file(card)})
+        return card
+    kept = read_card(folder.path)
+    new = {name: one for name, one in card.training.items() if name in RENEWED}
+    renewed = kept.model_copy(update={"training": {**kept.training, **new}})
+    if renewed != kept:
+        write_own(folder, {CARD: card_file(renewed)})
     return card
+
+
+def end(folder: RunFolder, card: Card, done: int, evaluations: Evaluations, name: str) -> None:
+    """Writes the figure of a training, notes that it has ended, and writes its report.
+
+    Args:
+        folder: Folder of the run.
+        card: Card of the policy.
+        done: Steps of the training.
+        evaluations: Its evaluations.
+        name: Name of the learning curve.
+    """
+    if evaluations.wanted:
+        folder.figure("learning_curve", learning_figure({name: evaluations.results}))
+    evaluations.finish()
+    write_training_page(folder, card, done, evaluations.results)

@@ -6,16 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from ...checks import check_seed
+from ...checks import at_least
 from ...envs.evaluation.statistics import interquartile_mean, interquartile_mean_interval
+from ...envs.policies.trained import training_of
 from ...errors import InputError
-from ...json_files import read_json
 from ..backends import run_all
 from ..output import RunFolder, conclude
 from ..reports.learning import learning_figure
-from .evaluations import EVALUATIONS, relief_text, value
+from .evaluations import read_evaluations, relief_text, value
 
 MOST, LONGEST = 1000, 40  # seeds, and characters of a pair of them
+HIGHEST = 2**32 - 1  # seed that the generators of all learners take
 FEWEST = 5  # trainings from which an interval can be had
 Train = Callable[[Path, int], None]
 
@@ -34,7 +35,7 @@ def seeds_of(text: str) -> list[int]:
         low, high = int(first), int(last) if dash else int(first)
         if not 1 <= high - low + 1 <= MOST:
             raise InputError(f"--seeds has {part.strip()!r}: give 1 to {MOST} seeds, lowest first")
-        check_seed(high)
+        at_least("seed", high, 0, HIGHEST)
         found += range(low, high + 1)
     if len(set(found)) < len(found):
         raise InputError(f"--seeds is {text!r}, which has a seed twice: give each once")
@@ -47,7 +48,6 @@ def train_all(
     out: Path,
     workers: int,
     *,
-    steps: int | None = None,
     resume: bool,
     force: bool,
 ) -> None:
@@ -58,7 +58,6 @@ def train_all(
         seeds: The seeds.
         out: Folder of the folders.
         workers: Number of trainings at once.
-        steps: Steps that each shall have in the end; None for those of its folder.
         resume: Whether to go on with what is there.
         force: Whether to replace what is there.
     """
@@ -71,10 +70,11 @@ def train_all(
     else:
         for _ in run_all(train, given, "loky", workers):
             pass
-    results = {seed: read_json(path / EVALUATIONS, "evaluations") for seed, path in runs.items()}
+    results = {seed: read_evaluations(path) for seed, path in runs.items()}
     curves = {f"seed {seed}": one["results"] for seed, one in results.items()}
     folder.figure("learning_curves", learning_figure(curves))
     best = {seed: max(one["results"], key=value) for seed, one in results.items()}
+    steps = sorted({training_of(path)["steps"] for path in runs.values()})
     rows = [
         [str(seed), str(one["steps"]), relief_text(one["relief"]), f"{one['success']:.0%}"]
         for seed, one in best.items()
@@ -83,18 +83,11 @@ def train_all(
     conclude(
         {"best": {str(seed): one for seed, one in best.items()}, "together": together(best)},
         {"trainings": (header, rows)},
-        _remarks(best),
+        _remarks(best, steps),
         folder=folder,
         json=False,
         settings={"seeds": seeds, "steps": steps},
     )
-
-
-def finished(path: Path, steps: int | None = None) -> bool:
-    """Returns whether a training in a folder has reached its end, and has so many steps."""
-    file = path / EVALUATIONS
-    found = read_json(file, "evaluations") if file.is_file() else {}
-    return found.get("finished", 0) >= (steps or 1)
 
 
 def together(best: dict[int, dict[str, Any]]) -> dict[str, float] | None:
@@ -115,7 +108,9 @@ def over_trainings(reliefs: Sequence[float]) -> dict[str, float]:
     return interquartile_mean_interval(scores[:, None]).to_dict()
 
 
-def _remarks(best: dict[int, dict[str, Any]]) -> Iterator[str]:
+def _remarks(best: dict[int, dict[str, Any]], steps: list[int]) -> Iterator[str]:
+    if len(steps) > 1:
+        yield f"the trainings differ: they were asked for {' and '.join(map(str, steps))} steps"
     found = together(best)
     if found is None:
         yield "a training has no relief, so that they are not summed up"

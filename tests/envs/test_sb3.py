@@ -72,6 +72,7 @@ def test_one_seed_for_every_row():
     assert ours.seed([7, 5, 9]) == [7, 5, 9]
     ours.reset()
     assert ours.unwrapped.arms.get_state()["seed"].tolist() == [7, 5, 9]
+    assert ours.seed(np.int64(4)) == [4, 5, 6]
     ours.seed([7, 5])
     with pytest.raises(InputError, match="seed has 2 numbers: give one for each of 3 rows"):
         ours.reset()

@@ -7,11 +7,11 @@ import pytest
 from activesuit.scripts.main import main
 from helpers import shorten_tasks
 from trained_runs import (
-    learner,
     make_run,
     poison_data,
     poison_replay,
     poison_weights,
+    replace_part,
     write_card,
     write_network,
 )
@@ -171,11 +171,8 @@ def test_a_bomb_in_the_weights(capsys, foreign):
 def test_foreign_experience(capsys, tmp_path):
     run = make_run(tmp_path / "sac", "sac")
     before = json.loads((run / "policy.json").read_text())
-    other = learner("sac", "ActiveSuit/ElbowFlexion-v0", buffer_size=10)
-    other.replay_buffer.obs_shape = (3,)
-    other.save_replay_buffer(run / "replay.pkl")
     arguments = ["train", "--resume", "--trust", "--steps", "9", "--out", run]
-    assert "holds the experience of another run" in answer(capsys, *arguments)
-    (run / "replay.pkl").write_bytes(b"nothing")
-    assert "is not a readable experience" in answer(capsys, *arguments)
+    assert "(\"There is no item named 'replay.pkl' in the archive\")" in answer(capsys, *arguments)
+    replace_part(run / "model.zip", "replay.pkl", b"nothing")
+    assert "is not a readable checkpoint" in answer(capsys, *arguments)
     assert json.loads((run / "policy.json").read_text()) == before

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -222,7 +223,6 @@ def test_force_begins_anew(tmp_path):
     train(tmp_path, algo="sac", steps=20)
     train(tmp_path, "--force")
     assert steps_done(tmp_path) == ROLLOUT
-    assert not (tmp_path / "replay.pkl").exists()
 
 
 def test_force_forgets_the_evaluations_before(tmp_path, monkeypatch, capsys):
@@ -286,32 +286,27 @@ def test_interrupt_before_or_after_learning(tmp_path, monkeypatch, capsys, part,
 
 
 @pytest.mark.parametrize("part", ["resumed_learner", "save"])
-def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, monkeypatch, capsys, part):
-    before = steps_done(run)
+def test_interrupt_of_a_resumed_run_keeps_its_checkpoint(run, tmp_path, monkeypatch, capsys, part):
+    """And its new number of steps, which the advice of the message goes on to."""
+    out, before = tmp_path / "run", steps_done(run)
+    shutil.copytree(run, out)
     interrupt_in(monkeypatch, part)
     monkeypatch.setattr(run_module, "CHECKPOINTS", 1)
-    said = interrupted(capsys, run, "--resume", steps=before + 100)
-    assert f"the last checkpoint is kept in {run}; go on with --resume" in said
-    assert steps_done(run) == before
+    said = interrupted(capsys, out, "--resume", steps=before + 100)
+    assert f"the last checkpoint is kept in {out}; go on with --resume" in said
+    assert steps_done(out) == before
+    if part == "save":  # the training had begun
+        monkeypatch.undo()
+        main(["train", "--resume", "--out", str(out)])
+        assert steps_done(out) >= before + 100
 
 
 def test_sac_trains_and_resumes_with_its_experience(tmp_path):
     train(tmp_path, algo="sac", steps=30)
-    assert (tmp_path / "replay.pkl").exists()
+    with zipfile.ZipFile(tmp_path / "model.zip") as archive:
+        assert "replay.pkl" in archive.namelist()
     main(["train", "--resume", "--steps", "40", "--out", str(tmp_path)])
     assert steps_done(tmp_path, "sac") == 40
-
-
-def test_experience_of_another_checkpoint_is_refused(tmp_path, capsys):
-    train(tmp_path, algo="sac", steps=30)
-    before = (tmp_path / "replay.pkl").read_bytes()
-    train(tmp_path, "--resume", algo="sac", steps=40)
-    (tmp_path / "replay.pkl").write_bytes(before)
-    resume = ["train", "--resume", "--steps", 50, "--out", tmp_path]
-    assert "holds the experience of another run or checkpoint" in fails(capsys, *resume)
-    (tmp_path / "replay.pkl").unlink()
-    train(tmp_path, "--resume", algo="sac", steps=50)
-    assert steps_done(tmp_path, "sac") == 50
 
 
 @pytest.mark.parametrize(
@@ -323,15 +318,18 @@ def test_experience_of_another_checkpoint_is_refused(tmp_path, capsys):
         (["--resume", "--residual", "compensation"], "was trained without: leave --residual out"),
         (["--resume", "--sensors", "encoders", "--history", "1"], "give --steps above that"),
         (["--force", "--algo", "dqn"], "unknown algo 'dqn'"),
+        (["--trust"], "--trust is given without --resume"),
         (["--torch-threads", "0"], "torch-threads is 0"),
         (["--resume", "--steps", "10"], "give --steps above that"),
         (["--steps", "0"], "steps is 0"),
         (["--seed", "-1"], "seed is -1"),
+        (["--seed", str(2**32)], "seed is 4294967296: use at most 4,294,967,295"),
         (["--rows", "0"], "rows is 0"),
         (["--resume", "--rows", "9"], "has --rows 9, and the run"),
         (["--resume", "--level", "shift"], "has --level 'shift', and the run"),
         (["--resume", "--sensors", "emg"], "has --sensors ['emg'], and the run"),
-        (["--resume", "--hyperparameters", "x.yml"], "a run keeps its own"),
+        (["--resume", "--hyperparameters", "x.yml"], "cannot read the hyperparameters 'x.yml'"),
+        (["--resume", "--motions", "8"], "has --motions 8, and the run"),
         (["--force", "--hyperparameters", "x.yml"], "cannot read the hyperparameters 'x.yml'"),
         (["--force", "--task", "Knitting"], "unknown task 'Knitting'"),
         (["--force", "--sensors", "eyes"], "unknown"),
@@ -393,6 +391,8 @@ HYPERPARAMETERS = [
     (f"default: {'[' * 3000}", "is no YAML file of hyperparameters"),
     ("default: {learning_rate: lin_x}", "the schedule is 'lin_x': write it as lin_3e-4"),
     ("default: {gamma: many}", "gamma in .* is 'many': input should be a valid number"),
+    ("default: {gamma: -3}", "gamma in .* is -3: use a number from 0 to 1"),
+    ("default: {n_epochs: true}", "n_epochs in .* is True: use a number"),
     ("default: {policy_kwargs: 5}", "policy_kwargs in .* is 5: input should be a valid dictionary"),
     ("default: {policy_kwargs: {n: 5}}", "ppo refuses its hyperparameters"),
     ("CartPole-v1: {gamma: 0.9}", "has neither 'ActiveSuit/ElbowFlexion-v0' nor 'default'"),
@@ -440,6 +440,32 @@ def test_schedules_and_own_hyperparameters(tmp_path):
         "MlpPolicy",
         "MlpLstmPolicy",
     }
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("train_freq: [4, episode]", "use a number of steps, as episodes end at any time"),
+        ("train_freq: [0, step]", r"train_freq in .* is \[0, 'step'\]: use a whole number of at"),
+        ("target_update_interval: 0", "is 0: use a whole number of at least 1"),
+        ("tau: 2", "use a number from 0 to 1"),
+    ],
+)
+def test_mistakes_in_hyperparameters_of_sac(tmp_path, capsys, content, message):
+    import re
+
+    (tmp_path / "mine.yml").write_text(f"default: {{{content}}}")
+    given = ["--hyperparameters", tmp_path / "mine.yml", "--out", tmp_path / "run"]
+    assert re.search(message, fails(capsys, "train", "--algo", "sac", *given))
+
+
+def test_numbers_inside_hyperparameters(tmp_path):
+    from activesuit.scripts.training.hyperparameters import hyperparameters
+
+    file = tmp_path / "mine.yml"
+    file.write_text("default: {policy_kwargs: {log_std_init: -2e0, optimizer_kwargs: {eps: 1e-5}}}")
+    networks = hyperparameters("ppo", "x", file)["policy_kwargs"]
+    assert (networks["log_std_init"], networks["optimizer_kwargs"]) == (-2.0, {"eps": 1e-5})
 
 
 def test_own_networks_keep_the_shipped_exploration(tmp_path):
@@ -594,25 +620,24 @@ class Killed(BaseException):
 
 @pytest.mark.parametrize("algo", ["ppo", "recurrent-ppo"])
 @pytest.mark.parametrize("stop", [Killed, KeyboardInterrupt])
-@pytest.mark.parametrize("part", ["add", "write"])
 def test_a_run_that_is_stopped_in_an_evaluation_is_the_whole_to_the_last_bit(
-    tmp_path, monkeypatch, capsys, algo, stop, part
+    tmp_path, monkeypatch, capsys, algo, stop
 ):
     """Weights, evaluations and the policy that is kept, for an evaluation on the way."""
     sde = QUICK[algo].replace("}", ", use_sde: true, sde_sample_freq: 16}")
     monkeypatch.setitem(QUICK, algo, sde)
     given = [*WEIGHTLESS, "--motions", "8"]
     train(tmp_path / "whole", *given, algo=algo, steps=4 * ROLLOUT)
-    call, calls = getattr(Evaluations, part), []
+    add, calls = Evaluations.add, []
 
-    def stopped(self, *given, **more):
+    def stopped(self, *given):
         calls.append(1)
         if len(calls) == 2:
             raise stop
-        return call(self, *given, **more)
+        return add(self, *given)
 
     with monkeypatch.context() as patch, pytest.raises((stop, SystemExit)):
-        patch.setattr(Evaluations, part, stopped)
+        patch.setattr(Evaluations, "add", stopped)
         train(tmp_path / "halves", *given, algo=algo, steps=4 * ROLLOUT)
     assert steps_done(tmp_path / "halves", algo) == 2 * ROLLOUT
     train(tmp_path / "halves", "--resume", algo=algo, steps=4 * ROLLOUT)
@@ -626,38 +651,12 @@ def test_a_run_that_is_stopped_in_an_evaluation_is_the_whole_to_the_last_bit(
     assert _equal(*weights)
 
 
-def test_a_run_that_was_killed_in_its_last_evaluation_ends_when_resumed(
-    corrected, tmp_path, monkeypatch, capsys
-):
-    def last(self, steps, network):
-        if steps == 4 * ROLLOUT:
-            raise Killed
-        return add(self, steps, network)
-
-    add = Evaluations.add
-    monkeypatch.setattr(Evaluations, "add", last)
-    out, own = tmp_path / "out", ["--residual", "compensation:lead=0.01"]
-    own += ["--reward", "own_rewards:gentle", "--motions", "8"]
-    with pytest.raises(Killed):
-        train(out, *WEIGHTLESS, *own, steps=4 * ROLLOUT)
-    monkeypatch.undo()
-    before = (out / "model.zip").read_bytes()
-    assert not (out / "report.html").exists()
-    train(out, "--resume", steps=4 * ROLLOUT)
-    for name in ("evaluations.json", "policy.safetensors"):
-        assert (out / name).read_bytes() == (corrected / name).read_bytes()
-    assert (out / "model.zip").read_bytes() == before
-    assert (out / "report.html").exists()
-    message = fails(capsys, "train", "--resume", "--out", out)
-    assert f"has {4 * ROLLOUT} steps already: give --steps above that to go on" in message
-
-
 def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("activesuit.scripts.training.evaluations.BETTER", 10.0)
     train(tmp_path, *WEIGHTLESS, "--motions", "8", "--patience", "1", steps=20 * ROLLOUT)
     results = json.loads((tmp_path / "evaluations.json").read_text())["results"]
     assert len(results) == 2
-    assert steps_done(tmp_path) < 20 * ROLLOUT
+    assert steps_done(tmp_path) == results[-1]["steps"]
     assert max(one["relief"]["value"] for one in results) < 0  # after so few steps
     assert "This policy costs the wearer more" in " ".join(capsys.readouterr().err.split())
 
@@ -699,6 +698,36 @@ def test_several_seeds(tmp_path, capsys):
     resume = ["train", "--resume", "--seeds", "3,5", "--out", tmp_path / "all"]
     assert "has --algo 'sac', and the run" in fails(capsys, *resume, "--algo", "sac")
     assert "was trained with 'microgravity'" in fails(capsys, *resume, "--gravity", "moon")
+    assert f"has {ROLLOUT}: give at least that" in fails(capsys, *resume, "--steps", 9)
+    (tmp_path / "mine.yml").write_text("default: {gamma: 0.5}")
+    other = fails(capsys, *resume, "--hyperparameters", tmp_path / "mine.yml")
+    assert "mine.yml' has other hyperparameters than the run in" in other
+
+
+def test_the_same_command_goes_on_with_a_belief(tmp_path):
+    """The belief is one of the sensors that the policy observes."""
+    given = ["--belief", "mock-suit", "--sensors", "encoders", "preview", "--seeds", "0,1"]
+    out, motions = tmp_path / "all", ["--motions", "8"]
+    train(out, *WEIGHTLESS, *given, *motions)
+    shutil.rmtree(out / "seed-1")
+    train(out, *WEIGHTLESS, *given, *motions, "--resume", steps=ROLLOUT)
+    assert (out / "seed-1" / "policy.safetensors").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ([], "its content is wrong"),
+        ({"references": {}, "results": [{}]}, "its results.0.steps is wrong"),
+        ({"references": {}, "results": [], "finished": "x"}, "its finished is wrong"),
+        ({"references": 5, "results": []}, "its references is wrong"),
+    ],
+)
+def test_evaluations_that_somebody_changed(run, tmp_path, capsys, content, message):
+    shutil.copytree(run, tmp_path / "run")
+    (tmp_path / "run" / "evaluations.json").write_text(json.dumps(content))
+    error = fails(capsys, "train", "--resume", "--out", tmp_path / "run")
+    assert "is no file of evaluations" in error and message in error
 
 
 def test_trainings_of_different_seeds_meet_different_motions(tmp_path):
@@ -725,6 +754,9 @@ def test_what_is_believed_and_drawn(tmp_path, capsys):
     other = ["--belief", "emu-like", "--teacher", tmp_path / "run", "--out", tmp_path / "student"]
     message = fails(capsys, "train", "--suit", "emu-like", *other)
     assert "student and teacher observe different beliefs: leave --belief out" in message
+    train_student(tmp_path / "student", 1, *STUDENT[:-1], "0", "--belief", "mock-suit")
+    card = json.loads((tmp_path / "student" / "policy.json").read_text())
+    assert card["environment"]["sensors"] == ["encoders", "belief"]
 
 
 def test_a_student_learns_from_its_teacher(tmp_path, capsys):
@@ -785,20 +817,11 @@ def test_a_student_of_two_halves_is_the_whole_to_the_last_bit(student, tmp_path)
     assert [one["steps"] for one in results[0]] == [ROUND * (i + 1) for i in range(7)]
 
 
-def test_a_student_is_evaluated_at_its_end_if_not_before(tmp_path):
-    train_student(tmp_path, 2, *STUDENT[:-1], "0")
-    assert not (tmp_path / "evaluations.json").exists()
-    train_student(tmp_path, 2, "--resume", "--motions", "8")
-    (result,) = json.loads((tmp_path / "evaluations.json").read_text())["results"]
-    assert result["steps"] == 2 * ROUND
-    assert json.loads((tmp_path / "policy.json").read_text())["scores"] == result
-
-
 @pytest.mark.parametrize("part", ["learn", "evaluation", "round"])
 def test_an_interrupted_student_resumes_to_the_last_bit(
     student, tmp_path, monkeypatch, capsys, part
 ):
-    """An interruption loses its round, and nothing else."""
+    """An interruption loses its round or evaluation, and nothing else."""
     from activesuit.scripts.training import distillation
 
     owner, name = {
@@ -823,7 +846,7 @@ def test_an_interrupted_student_resumes_to_the_last_bit(
     assert f"the last checkpoint is kept in {out}; go on with --resume" in capsys.readouterr().err
     monkeypatch.undo()
     with np.load(out / "model.zip") as file:
-        assert file["rounds"] == 5
+        assert file["rounds"] == (6 if part == "evaluation" else 5)
     train_student(out, 7, "--resume")
     assert contents(out) == contents(student)
 
