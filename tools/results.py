@@ -457,6 +457,10 @@ def weightless() -> str:
     return markdown_table(["options", "interquartile mean", "lowest to highest"], rows)
 
 
+OTHERS = ("learning-recurrent", "learning-sac", "learning-tqc")
+"""Results of trainings with other algorithms."""
+
+
 def learning(first: str = "learning", *others: str) -> str:
     """Returns the relief that ways of training reach in each task, beside other policies."""
     results = [kept(name)["result"] for name in (first, *others)]
@@ -629,7 +633,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
         **{"learning": learning, "drawn": lambda: learning("learning-drawn")},
-        **{"others": lambda: learning("learning-recurrent", "learning-others")},
+        **{"others": lambda: learning(*OTHERS)},
         **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
         **{"weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},

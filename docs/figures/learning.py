@@ -2,7 +2,8 @@
 
 from activesuit.scripts.reports.learning import study_figure
 from activesuit.tools.measure import kept
+from activesuit.tools.results import OTHERS
 
-found = [kept(name)["result"] for name in ("learning", "learning-recurrent", "learning-others")]
+found = [kept(name)["result"] for name in ("learning", *OTHERS)]
 curves = [curve for one in found for curve in one["curves"]]
 study_figure(curves, found[0]["beside"]).savefig("learning.png", dpi=130)
