@@ -88,7 +88,7 @@ EXPERIMENTS = {
     "learning": "benchmark learning --ways ppo residual --seeds 0-9 --steps 200000",
     "learning-recurrent": "benchmark learning --ways recurrent-ppo --seeds 0-9",
     "learning-sac": "benchmark learning --ways sac --seeds 0-9",
-    "learning-tqc": "benchmark learning --ways tqc --seeds 0-4",
+    "learning-tqc": "benchmark learning --ways tqc --seeds 0-9",
     "learning-drawn": (
         "benchmark learning --tasks ArmTracking --levels shift --ways residual-history "
         "residual-drawn --seeds 0-4 --steps 200000"
