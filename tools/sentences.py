@@ -19,6 +19,7 @@ from .measure import kept
 from .results import (
     WEIGHTLESS,
     interval,
+    percent,
     relief_at,
     scores,
     settings,
@@ -187,8 +188,10 @@ def _training() -> Iterator[str]:
         ("ppo", "network alone in {}, {} and {}"),
         ("compensation:suit=mock-suit", "(compensation: {}, {} and {})"),
     ):
-        yield text.format(*_successes("ObjectRelocation", who))
-    alone, corrected = (_successes("RangeOfMotion", way)[-1] for way in ("ppo", "residual"))
+        yield text.format(*(percent(one) for one in _successes("ObjectRelocation", who)))
+    alone, corrected = (
+        percent(_successes("RangeOfMotion", way)[-1]) for way in ("ppo", "residual")
+    )
     yield f"network alone succeeds in {alone}, and the correction in {corrected}"
     levels = standings().levels
     by_level = [[float(relief_at(name, one)) for name in shipped_policies()] for one in levels]
@@ -200,15 +203,12 @@ def _training() -> Iterator[str]:
     yield ", ".join(f"{found} at {level}" for found, level in zip(ranges, levels, strict=True))
 
 
-def _successes(task: str, name: str) -> list[str]:
-    """Returns the success of a way of training, or of a policy beside them, at each level.
-
-    A motion more or less is 0.5 % of ten trainings, so 199 of 200 is "99.5 %", not "100 %".
-    """
+def _successes(task: str, name: str) -> list[float]:
+    """Returns the success of a way of training, or of a policy beside them, at each level."""
     found = kept("learning")["result"]
     rows = [*found["ends"], *found["beside"]]
     return [
-        f"{100 * one['success']:.3g} %"
+        one["success"]
         for one in rows
         if one["task"] == task and name in (one.get("way"), one.get("policy"))
     ]
