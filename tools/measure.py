@@ -86,6 +86,7 @@ EXPERIMENTS = {
     "bound": "bench bound",
     "hindered": "bench hindered",
     "learning": "benchmark learning --ways ppo residual --seeds 0-9 --steps 200000",
+    "learning-history": "benchmark learning --ways ppo-history --seeds 0-9",
     "learning-recurrent": "benchmark learning --ways recurrent-ppo --seeds 0-9",
     "learning-sac": "benchmark learning --ways sac --seeds 0-9",
     "learning-tqc": "benchmark learning --ways tqc --seeds 0-9",

@@ -457,13 +457,16 @@ def weightless() -> str:
     return markdown_table(["options", "interquartile mean", "lowest to highest"], rows)
 
 
+BY_PPO = ("learning", "learning-history")
+"""Results of trainings by PPO."""
+
 OTHERS = ("learning-recurrent", "learning-sac", "learning-tqc")
 """Results of trainings with other algorithms."""
 
 
-def learning(first: str = "learning", *others: str) -> str:
+def learning(*names: str) -> str:
     """Returns the relief that ways of training reach in each task, beside other policies."""
-    results = [kept(name)["result"] for name in (first, *others)]
+    results = [kept(name)["result"] for name in names]
     found = [end for result in results for end in result["ends"]]
     settings = list(dict.fromkeys((one["task"], one["level"]) for one in found))
     ways = list(dict.fromkeys(one["way"] for one in found))
@@ -632,8 +635,8 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {
-        **{"learning": learning, "drawn": lambda: learning("learning-drawn")},
-        **{"others": lambda: learning(*OTHERS)},
+        **{"learning": lambda: learning(*BY_PPO), "others": lambda: learning(*OTHERS)},
+        **{"drawn": lambda: learning("learning-drawn")},
         **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
         **{"weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},

@@ -6,7 +6,7 @@ must follow.
 
 import math
 from collections.abc import Callable, Iterator
-from itertools import chain
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from ..envs.policies.trained import shipped_policies
 from .learners import BESIDE, LEARNERS, kept_learner
 from .measure import kept
 from .results import (
+    BY_PPO,
     WEIGHTLESS,
     interval,
     percent,
@@ -30,6 +31,8 @@ from .results import (
 
 AIMED = ("ReachPanel", "ObjectRelocation")
 LOADED = ("ObjectRelocation", "Ratchet")
+LEARNED = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
+MISLED = "compensation:suit=mock-suit"
 REPEATED = ("Ratchet", "Handrail", "Scoop")
 
 
@@ -177,22 +180,6 @@ def _training() -> Iterator[str]:
     share, ratio = result["training"][0]["shares"]["forward passes"], forward["ratio"]
     yield f"take {100 * share:.0f} % of the time, and NumPy does them {ratio:.1f} times as fast"
     yield f"at most {100 * share * (1 - 1 / ratio):.0f} % less time"
-    found = kept("learning")["result"]
-    ends = {one["task"]: one["value"] for one in found["ends"] if _corrected(one)}
-    beside = [one for one in found["beside"] if one["level"] == "shift"]
-    before = {one["task"]: one["value"] for one in beside if "compensation" in one["policy"]}
-    gains = (f"{ends[task] - before[task]:.2f} in `{task}`" for task in ends)
-    yield f"gets {', '.join(gains)} more relief than compensation"
-    for who, text in (
-        ("residual", "correction succeeds in {}, {} and {} of the motions at the three levels"),
-        ("ppo", "network alone in {}, {} and {}"),
-        ("compensation:suit=mock-suit", "(compensation: {}, {} and {})"),
-    ):
-        yield text.format(*(percent(one) for one in _successes("ObjectRelocation", who)))
-    alone, corrected = (
-        percent(_successes("RangeOfMotion", way)[-1]) for way in ("ppo", "residual")
-    )
-    yield f"network alone succeeds in {alone}, and the correction in {corrected}"
     levels = standings().levels
     by_level = [[float(relief_at(name, one)) for name in shipped_policies()] for one in levels]
     usual = (relief_at("compensation", one) for one in levels)
@@ -203,19 +190,51 @@ def _training() -> Iterator[str]:
     yield ", ".join(f"{found} at {level}" for found, level in zip(ranges, levels, strict=True))
 
 
-def _successes(task: str, name: str) -> list[float]:
-    """Returns the success of a way of training, or of a policy beside them, at each level."""
-    found = kept("learning")["result"]
-    rows = [*found["ends"], *found["beside"]]
-    return [
-        one["success"]
-        for one in rows
-        if one["task"] == task and name in (one.get("way"), one.get("policy"))
+def _learning() -> Iterator[str]:
+    gains = {
+        (way, task): _learned(task, way)[-1]["value"] - _learned(task, MISLED)[-1]["value"]
+        for way, task in product(("residual", "ppo-history"), LEARNED)
+    }
+    *fixed, moved = LEARNED
+    corrected = (f"{gains['residual', task]:.2f} in `{task}`" for task in fixed)
+    yield f"correction gets {' and '.join(corrected)} more relief than compensation"
+    alone, corrected = gains["ppo-history", moved], gains["residual", moved]
+    yield f"gets {alone:.2f} in `{moved}` (the correction {corrected:.2f})"
+    both = (_succeeded(moved, name)[-1] for name in ("adaptive:suit=mock-suit", "ppo-history"))
+    yield "succeeds in {} of the motions, and the network in {}".format(*both)
+    pairs = [
+        pair
+        for task in LEARNED
+        for pair in zip(_learned(task, "ppo"), _learned(task, "ppo-history"), strict=True)
     ]
+    usual, longer = (one["value"] for one in pairs[-1])
+    yield f"raise its relief from {usual:.2f} to {longer:.2f}"
+    better = sum(longer["low"] > usual["high"] for usual, longer in pairs)
+    worse = [(usual, longer) for usual, longer in pairs if longer["high"] < usual["low"]]
+    yield f"better than one in {better} of {len(pairs)} settings and worse in {len(worse)}"
+    usual, longer = worse[0]
+    place = f"`{longer['task']}` at `{longer['level']}`"
+    yield f"{place} ({longer['value']:.2f} instead of {usual['value']:.2f})"
+    for who, text in (
+        ("residual", "correction succeeds in {}, {} and {} of the motions at the three levels"),
+        ("ppo", "network alone in {}, {} and {}"),
+        (MISLED, "(compensation: {}, {} and {})"),
+    ):
+        yield text.format(*_succeeded(moved, who))
+    both = (_succeeded("RangeOfMotion", way)[-1] for way in ("ppo", "residual"))
+    yield "network alone succeeds in {}, and the correction in {}".format(*both)
 
 
-def _corrected(end: dict[str, Any]) -> bool:
-    return end["way"] == "residual" and end["level"] == "shift"
+def _learned(task: str, name: str) -> list[dict[str, Any]]:
+    """Returns the results of a way of training, or of a policy beside it, at each level."""
+    found = [kept(one)["result"] for one in BY_PPO]
+    rows = [*found[0]["beside"], *(end for one in found for end in one["ends"])]
+    who = ({**one, "name": one.get("way") or one["policy"]} for one in rows)
+    return [one for one in who if (one["task"], one["name"]) == (task, name)]
+
+
+def _succeeded(task: str, name: str) -> list[str]:
+    return [percent(one["success"]) for one in _learned(task, name)]
 
 
 def _learners() -> Iterator[str]:
@@ -242,7 +261,7 @@ FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "tasks.md": _tasks,
     "model.md": _model,
     "environments.md": _environments,
-    "training.md": _training,
+    "training.md": lambda: chain(_training(), _learning()),
     "learners.md": _learners,
 }
 """Parts of sentences by the page that has them."""
