@@ -638,6 +638,7 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
         **{"learning": lambda: learning(*BY_PPO), "others": lambda: learning(*OTHERS)},
         **{"drawn": lambda: learning("learning-drawn")},
         **{"tuned": lambda: tuned("ppo"), "tuned sac": lambda: tuned("sac")},
+        **{"tuned recurrent": lambda: tuned("recurrent-ppo")},
         **{"weightless": weightless, "shipped": shipped},
         **{"speed of training": lambda: speed("train"), "time of training": training},
     },
