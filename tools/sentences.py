@@ -14,6 +14,7 @@ import numpy as np
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.policies.trained import shipped_policies
+from ..scripts.commands import learning
 from .learners import BESIDE, LEARNERS, kept_learner
 from .measure import kept
 from .results import (
@@ -31,8 +32,6 @@ from .results import (
 
 AIMED = ("ReachPanel", "ObjectRelocation")
 LOADED = ("ObjectRelocation", "Ratchet")
-LEARNED = ("ArmTracking", "RangeOfMotion", "ObjectRelocation")
-MISLED = "compensation:suit=mock-suit"
 REPEATED = ("Ratchet", "Handrail", "Scoop")
 
 
@@ -191,20 +190,21 @@ def _training() -> Iterator[str]:
 
 
 def _learning() -> Iterator[str]:
+    compensation, adaptive, _ = learning.BESIDE
+    *unloaded, loaded = learning.TASKS
     gains = {
-        (way, task): _learned(task, way)[-1]["value"] - _learned(task, MISLED)[-1]["value"]
-        for way, task in product(("residual", "ppo-history"), LEARNED)
+        (way, task): _learned(task, way)[-1]["value"] - _learned(task, compensation)[-1]["value"]
+        for way, task in product(("residual", "ppo-history"), learning.TASKS)
     }
-    *fixed, moved = LEARNED
-    corrected = (f"{gains['residual', task]:.2f} in `{task}`" for task in fixed)
+    corrected = (f"{gains['residual', task]:.2f} in `{task}`" for task in unloaded)
     yield f"correction gets {' and '.join(corrected)} more relief than compensation"
-    alone, corrected = gains["ppo-history", moved], gains["residual", moved]
-    yield f"gets {alone:.2f} in `{moved}` (the correction {corrected:.2f})"
-    both = (_succeeded(moved, name)[-1] for name in ("adaptive:suit=mock-suit", "ppo-history"))
+    alone, corrected = gains["ppo-history", loaded], gains["residual", loaded]
+    yield f"gets {alone:.2f} in `{loaded}` (the correction {corrected:.2f})"
+    both = (_succeeded(loaded, name)[-1] for name in (adaptive, "ppo-history"))
     yield "succeeds in {} of the motions, and the network in {}".format(*both)
     pairs = [
         pair
-        for task in LEARNED
+        for task in learning.TASKS
         for pair in zip(_learned(task, "ppo"), _learned(task, "ppo-history"), strict=True)
     ]
     usual, longer = (one["value"] for one in pairs[-1])
@@ -218,9 +218,9 @@ def _learning() -> Iterator[str]:
     for who, text in (
         ("residual", "correction succeeds in {}, {} and {} of the motions at the three levels"),
         ("ppo", "network alone in {}, {} and {}"),
-        (MISLED, "(compensation: {}, {} and {})"),
+        (compensation, "(compensation: {}, {} and {})"),
     ):
-        yield text.format(*_succeeded(moved, who))
+        yield text.format(*_succeeded(loaded, who))
     both = (_succeeded("RangeOfMotion", way)[-1] for way in ("ppo", "residual"))
     yield "network alone succeeds in {}, and the correction in {}".format(*both)
 
