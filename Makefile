@@ -35,7 +35,7 @@ docs: .venv/docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
 
 bench: .venv/core
-	$(BIN)/activesuit bench
+	$(BIN)/python -m activesuit.benchmarks $(TOPIC)
 
 clean:
 	rm -rf build dist site *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -4,14 +4,7 @@ Importing this package registers the environments `ActiveSuit/...` with Gymnasiu
 loads when it is first imported.
 """
 
-from typing import TYPE_CHECKING
-
 import gymnasium
-
-if TYPE_CHECKING:
-    import os
-
-    import mujoco
 
 __version__ = "0.2.0"
 
@@ -37,17 +30,9 @@ if "ActiveSuit/MuscleElbow-v0" not in gymnasium.registry:
     )
 
 
-def load(path: "str | os.PathLike[str]") -> "mujoco.MjModel":
-    """Returns a MuJoCo model from a file, .xml or .mjb, with the plugins of this package.
-
-    See `activesuit.envs.model.loading.load_model`, which says what a binary file cannot tell.
-
-    Args:
-        path: Path of the file.
-
-    Raises:
-        InputError: There is no such file, its name ends otherwise, or MuJoCo refuses its content.
-    """
-    from .envs.model.loading import load_model
-
-    return load_model(path)
+def __getattr__(name: str) -> object:
+    if name == "load":
+        raise AttributeError(
+            "activesuit.load is activesuit.envs.model.load_model since version 0.3: import that"
+        )
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,1 +1,1 @@
-"""The measurements of `activesuit bench`, one topic a file."""
+"""The measurements of `python -m activesuit.benchmarks`, one topic a file."""

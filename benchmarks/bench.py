@@ -1,4 +1,4 @@
-"""`activesuit bench`: measures speed, as ratios of paired medians, and exactness."""
+"""Measures speed, as ratios of paired medians, and exactness."""
 
 import platform
 from collections.abc import Callable, Sequence
@@ -11,9 +11,10 @@ import tyro
 
 from ..checks import at_least, check_seed
 from ..errors import InputError
+from ..scripts.conclusion import conclude
 from ..scripts.engine_log import engine_warnings
 from ..scripts.options import Force, Json, Seed
-from ..scripts.output import RunFolder, conclude, table, to_json
+from ..scripts.output import RunFolder, table, to_json
 
 if TYPE_CHECKING:
     from .timing import Row

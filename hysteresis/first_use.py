@@ -27,7 +27,7 @@ MESSAGE = (
 WHOLE, BESIDE = 162, 127
 """Kernels that a first environment compiles, alone and beside a second process.
 
-`activesuit bench first-use` counts them.
+`python -m activesuit.benchmarks first-use` counts them.
 """
 ALL = 475
 """Kernels that `activesuit warm` compiles."""

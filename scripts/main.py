@@ -68,6 +68,9 @@ PARTS = {  # commands that are nothing without one of these words
     for one in MAIN_COMMANDS
     if one not in COMMANDS
 }
+MOVED = {  # commands of 0.2 that are programs of the source repository now
+    "bench": "make bench in a clone of the source repository",
+}
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
@@ -86,9 +89,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     SIGTERM, by which a scheduler ends a job, does what Ctrl-C does.
     """
+    with mistakes_reported():
+        _run(sys.argv[1:] if arguments is None else list(arguments))
+
+
+@contextmanager
+def mistakes_reported() -> Iterator[None]:
+    """Runs the block as a program; after a user's mistake it ends with one sentence and code 2."""
     try:
         with _interruptible():
-            _run(sys.argv[1:] if arguments is None else list(arguments))
+            yield
             sys.stdout.flush()
     except InputError as error:
         _stop(f"error: {error}")
@@ -152,9 +162,10 @@ def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequ
     Raises:
         InputError: There is no such command.
     """
+    for old, new in MOVED.items():
+        if list(arguments[: old.count(" ") + 1]) == old.split():
+            raise InputError(f"{old!r} is no command since version 0.3: run {new}")
     name, *rest = arguments
-    if name == "bench":
-        return name, _bench(), rest
     if rest and f"{name} {rest[0]}" in COMMANDS:
         return f"{name} {rest[0]}", _function(rest[0]), rest[1:]
     if name in COMMANDS:
@@ -190,18 +201,6 @@ def _function(name: str) -> Callable[..., None]:
     return getattr(import_module(f".commands.{name}", __package__), name)
 
 
-def _bench() -> Callable[..., None]:
-    try:
-        return import_module("..benchmarks.bench", __package__).bench
-    except ModuleNotFoundError as error:
-        if not str(error.name).endswith(".benchmarks"):
-            raise
-        raise InputError(
-            "bench is part of the source repository, not of the installed package: clone it, and "
-            "run make bench"
-        ) from None
-
-
 def _run_command(name: str, command: Callable[..., None], arguments: Sequence[str]) -> None:
     from .extensions import import_from_here, load_extensions
     from .parsing import parsed
@@ -211,7 +210,7 @@ def _run_command(name: str, command: Callable[..., None], arguments: Sequence[st
     # A policy or an environment as module:name, or a file of a policy that may have one.
     if "--trust" in arguments or any(":" in given for given in arguments):
         import_from_here()
-    call = parsed(command, name, arguments)
+    call = parsed(command, f"activesuit {name}", arguments)
     with engine_warnings():
         call()
 

@@ -3,9 +3,8 @@
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 from rich import box
 from rich.cells import cell_len
@@ -21,7 +20,6 @@ __all__ = [
     "Bar",
     "Rows",
     "RunFolder",
-    "conclude",
     "markdown_table",
     "messages",
     "progress",
@@ -147,52 +145,6 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
         console.print(Text(visible(title), style="italic"), soft_wrap=True)  # a title of one line
         console.print(shown)
     print(text.get(), end="")
-
-
-def conclude(
-    result: dict[str, Any],
-    tables: Mapping[str, tuple[Sequence[str], Iterable[Sequence[str]]]],
-    remarks: Iterable[str] = (),
-    *,
-    folder: RunFolder | None,
-    json: bool,
-    settings: Mapping[str, Any] | None = None,
-    motions: Iterable[dict[str, Any]] = (),
-) -> None:
-    """Prints the result, as JSON or as tables and remarks; writes it and a report into a folder.
-
-    Args:
-        result: What result.json holds.
-        tables: Header and rows of tables, by title.
-        remarks: Sentences, the most important one first.
-        folder: The run folder; None to write nothing.
-        json: Whether to print JSON.
-        settings: Options that the report shows; by default the plain values of the result.
-        motions: Motions whose time series are in the folder, see `html.motions.kept_motion`.
-    """
-    tables = {title: (header, [*rows]) for title, (header, rows) in tables.items()}
-    remarks = [*remarks]
-    if folder:
-        from .html.writing import write_report  # imports the simulation
-
-        plain = {name: one for name, one in result.items() if not isinstance(one, (dict, list))}
-        folder.json("result.json", result)
-        write_report(
-            *(folder, folder.command, next(iter(tables))),
-            answer=remarks,
-            tables=tables,
-            settings=plain if settings is None else settings,
-            motions=motions,
-        )
-    if json:
-        print(to_json(result))
-        return
-    for title, rows in tables.items():
-        table(title, *rows)
-    for remark in remarks:
-        say(remark)
-    if folder:
-        say(f"wrote {folder.path}/result.json and report.html")
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -14,7 +14,9 @@ FRAME = " │╭╮╰╯"
 ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message that take many lines
 
 
-def parsed(command: Callable[..., None], name: str, arguments: Sequence[str]) -> Callable[[], None]:
+def parsed(
+    command: Callable[..., None], program: str, arguments: Sequence[str]
+) -> Callable[[], None]:
     """Returns a call of the command with the arguments of a command line.
 
     Raises:
@@ -31,14 +33,14 @@ def parsed(command: Callable[..., None], name: str, arguments: Sequence[str]) ->
         with redirect_stderr(said):
             return tyro.cli(
                 later,
-                prog=f"activesuit {name}",
+                prog=program,
                 args=arguments,
                 config=(tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff),
             )
     except SystemExit as end:
         if not end.code:
             raise
-        raise InputError(f"{_sentence(said.getvalue())}; see activesuit {name} --help") from None
+        raise InputError(f"{_sentence(said.getvalue())}; see {program} --help") from None
 
 
 def _sentence(box: str) -> str:

@@ -2,12 +2,12 @@
 
 import json
 
+import activesuit
 import pytest
 from activesuit.assets import FOLDER, curves_path, load_suit
 from activesuit.hysteresis import Clipped, model_from_dict
 from activesuit.identification import identify, load_curves
-from activesuit.scripts import main as program
-from activesuit.scripts.main import COMMANDS, OLD_OPTIONS, RENAMED, main
+from activesuit.scripts.main import COMMANDS, MOVED, OLD_OPTIONS, RENAMED, main
 
 
 @pytest.mark.parametrize("old", RENAMED)
@@ -18,6 +18,19 @@ def test_old_commands(capsys, old):
     said = capsys.readouterr().err
     assert f"{old!r} was a name of version 0.2: write {RENAMED[old]!r} instead" in said
     assert RENAMED[old] in COMMANDS
+
+
+@pytest.mark.parametrize("old", MOVED)
+def test_commands_that_are_programs_now(capsys, old):
+    with pytest.raises(SystemExit) as stop:
+        main([*old.split(), "--out", "here"])
+    assert stop.value.code == 2
+    assert f"no command since version 0.3: run {MOVED[old]}" in capsys.readouterr().err
+
+
+def test_an_old_function():
+    with pytest.raises(AttributeError, match=r"activesuit.envs.model.load_model"):
+        activesuit.load("arm.mjb")
 
 
 @pytest.mark.parametrize("old", OLD_OPTIONS)
@@ -51,14 +64,3 @@ def test_old_attributes_of_a_fit(old):
         getattr(fit, old)
     assert str(error.value) == f"{old!r} was a name of version 0.2: write {new!r} instead"
     assert not hasattr(fit, "anything")
-
-
-def test_bench_is_not_installed(capsys, monkeypatch):
-    def missing(name, package):
-        raise ModuleNotFoundError(name="activesuit.benchmarks")
-
-    monkeypatch.setattr(program, "import_module", missing)
-    with pytest.raises(SystemExit) as stop:
-        main(["bench", "env"])
-    assert stop.value.code == 2
-    assert "bench is part of the source repository" in capsys.readouterr().err

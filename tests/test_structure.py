@@ -52,13 +52,13 @@ class Import:
     Attributes:
         target: Imported module; the `__init__` of a package.
         name: Imported name; None for the module itself.
-        early: Whether it runs when the importing module is imported.
+        runs: Whether it ever runs, early or late; others are for type checkers.
         line: Line of the statement.
     """
 
     target: Name
     name: str | None
-    early: bool
+    runs: bool
     line: int
 
 
@@ -78,25 +78,23 @@ def imports(path: Path) -> tuple[Import, ...]:
     return tuple(_imports(ast.parse(path.read_text(encoding="utf-8")), path.relative_to(ROOT)))
 
 
-def _imports(tree: ast.AST, path: Path, early: bool = True) -> Iterator[Import]:
+def _imports(tree: ast.AST, path: Path, runs: bool = True) -> Iterator[Import]:
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.ImportFrom) and (base := _base(node, path)) is not None:
             for alias in node.names:
                 inside = _module((*base, alias.name))
                 target, name = (inside, None) if inside else (_module(base), alias.name)
                 assert target, f"{path}:{node.lineno} imports {base}, which does not exist"
-                yield Import(target, name, early, node.lineno)
+                yield Import(target, name, runs, node.lineno)
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 if alias.name.startswith("activesuit."):
                     target = _module(tuple(alias.name.split(".")[1:]))
                     assert target, f"{path}:{node.lineno} imports {alias.name}"
-                    yield Import(target, None, early, node.lineno)
-        elif isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
-            yield from _imports(node, path, early=False)
+                    yield Import(target, None, runs, node.lineno)
         else:
-            later = isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
-            yield from _imports(node, path, early and not later)
+            typed = isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test)
+            yield from _imports(node, path, runs and not typed)
 
 
 def _base(node: ast.ImportFrom, path: Path) -> Name | None:
@@ -123,7 +121,7 @@ def circles(graph: dict[str, set[str]]) -> list[str]:
 
 def test_no_circle_between_modules():
     graph = {
-        ".".join(name): {".".join(one.target) for one in imports(path) if one.early}
+        ".".join(name): {".".join(one.target) for one in imports(path) if one.runs}
         for name, path in sources().items()
     }
     assert not circles(graph)
@@ -139,7 +137,7 @@ def test_no_circle_between_the_parts_of_a_package(package):
             continue
         for one in imports(path):
             inside = one.target[: len(folder)] == folder and one.target[len(folder)] != "__init__"
-            if inside and one.early:
+            if inside and one.runs:
                 graph[name[len(folder)]].add(one.target[len(folder)])
     assert not circles({part: targets - {part} for part, targets in graph.items()})
 
@@ -155,6 +153,11 @@ def test_no_arrow_up(part):
         if one.target[0] not in allowed
     ]
     assert not up
+
+
+def test_modules_of_the_root_import_no_folder():
+    up = [(name, one) for name, path in sources().items() for one in imports(path)]
+    assert not [(name, one) for name, one in up if len(name) == 1 and len(one.target) > 1]
 
 
 @pytest.mark.parametrize("part", ["hysteresis", "identification"])

@@ -45,7 +45,6 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("train", "--resume", ["--steps", "16384"]),
     ("animate", "--quality", ["--fps", "5", "--width", "320", "--height", "240"]),
     ("reproduce kao-fung-2009", "", ["--trials", "1", "--iterations", "20"]),
-    ("bench", "", ["--repeats", "1"]),
 )
 SECONDS = 600  # longest time of an example
 

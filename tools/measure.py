@@ -156,9 +156,20 @@ def result_of(folder: Path) -> dict[str, Any]:
     return dict(sorted(found.items()))
 
 
+def command_line(name: str) -> str:
+    """Returns what a user types to repeat an experiment."""
+    program = "python -m activesuit.benchmarks" if is_bench(name) else "activesuit"
+    return f"{program} {EXPERIMENTS[name].removeprefix('bench ')}"
+
+
+def is_bench(name: str) -> bool:
+    """Returns whether an experiment is one of `benchmarks`, which are not installed."""
+    return EXPERIMENTS[name].startswith("bench ")
+
+
 def keep(name: str, result: Mapping[str, Any]) -> None:
     """Writes the result of an experiment to `FOLDER`."""
-    content = {"command": f"activesuit {EXPERIMENTS[name]}", "version": __version__}
+    content = {"command": command_line(name), "version": __version__}
     FOLDER.mkdir(exist_ok=True)
     text = json.dumps({**content, "result": result}, indent=1, ensure_ascii=False)
     write_text(FOLDER / f"{name}.json", f"{text}\n")
@@ -179,8 +190,9 @@ def differences(old: Any, new: Any, place: str = "") -> Iterator[str]:
 def run(name: str) -> dict[str, Any]:
     """Runs the command of an experiment; returns its condensed result."""
     words = shlex.split(EXPERIMENTS[name])
-    command = [sys.executable, "-m", "activesuit.scripts.main", *words]
-    if words[0] == "bench":
+    module = "activesuit.benchmarks" if is_bench(name) else "activesuit.scripts.main"
+    command = [sys.executable, "-m", module, *(words[1:] if is_bench(name) else words)]
+    if is_bench(name):
         done = subprocess.run([*command, "--json"], stdout=subprocess.PIPE, check=True)
         return {"result": condensed(json.loads(done.stdout))}
     with tempfile.TemporaryDirectory() as folder:
@@ -212,7 +224,7 @@ def main() -> None:
         print(f"{name}: as docs/measured has it")
     else:
         for name in given.names or EXPERIMENTS:
-            print(f"activesuit {EXPERIMENTS[name]}", flush=True)
+            print(command_line(name), flush=True)
             keep(name, run(name))
 
 

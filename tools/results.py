@@ -296,7 +296,7 @@ def speed(topic: str) -> str:
     """Returns the table of the rows of a bench that are compared with something.
 
     Args:
-        topic: Part of the package, as in `activesuit bench`.
+        topic: Part of the package, as in `python -m activesuit.benchmarks`.
     """
     rows = [
         [

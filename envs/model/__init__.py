@@ -4,6 +4,7 @@ from .compose import arm_spec, bare_arm, compose, resisting_joints, suit_of_conf
 from .config import GRAVITY, ArmConfig, Payload
 from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_clip, thermal_step
 from .for_warp import for_warp
+from .loading import load_model
 from .mirroring import mirror
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "bare_arm",
     "compose",
     "for_warp",
+    "load_model",
     "mirror",
     "quantize",
     "resisting_joints",

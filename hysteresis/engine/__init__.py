@@ -33,8 +33,8 @@ on). Lists are numbers with blanks between them; `density` has its rows one afte
 name of a sensor ends in `torque`, `stiffness` or `energy`, which is what it measures.
 
 A process that reads a saved or pickled MjModel with such joints must import this module first:
-MuJoCo finds the plugin's code in the process, not in the file. `activesuit.load` does so. Without
-it, MuJoCo 4.0 ends the process by a segmentation fault where the file is a .mjb.
+MuJoCo finds the plugin's code in the process, not in the file. `envs.model.load_model` does so.
+Without the import, MuJoCo 4.0 ends the process by a segmentation fault where the file is a .mjb.
 """
 
 from . import native

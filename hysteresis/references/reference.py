@@ -1,7 +1,7 @@
 """Slow, readable reference models, written from the equations and not from the kernels.
 
 A reference follows a motion from sample to sample with `move`; with its `slope` and `knots` SciPy
-can integrate the same motion by itself (`integrate`). Tests and `activesuit bench exactness`
+can integrate the same motion by itself (`integrate`). Tests and the benchmark `exactness`
 compare the kernels and the engine with both.
 """
 

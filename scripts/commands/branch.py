@@ -8,6 +8,7 @@ from ...envs.evaluation.branching import branch as branches_of
 from ...envs.figures import branches_figure
 from ...envs.model import ASSISTED
 from ..arm_options import USUAL, ArmOptions
+from ..conclusion import conclude
 from ..options import (
     Env,
     EvaluatedName,
@@ -21,7 +22,7 @@ from ..options import (
     TaskName,
     Trust,
 )
-from ..output import Rows, RunFolder, conclude
+from ..output import Rows, RunFolder
 from ..runs import scene
 
 

@@ -9,8 +9,9 @@ from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification import Motion, load_curves, motion_coverage, nested_motion, save_motion
 from ...identification.design import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
+from ..conclusion import conclude
 from ..options import Force, Json, optional_number
-from ..output import conclude, say
+from ..output import say
 
 
 def design(

@@ -11,8 +11,9 @@ from ...envs.envelope.holding import Branch, Condition
 from ...envs.model import ArmConfig, suit_of_config
 from ...envs.rendering import RenderingUnavailableError
 from ..arm_options import USUAL, ArmOptions
+from ..conclusion import conclude
 from ..options import Force, Gravity, Json, Suit
-from ..output import Rows, RunFolder, conclude, progress
+from ..output import Rows, RunFolder, progress
 
 COLUMNS = ("condition", "branch", "forward_m", "left_m", "up_m", "share_of_strength")
 

@@ -17,9 +17,10 @@ from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
+from ..conclusion import conclude
 from ..html.motions import write_motions
 from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName, Trust
-from ..output import Rows, RunFolder, conclude, progress
+from ..output import Rows, RunFolder, progress
 from ..reports.motions import (
     agreement,
     cuff_remarks,

@@ -11,6 +11,7 @@ from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.surprises import Surprise, surprises
 from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
+from ..conclusion import conclude
 from ..options import (
     Env,
     Force,
@@ -22,7 +23,7 @@ from ..options import (
     TaskName,
     Trust,
 )
-from ..output import Rows, RunFolder, conclude, markdown_table
+from ..output import Rows, RunFolder, markdown_table
 from ..reports.why import why_remarks
 from ..runs import scene
 

@@ -18,10 +18,11 @@ from ...errors import unknown_name
 from ...hysteresis.branches import spring, spring_with_friction, two_branches
 from ...identification import Curve, Curves, Search, identify
 from ...identification.fits.registry import FITS
+from ..conclusion import conclude
 from ..options import Force, Json, Seed, choice, gravity_option
 from ..options import suits as suit_names
 from ..options import tasks as task_names
-from ..output import Rows, RunFolder, conclude, progress
+from ..output import Rows, RunFolder, progress
 from ..reports.motions import interval_text
 
 if TYPE_CHECKING:

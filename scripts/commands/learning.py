@@ -23,10 +23,11 @@ from ...errors import InputError, unknown_name
 from ...json_files import Model, modelled, read_json
 from ..arm_options import USUAL
 from ..backends import run_all
+from ..conclusion import conclude
 from ..options import Force, Json, choice, optional_number
 from ..options import levels as level_names
 from ..options import shipped_tasks as task_names
-from ..output import RunFolder, conclude, progress
+from ..output import RunFolder, progress
 from ..reports.learning import study_figure
 from ..runs import scene
 from ..training.evaluations import FIRST, MOTIONS, read_evaluations, relief_text

@@ -16,8 +16,9 @@ from ...envs.levels import COMPARED, LEVELS
 from ...envs.tasks import TASKS, Task
 from ...errors import InputError, unknown_name
 from ...json_files import read_json
+from ..conclusion import conclude
 from ..options import Force, Json, choice
-from ..output import Rows, RunFolder, conclude, markdown_table, progress, say, to_json
+from ..output import Rows, RunFolder, markdown_table, progress, say, to_json
 from ..output import table as print_table
 
 WRONG = {"nominal": "emu-like", "randomized": "emu-like", "shift": "mock-suit"}

@@ -13,8 +13,9 @@ from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification.optimizers.libraries import cma_es
 from ..backends import check_backend, run_all
+from ..conclusion import conclude
 from ..options import Force, Json, PolicyName, Seed, Trust
-from ..output import conclude, progress, say, to_json
+from ..output import progress, say, to_json
 
 BUDGET = 200  # evaluations
 DIGITS = 4

@@ -25,10 +25,11 @@ from ...envs.policies import policy_spec
 from ...errors import InputError
 from ...identification import load_curves
 from ..arm_options import USUAL, ArmOptions
+from ..conclusion import conclude
 from ..curve_joints import joint_of
 from ..html.motions import write_motions
 from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
-from ..output import RunFolder, conclude, progress
+from ..output import RunFolder, progress
 from ..reports.motions import cuff_remarks, score_table
 from ..reports.validation import (
     RULE,

@@ -11,7 +11,8 @@ from ...envs.evaluation.statistics import interquartile_mean, interquartile_mean
 from ...envs.policies.trained import training_of
 from ...errors import InputError
 from ..backends import run_all
-from ..output import RunFolder, conclude
+from ..conclusion import conclude
+from ..output import RunFolder
 from ..reports.learning import learning_figure
 from .evaluations import read_evaluations, relief_text, value
 

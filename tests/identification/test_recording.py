@@ -14,7 +14,7 @@ UNCERTAIN = ("play 0.3 degrees", "sensor lag 0.1 s")
 
 @pytest.mark.parametrize("fault", [name for name in FAULTS if name not in UNCERTAIN])
 def test_a_fault_is_named(fault):
-    """`activesuit bench honesty` has the rates of all of them."""
+    """`python -m activesuit.benchmarks honesty` has the rates of all of them."""
     assert is_named(fault, named(fault, 0))
 
 

@@ -10,7 +10,7 @@ import activesuit
 import mujoco
 import numpy as np
 import pytest
-from activesuit.envs.model import ArmConfig, compose
+from activesuit.envs.model import ArmConfig, compose, load_model
 from activesuit.errors import InputError
 from activesuit.hysteresis import Dahl
 from activesuit.hysteresis.engine import attach
@@ -38,7 +38,8 @@ def files(tmp_path):
 @pytest.mark.parametrize("name", ["one.xml", "one.MJB"])
 def test_a_process_that_imports_nothing_else_loads_a_model(files, name):
     program = (
-        "import activesuit, mujoco, sys; data = mujoco.MjData(activesuit.load(sys.argv[1])); "
+        "import mujoco, sys; from activesuit.envs.model import load_model; "
+        "data = mujoco.MjData(load_model(sys.argv[1])); "
         "data.qpos[0] = 0.4; mujoco.mj_forward(data.model, data); print(data.qfrc_passive[0])"
     )
     found = subprocess.run(
@@ -59,7 +60,7 @@ def test_a_process_that_imports_nothing_else_loads_a_model(files, name):
 def test_an_arm_on_cuffs_loads(tmp_path):
     model = compose(ArmConfig(coupling="cuffs"), drawn=False)
     mujoco.mj_saveModel(model, str(tmp_path / "arm.mjb"), None)
-    loaded = activesuit.load(tmp_path / "arm.mjb")
+    loaded = load_model(tmp_path / "arm.mjb")
     np.testing.assert_array_equal(loaded.plugin, model.plugin)
     assert mujoco.MjData(loaded).plugin_state.size == model.npluginstate > 0
 
@@ -70,7 +71,7 @@ def test_a_truncated_file_is_refused(files, part):
     end = int(part * len(content)) if isinstance(part, float) else part
     (files / "cut.mjb").write_bytes(content[:end])
     with pytest.raises(InputError, match=r"cannot load '.*cut.mjb' \(.*\): repair the file, or"):
-        activesuit.load(files / "cut.mjb")
+        load_model(files / "cut.mjb")
 
 
 def test_other_mistakes_get_one_sentence(files):
@@ -85,7 +86,7 @@ def test_other_mistakes_get_one_sentence(files):
         ("arm.urdf", r"arm.urdf' is no .xml and no .mjb file: give one of these"),
     ):
         with pytest.raises(InputError, match=message) as caught:
-            activesuit.load(str(files / name))
+            load_model(str(files / name))
         assert "\n" not in str(caught.value)
     with pytest.raises(InputError, match=r"the model is 3: give the path of a .xml or .mjb file"):
-        activesuit.load(cast(Any, 3))
+        load_model(cast(Any, 3))

@@ -112,7 +112,7 @@ def test_standard_errors_are_those_of_many_noisy_fits(elbow):
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_intervals_and_bands_cover_the_truth_as_often_as_they_say(elbow, memory):
-    """`activesuit bench honesty` has the rates; here is what would miss them by far."""
+    """The benchmark `honesty` has the rates; here is what would miss them by far."""
     trials, inside, covered = 60, np.zeros(5), []
     truth = parameters(elbow)
     probe = Curve(sweep(0.52, 1.4, 0.8, 1.3), np.zeros(len(sweep(0.52, 1.4, 0.8, 1.3))), "probe")
