@@ -4,7 +4,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo train test test-gpu check docs bench clean
+PYTEST := $(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal
+
+.PHONY: demo train test test-all demo-check wheel check docs bench clean
 
 # `pip install .` in .venv would put a copy of the tree there, which hides it: then install again.
 ifeq (,$(wildcard .venv/lib/python3*/site-packages/__editable__.activesuit-*))
@@ -18,13 +20,25 @@ train: .venv/train
 	@echo 'Ready: $(BIN)/activesuit train --algo ppo --steps 200000 --out runs/ppo'
 
 # Sixty processes of the tests import the package, and would compile it each without bytecode.
-test: export PYTHONDONTWRITEBYTECODE =
+test test-all: export PYTHONDONTWRITEBYTECODE =
 test: .venv/dev
-	$(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal --durations 10
+	$(PYTEST) -m "not slow"
 
-# MuJoCo Warp on a GPU where there is one, else on the processor; the first run compiles its kernels.
-test-gpu: .venv/dev .venv/gpu
-	$(BIN)/python -m pytest -q tests/hysteresis/warp tests/envs/model/test_for_warp.py tests/benchmarks/test_gpu.py tests/test_docs.py -k 'warp or gpu'
+test-all: .venv/dev .venv/docs .venv/gpu
+	$(PYTEST) --durations 10
+	$(MAKE) reproduce demo-check
+
+# The demo of the wheel, in an empty environment, has the numbers that README and docs report.
+demo-check: .venv/dev
+	rm -rf build/demo && mkdir -p build/demo && $(MAKE) wheel WHEEL=$(CURDIR)/build/demo
+	cd build/demo && venv/bin/activesuit demo --out run --trials 3
+	$(BIN)/python -m activesuit.tools.measure --check demo build/demo/run
+
+# A wheel and a new environment with nothing but the wheel, in the folder WHEEL.
+wheel: .venv/dev
+	$(BIN)/python -m build --outdir $(WHEEL)/dist . >$(WHEEL)/build.log 2>&1 || { cat $(WHEEL)/build.log; exit 1; }
+	$(PYTHON) -m venv $(WHEEL)/venv
+	$(WHEEL)/venv/bin/pip install --quiet --disable-pip-version-check -c constraints.txt $(WHEEL)/dist/*.whl
 
 check: .venv/dev
 	$(BIN)/ruff check .

@@ -54,8 +54,8 @@ def test_cuffs_are_refused_in_one_sentence():
 
 
 def test_the_suited_arm_in_mujoco_warp():
-    wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-gpu")
-    mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+    wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-all")
+    mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")
     from activesuit.hysteresis.warp import attach
 
     config, worlds = ArmConfig(), 4
