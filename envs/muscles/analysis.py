@@ -25,6 +25,7 @@ from ...errors import InputError
 from ..evaluation.rollout import Trace
 from ..person import Person, isometric_strength, passive_torque, strength_limits
 from ..simulation.inverse_dynamics import Chain
+from ..simulation.simulation import Simulation
 from .constraint import constraint_torques
 from .mapping import AXES, OWN, THIRD
 from .metabolic import MODELS, muscle_masses
@@ -130,6 +131,20 @@ class Shared(NamedTuple):
     power: Array
     reserve: Array
     missed: Array
+
+
+def check_wearer(simulation: Simulation) -> None:
+    """Checks, before anything moves, that muscles can give the wearer's torque.
+
+    Raises:
+        InputError: The extra `muscles` is missing, or the wearer tires.
+    """
+    MyoArm.load()
+    if simulation.fatigue:
+        raise InputError(
+            "muscles need a wearer who does not tire, since MyoArm is scaled by one factor: "
+            "choose another task, or set fatigue=false"
+        )
 
 
 def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Demand:
