@@ -136,14 +136,17 @@ def _check(chosen: Suite) -> None:
 def _check_scores(chosen: Suite) -> None:
     """Reports a score that no task can have, before anything has run."""
     for name in chosen.scores:
+        refused: InputError | None = None
         for setting in {one.task: one for one in chosen.settings}.values():
             arms = make_arms(f"ActiveSuit/{setting.task}-v0", 1, **chosen.environment(setting))
             try:
                 SCORES.find(name).check(arms.episodes.simulation)
-                break
             except InputError as error:
                 refused = error
-        else:
+            else:
+                refused = None
+                break
+        if refused is not None:
             raise refused
 
 
