@@ -1,4 +1,4 @@
-"""Scores of muscles: metabolic power and activation."""
+"""The score of muscles: metabolic power and activation of motions."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -7,15 +7,22 @@ import numpy as np
 from ...errors import InputError, unknown_name
 from ..evaluation.rollout import Trace
 from ..evaluation.scores import root_mean_square
-from ..extras import Scored
-from .analysis import CONVENTIONS, STANDARD, Demand, Shared, demand_of, share_among_muscles
+from ..extras import Score, Scored
+from .analysis import (
+    CONVENTIONS,
+    STANDARD,
+    Demand,
+    Shared,
+    check_wearer,
+    demand_of,
+    share_among_muscles,
+)
+from .figures import activation_figure
 from .metabolic import LEAST_HEAT, muscle_masses
 from .myoarm import MyoArm
 
 FULL = 0.999  # activation from which a muscle counts as saturated
 LOADED = 3  # muscles that are named
-LEAST_COST = {"power": 0.5, "effort": 0.002}
-"""Least cost of a suit for relief to have a meaning, in W, and in root mean square activation."""
 FEWEST_SAMPLES = 3
 MOST_OUTSIDE = 0.5
 
@@ -113,3 +120,31 @@ def _limits(demand: Demand, shared: Shared) -> list[float]:
         (shared.activation > FULL).any(axis=1).mean(),
         demand.geometry.outside.mean(),
     ]
+
+
+SCORE = Score(
+    check=check_wearer,
+    scored=muscle_scores,
+    figure=activation_figure,
+    least={"power": 0.5, "effort": 0.002},
+    units={
+        **{"power": "W", "rest": "W", "largest_reserve": "N·m"},
+        **dict.fromkeys(("effort", "loaded", "reserve", "saturated", "outside"), "1"),
+    },
+    text=(
+        "*Power* is the metabolic power of all muscles and *effort* their root mean square "
+        "activation. Conventions are those of sharing torque among muscles. *Loaded* are three "
+        "muscles with the greatest activation in a setting."
+    ),
+    limits={
+        "saturated": (
+            0.0,
+            "a muscle is fully active in {:.1%} of the time, so that its load may be larger than "
+            "these numbers",
+        ),
+        "outside": (0.0, "{:.1%} of the postures are outside the ranges of MyoArm's joints"),
+        "reserve": (0.01, "muscles cannot give {:.1%} of the torque"),
+    },
+    packages=("myo-sim",),
+)
+"""What `evaluate` and the benchmark find under the name muscles."""

@@ -7,7 +7,7 @@ import pytest
 from activesuit.envs.benchmark.costs import cost_of
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.muscles import CONVENTIONS, STANDARD, muscle_scores
-from activesuit.envs.muscles.registration import SCORE
+from activesuit.envs.muscles.scores import SCORE
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.errors import InputError
 
