@@ -23,12 +23,6 @@ for _task in TASKS:
             kwargs={"task": _task},
         )
 
-# Muscles are its wearer, so that it is no `ArmEnv` (needs the extra `muscles`).
-if "ActiveSuit/MuscleElbow-v0" not in gymnasium.registry:
-    gymnasium.register(
-        "ActiveSuit/MuscleElbow-v0", entry_point="activesuit.envs.muscles.elbow:MuscleElbow"
-    )
-
 
 def __getattr__(name: str) -> object:
     if name == "load":

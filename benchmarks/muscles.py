@@ -370,16 +370,16 @@ def cost() -> dict[str, float]:
         geometry = seconds(lambda: demand_of(motions[0], arm, threads=1))
         sharing = seconds(lambda: share_among_muscles(arm, demand, CONVENTIONS[STANDARD]))
         begin = time.perf_counter()
-        score = muscle_scores(motions, on_motion=bar.advance)
+        facts: Any = muscle_scores(motions, on_motion=bar.advance).facts
         whole = time.perf_counter() - begin
     return {
         "geometry [ms a sample]": 1e3 * geometry / samples,
         "sharing and power [ms a sample]": 1e3 * sharing / samples,
         "20 motions under all conventions [s]": whole,
         "cores": float(os.cpu_count() or 1),
-        "reserve over torque": score.reserve,
-        "largest reserve [N·m]": score.largest_reserve,
-        "saturated": score.saturated,
+        "reserve over torque": facts["reserve"],
+        "largest reserve [N·m]": facts["largest_reserve"],
+        "saturated": facts["saturated"],
     }
 
 

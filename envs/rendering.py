@@ -125,8 +125,15 @@ class Renderer:
         self._process = os.getpid()
         self._shown = 0.0
 
-    def picture(self, model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.uint8]:
+    def picture(
+        self, model: mujoco.MjModel, data: mujoco.MjData, beside: Sequence[Capsule] = ()
+    ) -> NDArray[np.uint8]:
         """Returns a picture of the scene, shape (height, width, 3).
+
+        Args:
+            model: The model.
+            data: Its pose.
+            beside: What is drawn beside the model.
 
         Raises:
             RenderingUnavailableError: This machine has no OpenGL.
@@ -141,6 +148,7 @@ class Renderer:
             raise unknown_name("camera", self.camera, cameras)
         offscreen = self._opengl(model)
         offscreen.update_scene(data, camera=self.camera)
+        _add(beside, offscreen.scene)
         picture = offscreen.render().copy()
         if self.picture_dt > 0:
             self._last = data.time, picture.copy()
@@ -217,10 +225,8 @@ class Renderer:
         time.sleep(max(0.0, self._shown + period - time.monotonic()))
         self._shown = time.monotonic()
         with self._window.lock():
-            scene = self._window.user_scn
-            scene.ngeom = len(beside or ())
-            for geom, capsule in zip(scene.geoms, beside or (), strict=False):
-                capsule.into(geom)
+            self._window.user_scn.ngeom = 0
+            _add(beside or (), self._window.user_scn)
         self._window.sync()
 
     def close(self) -> None:
@@ -239,6 +245,13 @@ class Renderer:
         return {**self.__dict__, **fresh}
 
 
+def _add(capsules: Sequence[Capsule], scene: mujoco.MjvScene) -> None:
+    """Adds capsules to a scene, as many as it has place for."""
+    for geom, capsule in zip(scene.geoms[scene.ngeom :], capsules, strict=False):
+        capsule.into(geom)
+        scene.ngeom += 1
+
+
 class ArmRenderer:
     """Draws one arm; it composes the drawn model for the first picture.
 
@@ -248,7 +261,7 @@ class ArmRenderer:
         **options: Options of `Renderer`.
 
     Attributes:
-        beside: Function that returns what a window shows beside the arm; None for nothing.
+        beside: Function that returns what is drawn beside the arm; None for nothing.
     """
 
     def __init__(self, config: ArmConfig, edits: Edits | None = None, **options: Any) -> None:
@@ -258,7 +271,8 @@ class ArmRenderer:
 
     def picture(self, posture: Posture) -> NDArray[np.uint8]:
         """Returns a picture of the arm, shape (height, width, 3); see `Renderer.picture`."""
-        return self.renderer.picture(*self._posed(posture))
+        beside = () if self.beside is None else self.beside()
+        return self.renderer.picture(*self._posed(posture), beside)
 
     def show(self, posture: Posture, period: float) -> None:
         """Shows the arm in a window; see `Renderer.show`."""

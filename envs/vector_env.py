@@ -111,7 +111,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         }
         self.render_mode, self.num_envs = render_mode, num_envs
         self._info, self.staggered = info, stagger
-        self._renderer = ArmRenderer(
+        self.renderer = ArmRenderer(
             simulation.config,
             self.episodes.task.edits,
             camera=camera,
@@ -160,7 +160,7 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         )
         self._over[rows] = False
         if rows is self._rows:
-            self._renderer.forget()
+            self.renderer.forget()
         begun = np.isin(self._rows, rows)
         return self.episodes.observe(), self._infos(begun)
 
@@ -210,13 +210,13 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
             )
         simulation = self.episodes.simulation
         return tuple(
-            self._renderer.picture(simulation.posture_of(row)) for row in range(self.num_envs)
+            self.renderer.picture(simulation.posture_of(row)) for row in range(self.num_envs)
         )
 
     def close_extras(self, **options: Any) -> None:
         """Frees the renderer."""
         del options
-        self._renderer.close()
+        self.renderer.close()
 
     @property
     def control_dt(self) -> float:

@@ -61,6 +61,8 @@ class Film:
 
     def __call__(self, step: int) -> None:
         """Takes a picture, if control period `step` is one of those with a picture."""
+        if self._arms.renderer.beside is not None:
+            self._arms.renderer.beside()  # which wants to see every control period
         if step < self._begin or (step - self._begin) % self._stride:
             return
         pictures = self._arms.render()

@@ -34,7 +34,7 @@ GROUPS = {
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
         "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
-        "animate": "Draw an assisted motion with its loops or muscles as an animation.",
+        "animate": "Draw an assisted motion with its loops as an animation.",
         "tasks": "List the tasks, or measure how difficult each is.",
         "report": "Make report.html of a run again, from the files of its folder.",
     },

@@ -181,6 +181,20 @@ def levels() -> Iterable[str]:
     return LEVELS
 
 
+def scores() -> Iterable[str]:
+    """Returns the names of the scores of extras."""
+    from ..envs.extras import SCORES
+
+    return SCORES
+
+
+def drawings() -> Iterable[str]:
+    """Returns the names of the drawings of extras."""
+    from ..envs.extras import DRAWINGS
+
+    return DRAWINGS
+
+
 ENV, SUIT, GRAVITY = "ActiveSuit/ArmTracking-v0", "mock-suit", "earth"
 
 # None where the option is not given: a training run may say what it is then (`runs.scene`).
@@ -232,6 +246,16 @@ EvaluatedName = Annotated[
         "Name of a policy or bound, also with options (adaptive:suit=elbow.json,forgetting=10), or "
         "MODULE:CLASS of your own; or folder of a training run, whose task and options then hold.",
     ),
+]
+Scores = Annotated[
+    tuple[Annotated[str, choice(scores)], ...],
+    tyro.conf.arg(
+        name="score", help="Scores of extras, which say what motions cost in other numbers too."
+    ),
+]
+Draw = Annotated[
+    str | None,
+    choice(drawings, "Drawing of an extra beside the moving arm.", "none"),
 ]
 _SEED = "Seed of all random numbers; the same one repeats the result."
 Seed = Annotated[int, tyro.conf.arg(help=_SEED)]

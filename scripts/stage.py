@@ -1,12 +1,12 @@
 """An arm that moves without end, whose policy, task, suit and place may change while it does."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..assets import suit_names
 from ..envs.arm_env import ArmEnv
+from ..envs.extras import DRAWINGS
 from ..envs.making import OURS, make_env
 from ..envs.model.config import GRAVITY
 from ..envs.policies import Policy, PolicySpec, make_policy, needed_options, policy_spec
@@ -16,22 +16,8 @@ from ..errors import InputError
 from .live import Live
 from .runs import Scene
 
-if TYPE_CHECKING:
-    from ..envs.muscles.live import LiveMuscles
-
 OFFERED = ("none", "feedforward", "compensation", "adaptive")  # beside the policy that is given
 NEW = ("task", "suit", "place")  # what another choice of makes a new arm
-
-
-def live_muscles(env: ArmEnv) -> "LiveMuscles":
-    """Returns the muscles of an arm.
-
-    Raises:
-        InputError: The extra is missing, or the wearer tires.
-    """
-    from ..envs.muscles.live import LiveMuscles  # needs an extra, and matplotlib
-
-    return LiveMuscles(env.episodes.simulation)
 
 
 class Stage:
@@ -43,20 +29,20 @@ class Stage:
     Args:
         chosen: Task, options, and the policy that moves the arm first.
         seed: Seed of the first motion.
-        muscles: Whether MyoArm's muscles are drawn beside the arm.
+        draw: Name of a drawing beside the arm; None for none.
 
     Attributes:
         env: The arm.
         live: What is shown and what may be chosen.
 
     Raises:
-        InputError: The arm, the policy or the muscles cannot be made.
+        InputError: The arm, the policy or the drawing cannot be made.
     """
 
-    def __init__(self, chosen: Scene, seed: int, *, muscles: bool = False) -> None:
+    def __init__(self, chosen: Scene, seed: int, *, draw: str | None = None) -> None:
         (given,) = chosen.policies
         self._first = given if isinstance(given, PolicySpec) else policy_spec(given)
-        self._scene, self._seed, self._with_muscles = chosen, seed, muscles
+        self._scene, self._seed, self._draw = chosen, seed, draw
         own = {
             "policy": str(self._first),
             "task": chosen.env.removeprefix(OURS).removesuffix("-v0"),
@@ -64,7 +50,7 @@ class Stage:
             "place": chosen.options["gravity"],
         }
         self._own = own["task"]
-        self.env, self._policies, self._muscles = self._made(own)
+        self.env, self._policies = self._made(own)
         known = {"task": TASKS, "suit": suit_names(), "place": GRAVITY, "policy": self._policies}
         choices = {kind: list(dict.fromkeys([name, *known[kind]])) for kind, name in own.items()}
         self.live = Live(choices=choices, chosen=own)
@@ -79,8 +65,8 @@ class Stage:
             self.live.samples.clear()
             ended = False
             while not ended:
-                if self._muscles is not None:
-                    self.live.beside = self._muscles()
+                if self.env.renderer.beside is not None:
+                    self.live.beside = self.env.renderer.beside()
                 yield self.env
                 now = dict(self.live.chosen)
                 other = any(now[kind] != chosen[kind] for kind in NEW)
@@ -99,10 +85,8 @@ class Stage:
                 ended = terminated or truncated
             self._seed += 1
 
-    def _made(
-        self, names: dict[str, str]
-    ) -> "tuple[ArmEnv, dict[str, Policy], LiveMuscles | None]":
-        """Returns an arm, the policies that can move it by their names, and its muscles."""
+    def _made(self, names: dict[str, str]) -> tuple[ArmEnv, dict[str, Policy]]:
+        """Returns an arm, with what is drawn beside it, and the policies that can move it."""
         options = {**self._scene.options, "suit": names["suit"], "gravity": names["place"]}
         env_id = self._scene.env
         if names["task"] != self._own:
@@ -122,18 +106,20 @@ class Stage:
                 policies.setdefault(str(spec), make_policy(spec, env))
             except InputError:  # this one cannot act here: it is not offered
                 continue
-        return env, policies, live_muscles(env) if self._with_muscles else None
+        if self._draw is not None:
+            env.renderer.beside = DRAWINGS.find(self._draw)(env.episodes.simulation)
+        return env, policies
 
     def _replaced(self, names: dict[str, str], before: dict[str, str]) -> bool:
         """Takes the arm of other choices; or says why there is none, and takes the choices back."""
         try:
-            env, policies, muscles = self._made(names)
+            env, policies = self._made(names)
         except InputError as error:
             self.live.note = str(error)
             self.live.chosen.update({kind: before[kind] for kind in NEW})
             return False
         self.env.close()
-        self.env, self._policies, self._muscles = env, policies, muscles
+        self.env, self._policies = env, policies
         self.live.note = ""
         self.live.choices["policy"][:] = policies
         if names["policy"] not in policies:

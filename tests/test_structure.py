@@ -218,6 +218,25 @@ def test_installed_modules_need_no_others():
     assert not needed
 
 
+def test_nothing_that_is_installed_imports_an_extra():
+    # `envs.extras` finds them by their names, so that this package works as without them.
+    extras = PYPROJECT["project"]["entry-points"]
+    rooms = {
+        tuple(found.partition(":")[0].split(".")[1:-1])
+        for kind in ("activesuit.scores", "activesuit.drawings")
+        for found in extras[kind].values()
+    }
+    assert rooms
+    importing = [
+        f"{path.relative_to(ROOT)}:{one.line} imports {'.'.join(one.target)}"
+        for name, path in sources().items()
+        for one in imports(path)
+        for room in rooms
+        if _is_installed(name) and name[: len(room)] != room and one.target[: len(room)] == room
+    ]
+    assert not importing
+
+
 def test_every_folder_is_packaged():
     installed = filter(_is_installed, sources())
     folders = {".".join(("activesuit", *name[:-1])) for name in installed}

@@ -100,7 +100,7 @@ EXPERIMENTS = {
     "bench-muscles": "bench muscles",
     **{
         name: (
-            f"evaluate --muscles --episodes 8 --suit {suit} --gravity {place} --policies "
+            f"evaluate --score muscles --episodes 8 --suit {suit} --gravity {place} --policies "
             f"{_OF_MUSCLES}"
         )
         for name, (suit, place) in MUSCLE_SETTINGS.items()

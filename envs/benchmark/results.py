@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,8 +13,8 @@ from ...errors import InputError, one_line, shortened, shown
 from ...files import content_of
 from ...json_files import parse_json
 from ..evaluation.reasons import Frequent
+from ..extras import STANDARD
 from ..levels import LEVELS
-from ..muscles import STANDARD, MuscleScore
 from ..tasks import TASKS
 
 RESULTS = "results.jsonl"
@@ -23,9 +23,6 @@ Name = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(one_li
 LARGEST = 2**28  # bytes
 SIZES = ("effort", "assisted_effort", "tracking")
 SERIES = (*SIZES, "success")  # one value per motion
-MUSCLES = ("muscles", "no_muscles")  # what a line has if the trial was run with muscles
-MUSCLE_SERIES = ("power", "effort")  # one value per motion and convention
-MYO_SIM = "myo-sim"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,9 +42,9 @@ class Result:
         why: Limits of success that motions exceeded, the most frequent one first.
         failed: Why the policy could not act; None if it could.
         protocol: How the result came about.
-        muscles: Score of the wearer's muscles, with infinite values for motions that ended too
-            soon; None where they were not asked for, or cannot be scored.
-        no_muscles: Why the muscles cannot be scored; None where they can, or were not asked for.
+        extra: What each score of an extra keeps, by its name: costs, facts and packages as plain
+            values, with None for a cost that a motion does not have; or the reason why there are
+            none.
     """
 
     task: str
@@ -62,19 +59,15 @@ class Result:
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()
-    muscles: MuscleScore | None = None
-    no_muscles: str | None = None
+    extra: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def to_json(self) -> str:
         """Returns one line of strict JSON, with null for infinite values."""
         content = asdict(self)
-        for name in MUSCLES:
-            if content[name] is None:
-                del content[name]
-        muscles = content.get("muscles", {})
-        for series in (content, *(muscles.get(name, {}) for name in MUSCLE_SERIES)):
-            for name in SIZES if series is content else series:
-                series[name] = [value if math.isfinite(value) else None for value in series[name]]
+        for name in SIZES:
+            content[name] = [value if math.isfinite(value) else None for value in content[name]]
+        if not self.extra:
+            del content["extra"]
         return json.dumps(content, allow_nan=False, sort_keys=True, default=str)
 
     @classmethod
@@ -95,7 +88,7 @@ class Result:
             ) from None
         values = dict(found)
         for series in SIZES:
-            values[series] = _infinite(values[series])
+            values[series] = tuple(math.inf if one is None else one for one in values[series])
         for what, known in (("task", TASKS), ("level", LEVELS)):
             if values[what] not in known:
                 raise InputError(f"{name} has the {what} {shown(values[what])}: delete it")
@@ -104,47 +97,26 @@ class Result:
         said, motions = values["protocol"].get("episodes"), len(values["effort"])
         if said not in (None, motions):
             raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
-        if found.muscles is not None:
-            values["muscles"] = found.muscles.score(motions, name)
+        for score, one in found.extra.items():
+            for cost, series in one.costs.items():
+                if STANDARD not in series or any(len(one) != motions for one in series.values()):
+                    raise InputError(
+                        f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
+                        "every other convention: delete it"
+                    )
+        values["extra"] = {n: one.model_dump(exclude_unset=True) for n, one in found.extra.items()}
         return cls(**values)
 
-    @property
-    def asked_for_muscles(self) -> bool:
-        """Whether the trial was run with muscles."""
-        return self.muscles is not None or self.no_muscles is not None
 
-
-class _SavedMuscles(BaseModel):
-    """The muscles in the line of a result."""
+class _SavedScore(BaseModel):
+    """The score of an extra in the line of a result."""
 
     model_config = ConfigDict(extra="forbid")
 
-    power: dict[Name, tuple[Size | None, ...]]
-    effort: dict[Name, tuple[Size | None, ...]]
-    loaded: dict[Name, Size]
-    rest: Size
-    reserve: Size
-    largest_reserve: Size
-    saturated: Size
-    outside: Size
-
-    def score(self, motions: int, name: str) -> MuscleScore:
-        """Returns the score.
-
-        Raises:
-            InputError: The standard convention is missing, or there are more or fewer motions.
-        """
-        series = {
-            what: {one: _infinite(values) for one, values in getattr(self, what).items()}
-            for what in MUSCLE_SERIES
-        }
-        for what, found in series.items():
-            if STANDARD not in found or any(len(one) != motions for one in found.values()):
-                raise InputError(
-                    f"{name} has not {motions} values of the muscles' {what} under the convention "
-                    f"{STANDARD!r} and every other one: delete it"
-                )
-        return MuscleScore(**{**dict(self), **series})
+    costs: dict[Name, dict[Name, list[Size | None]]] = {}
+    facts: dict[Name, Size | dict[Name, Size]] = {}
+    packages: dict[Name, Name] = {}
+    reason: Name | None = None
 
 
 class _Saved(BaseModel):
@@ -164,8 +136,7 @@ class _Saved(BaseModel):
     failed: str | None
     protocol: dict[str, Any]
     why: tuple[Frequent, ...] = ()  # results of before have none
-    muscles: _SavedMuscles | None = None
-    no_muscles: str | None = None
+    extra: dict[Name, _SavedScore] = {}
 
 
 def lines(results: Iterable[Result]) -> str:
@@ -183,7 +154,7 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
         InputError: A file cannot be read or is none, two files have different results of the same
             trial, or results have different contracts and cannot be compared.
 
-    A trial that was run with and without muscles counts once, with them.
+    A trial that was run several times, with other scores of extras, counts once, with all of them.
     """
     found: dict[tuple[str, ...], tuple[Result, str]] = {}
     contract = ""
@@ -205,7 +176,7 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
                     f"{str(path)!r} and {first!r} have different results of "
                     f"{result.policy} in {result.task} at {result.level}: leave one of them out"
                 )
-            found[key] = (known if known.asked_for_muscles else result, first)
+            found[key] = (replace(known, extra={**known.extra, **result.extra}), first)
     if not found:
         raise InputError(
             "there are no results: give a file or folder of `activesuit benchmark run`"
@@ -214,18 +185,10 @@ def read_results(paths: Sequence[Path]) -> list[Result]:
 
 
 def _agree(one: Result, other: Result) -> bool:
-    """Returns whether two results are of one trial, with muscles or without."""
-    if one.asked_for_muscles and other.asked_for_muscles:
-        return one == other
-    bare = [
-        replace(result, muscles=None, no_muscles=None, protocol={**result.protocol, MYO_SIM: None})
-        for result in (one, other)
-    ]
-    return bare[0] == bare[1]
-
-
-def _infinite(values: Iterable[float | None]) -> tuple[float, ...]:
-    return tuple(math.inf if value is None else value for value in values)
+    """Returns whether two results are of one trial, whichever scores of extras they have."""
+    both = set(one.extra).intersection(other.extra)
+    same = all(one.extra[name] == other.extra[name] for name in both)
+    return same and replace(one, extra={}) == replace(other, extra={})
 
 
 def read_text(path: Path, what: str = "results") -> str:

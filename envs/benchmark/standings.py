@@ -211,7 +211,7 @@ class Standings:
         """Replaces the plan by a policy that succeeds with less effort, motion by motion.
 
         At "shift" those count that believe in another suit, too: the simulated one is the same.
-        Muscles stay those of the plan, which is a bound for effort only.
+        Scores of extras stay those of the plan, which is a bound for effort only.
         """
         bound = self._found[setting].get(BOUND)
         if bound is None:

@@ -5,7 +5,6 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
-from importlib.metadata import version
 from pathlib import PurePath
 from typing import Any, Literal, NamedTuple
 
@@ -19,6 +18,7 @@ from ...checks import at_least, once
 from ...errors import InputError, unknown_name
 from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.statistics import FEWEST_MOTIONS
+from ..extras import SCORES
 from ..levels import COMPARED, LEVELS
 from ..model import ArmConfig
 from ..person import VoluntaryControl
@@ -27,7 +27,6 @@ from ..policies.build import believes, is_saved
 from ..policies.trained import shipped_policies
 from ..simulation.sensing import Sensing
 from ..tasks import TASKS, Task
-from .results import MYO_SIM
 
 VERSION = 3  # wearers of 2 could not aim, and did not pay for usual co-contraction
 BELIEVED = ("mock-suit", "emu-like")
@@ -107,8 +106,8 @@ class Suite:
         coupling: Connection of the exoskeleton to the arm.
         options: Other options of the environment, in all settings; results with some are compared
             with each other only.
-        muscles: Whether the wearer's muscles are scored too, which needs the extra `muscles`. It
-            changes no other number, and is no part of the contract.
+        scores: Names of scores of extras. They change no other number, and are no part of the
+            contract.
 
     Raises:
         InputError: A name is unknown, there are too few motions, or an option is one of the
@@ -123,7 +122,7 @@ class Suite:
     episodes: int = 20
     coupling: Literal["rigid", "cuffs"] = "rigid"
     options: Mapping[str, Any] = field(default_factory=dict)
-    muscles: bool = False
+    scores: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("suit", "level", "coupling", "reward"):
@@ -141,6 +140,8 @@ class Suite:
             once(f"{what}s", names)
         for suit in self.believed:
             load_suit(suit)
+        for score in self.scores:
+            SCORES.find(score)
         at_least("episodes", self.episodes, FEWEST_MOTIONS)
 
     def environment(self, setting: Setting) -> dict[str, Any]:
@@ -218,7 +219,6 @@ class Suite:
             "mujoco": mujoco.__version__,
             "numpy": np.__version__,
             "gymnasium": gymnasium.__version__,
-            **({MYO_SIM: version(MYO_SIM)} if self.muscles else {}),
         }
 
 
@@ -253,7 +253,7 @@ def suite(
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
     options: Mapping[str, Any] | None = None,
-    muscles: bool = False,
+    scores: tuple[str, ...] = (),
     trust: bool = False,
 ) -> Suite:
     """Returns a suite, with what is given instead of its own.
@@ -272,7 +272,7 @@ def suite(
     once("policies", names)
     labels = dict(zip(names, specs, strict=True))
     changes = {"policies": labels, "tasks": tasks, "levels": levels, "believed": believed}
-    changes |= {"options": dict(options or {}), "muscles": muscles}
+    changes |= {"options": dict(options or {}), "scores": scores}
     given = {name: value for name, value in changes.items() if value}
     return replace(found, **given, **({} if episodes is None else {"episodes": episodes}))
 

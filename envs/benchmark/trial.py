@@ -5,6 +5,7 @@ A worker runs it on one thread, so that trials may run beside each other.
 
 import math
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import Any, NamedTuple
 
 from ...errors import InputError
@@ -12,8 +13,8 @@ from ..evaluation import BOUNDS, FIRST_SEED, REFERENCES
 from ..evaluation.core import run
 from ..evaluation.reasons import Frequent, most_frequent
 from ..evaluation.rollout import Trace
-from ..muscles import MuscleScore, MyoArm, muscle_scores
-from .results import MUSCLE_SERIES, Result
+from ..extras import SCORES, Score
+from .results import Result
 from .suite import Suite, Trial
 
 DIGITS = 6  # significant digits of efforts and errors
@@ -31,18 +32,18 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         The result; where the policy cannot act, every motion of it is failed, and why is said.
 
     Raises:
-        InputError: The suite has muscles, and the extra is missing.
+        InputError: The suite has the score of an extra that is missing.
     """
-    if suite.muscles:
-        MyoArm.load()
     episodes = suite.episodes_of(trial.policy)
-    failed = None
+    failed, extra = None, {}
     try:
-        found = _run(suite, trial, episodes)
+        found, traces = _run(suite, trial, episodes)
     except InputError as error:
         nothing = (math.inf,) * episodes
         found = _Found(nothing, nothing, nothing, (False,) * episodes)
         failed = str(error)
+    else:
+        extra = {name: _scored(SCORES.find(name), traces) for name in suite.scores}
     return Result(
         task=trial.setting.task,
         level=trial.setting.level,
@@ -56,8 +57,7 @@ def run_trial(suite: Suite, trial: Trial) -> Result:
         tracking=found.tracking,
         success=found.success,
         why=found.why,
-        muscles=found.muscles,
-        no_muscles=found.no_muscles,
+        extra=extra,
     )
 
 
@@ -67,43 +67,41 @@ class _Found(NamedTuple):
     tracking: tuple[float, ...]
     success: tuple[bool, ...]
     why: tuple[Frequent, ...] = ()
-    muscles: MuscleScore | None = None
-    no_muscles: str | None = None
 
 
-def _run(suite: Suite, trial: Trial, episodes: int) -> _Found:
+def _run(suite: Suite, trial: Trial, episodes: int) -> tuple[_Found, list[Trace]]:
     options = suite.environment(trial.setting)
     env, seeds = f"ActiveSuit/{trial.setting.task}-v0", range(FIRST_SEED, FIRST_SEED + episodes)
     name = trial.policy.name
     given = name if name in (*REFERENCES, *BOUNDS) else trial.policy
     found, traces, _ = run(trial.label, given, env, seeds, threads=1, **options)
-    muscles, no_muscles = _muscles(traces) if suite.muscles else (None, None)
-    return _Found(
+    scored = _Found(
         _rounded(found.effort),
         _rounded(found.assisted_effort),
         _rounded(found.tracking),
         found.success,
         most_frequent(found.why),
-        muscles,
-        no_muscles,
     )
+    return scored, traces
 
 
-def _muscles(traces: Sequence[Trace]) -> tuple[MuscleScore | None, str | None]:
-    """Returns the score of the wearer's muscles, or why they cannot be scored."""
+def _scored(score: Score, traces: Sequence[Trace]) -> dict[str, Any]:
+    """Returns what a score keeps of the motions, or why they cannot be scored."""
     try:
-        found = muscle_scores(traces, threads=1)
+        found = score.scored(traces, threads=1, on_motion=lambda: None)
     except InputError as error:
-        return None, str(error)
-    rounded: dict[str, Any] = {}
-    for name, value in vars(found).items():
-        if name in MUSCLE_SERIES:
-            rounded[name] = {one: _rounded(values) for one, values in value.items()}
-        elif isinstance(value, dict):
-            rounded[name] = dict(zip(value, _rounded([*value.values()]), strict=True))
-        else:
-            (rounded[name],) = _rounded([value])
-    return MuscleScore(**rounded), None
+        return {"reason": str(error)}
+    packages = {name: version(name) for name in score.packages}
+    return {"costs": _plain(found.costs), "facts": _plain(found.facts), "packages": packages}
+
+
+def _plain(value: Any) -> Any:
+    """Returns a value of a score as JSON has it: rounded, and None where it is not finite."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return _rounded([value])[0] if math.isfinite(value) else None
 
 
 def _rounded(values: Sequence[float]) -> tuple[float, ...]:

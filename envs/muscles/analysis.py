@@ -23,8 +23,10 @@ import numpy as np
 from ...arrays import Array
 from ...errors import InputError
 from ..evaluation.rollout import Trace
+from ..extras import STANDARD
 from ..person import Person, isometric_strength, passive_torque, strength_limits
 from ..simulation.inverse_dynamics import Chain
+from ..simulation.simulation import Simulation
 from .constraint import constraint_torques
 from .mapping import AXES, OWN, THIRD
 from .metabolic import MODELS, muscle_masses
@@ -34,7 +36,6 @@ from .sharing import Cost, share
 SOFTNESS = 0.01  # [N²·m²], see `Cost`
 LINEAR = 0.05  # coefficient of a² beside that of a times volume, and of a² beside that of a³
 ALIKE = 1e-6  # relative difference of strengths that counts as none
-COSTS = ("squares", "cubes", "volume")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +59,6 @@ class Convention:
     metabolic: str = "Umberger 2010"
 
 
-STANDARD = "standard"
 CONVENTIONS: dict[str, Convention] = {
     STANDARD: Convention(),
     "relaxed": Convention(contraction=False),
@@ -123,13 +123,25 @@ class Shared(NamedTuple):
         activation: Activations, shape (samples, muscles).
         power: Metabolic power of each muscle [W], shape (samples, muscles).
         reserve: Torque that muscles do not give [N·m], shape (samples, axes).
-        missed: Greatest miss of the equations of a sample [N·m], shape (samples,).
     """
 
     activation: Array
     power: Array
     reserve: Array
-    missed: Array
+
+
+def check_wearer(simulation: Simulation) -> None:
+    """Checks, before anything moves, that muscles can give the wearer's torque.
+
+    Raises:
+        InputError: The extra `muscles` is missing, or the wearer tires.
+    """
+    MyoArm.load()
+    if simulation.fatigue:
+        raise InputError(
+            "muscles need a wearer who does not tire, since MyoArm is scaled by one factor: "
+            "choose another task, or set fatigue=false"
+        )
 
 
 def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Demand:
@@ -189,14 +201,14 @@ def share_among_muscles(
         wanted = np.concatenate([wanted, demand.contraction / demand.scale], axis=1)
     samples, rows, muscles = arms.shape
     activation, reserve = np.empty((samples, muscles)), np.empty((samples, rows))
-    missed = np.empty(samples)
     share(
         *(arms, geometry.full, wanted, equal, np.full((samples, muscles), convention.least)),
         np.full(muscles, np.nan) if before is None else before,
-        *(demand.dt, cost_of(convention.cost, arm), activation, reserve, missed),
+        *(demand.dt, _cost(convention.cost, arm), activation, reserve),
+        np.empty(samples),
     )
     power = MODELS[convention.metabolic](arm, geometry, activation)
-    return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal], missed)
+    return Shared(activation, demand.scale * power, demand.scale * reserve[:, :equal])
 
 
 def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
@@ -213,11 +225,8 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
     return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation
 
 
-def cost_of(name: str, arm: MyoArm) -> Cost:
-    """Returns what is least under a name of `COSTS`.
-
-    Beside the cube, and beside the volume, is a small square, which makes the answer unique.
-    """
+def _cost(name: str, arm: MyoArm) -> Cost:
+    """Returns what is least; beside cube or volume a small square makes the answer unique."""
     flat = np.zeros(len(arm.muscles))
     if name == "cubes":
         return Cost(flat, LINEAR, 1.0, SOFTNESS)

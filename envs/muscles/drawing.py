@@ -1,20 +1,31 @@
-"""Pictures of MyoArm in the posture of our arm, its muscles colored by their activation."""
+"""What an arm shows of its muscles while it moves: MyoArm beside it, colored by activation."""
+
+from collections import deque
+from itertools import pairwise
 
 import mujoco
 import numpy as np
 from matplotlib import colormaps
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
-from ..rendering import Renderer, RenderQuality
-from .myoarm import CHEST, MyoArm, lean, myoarm_spec
+from ...assets import JOINTS
+from ..evaluation.rollout import strength_left
+from ..rendering import Capsule
+from ..simulation.measurements import COLUMNS, TIME
+from ..simulation.simulation import Simulation
+from .analysis import CONVENTIONS, STANDARD, Moments, check_wearer, demand_of, share_among_muscles
+from .myoarm import BODIES, CHEST, MyoArm
 
 COLORS = "YlOrRd"
-CAMERA = "arm"
-EYE, TARGET = np.array([0.85, 0.2, 1.25]), np.array([0.24, -0.13, 0.0])
-"""Camera and the place it looks at, forward, up and right of the shoulder [m]."""
 WIDTH = 0.0055  # [m], of a muscle at rest
 SWELLING = 0.006  # [m], by which a fully active one is thicker
+MOMENTS = 3  # fewest control periods that accelerations need
+FORWARD_OUTWARD_UP = [0, 2, 1]  # columns of `MyoArm.trunk`
+BESIDE = np.array([0.0, 0.55, 0.0])  # [m], place of its shoulder from the wearer's
+BONE, BONE_COLOR = 0.011, np.array([0.9, 0.87, 0.78, 1.0])  # [m], radius
+SHOULDER, ELBOW = (JOINTS.index(name) for name in ("shoulder_flexion", "elbow_flexion"))
+PULLEY = -2  # `wrap_obj` where the path of a tendon is interrupted
 
 
 def color_of(active: ArrayLike) -> Array:
@@ -27,66 +38,92 @@ def width_of(active: ArrayLike) -> Array:
     return WIDTH + SWELLING * np.asarray(active)
 
 
-class MusclePanel:
-    """MyoArm beside a motion.
+class LiveMuscles:
+    """MyoArm's muscles on the first arm of a simulation.
+
+    Call it in each control period, since activation cannot change at once. The acceleration is
+    that of the last two periods. MyoArm stands outward of the wearer's arm, in its posture, with an
+    upper arm as long as the wearer's.
 
     Args:
-        angle: Our joint angles [rad], shape (samples, 4).
-        activation: Activations, shape (samples, muscles), as `MyoArm.muscles` orders them.
-        width: Width of the picture [pixels].
-        height: Height of the picture [pixels].
-        quality: Quality of the pictures.
+        simulation: The arm.
+
+    Raises:
+        InputError: The extra `muscles` is missing, or the wearer tires.
     """
 
-    def __init__(
-        self,
-        angle: Array,
-        activation: Array,
-        *,
-        width: int,
-        height: int,
-        quality: RenderQuality = "fast",
-    ) -> None:
-        self._arm = MyoArm.load()
-        self._theirs = self._arm.angles(angle)
-        self._activation = activation
-        self._size = width, height
-        self._most = max(float(activation.max()), 1e-3)
-        self._model = self._drawn()
-        self._data = mujoco.MjData(self._model)
-        self._tendons = [self._model.actuator(name).trnid[0] for name in self._arm.muscles]
-        self._renderer = Renderer(camera=CAMERA, width=width, height=height, quality=quality)
+    def __init__(self, simulation: Simulation) -> None:
+        check_wearer(simulation)
+        self._simulation, self._arm = simulation, MyoArm.load()
+        self._data = mujoco.MjData(self._arm.model)
+        self._tendons = [self._arm.model.actuator(name).trnid[0] for name in self._arm.muscles]
+        self._upper_arm = float(np.linalg.norm(self._arm.places(np.zeros((1, 4)))[0, 1]))
+        self._rows: deque[Array] = deque(maxlen=MOMENTS)
+        self._activation: Array | None = None
 
-    def picture(self, sample: int) -> NDArray[np.uint8]:
-        """Returns the picture of a sample, shape (height, width, 3)."""
-        model, data = self._model, self._data
-        share = self._activation[sample] / self._most
-        model.tendon_rgba[self._tendons] = color_of(share)
-        model.tendon_width[self._tendons] = width_of(share)
-        data.qpos[:] = self._arm.coupled @ self._theirs[sample]
-        mujoco.mj_fwdPosition(model, data)
-        return self._renderer.picture(model, data)
+    def __call__(self) -> list[Capsule]:
+        """Returns bones and muscles as they are now; nothing before the third control period."""
+        activation = self.activation()
+        if activation is None:
+            return []
+        points, bones = self._placed()
+        found = [Capsule(*ends, BONE, BONE_COLOR) for ends in pairwise(bones)]
+        data, parts = self._data, self._data.wrap_obj.ravel()
+        drawn = zip(self._tendons, width_of(activation), color_of(activation), strict=True)
+        for tendon, radius, color in drawn:
+            first = int(data.ten_wrapadr[tendon])
+            for i in range(first, first + int(data.ten_wrapnum[tendon]) - 1):
+                if PULLEY not in parts[i : i + 2]:
+                    found.append(Capsule(points[i], points[i + 1], float(radius), color))
+        return found
 
-    def close(self) -> None:
-        """Frees what OpenGL holds."""
-        self._renderer.close()
+    def activation(self) -> Array | None:
+        """Returns the activations of now, shape (muscles,); None before the third period."""
+        now = self._simulation.state.sensors.measured[0].copy()
+        if now[TIME] == 0:
+            self._rows.clear()
+            self._activation = None
+        elif not self._rows or now[TIME] > self._rows[-1][TIME]:
+            self._rows.append(now)
+            if len(self._rows) == MOMENTS:
+                self._activation = self._shared()
+        return self._activation
 
-    def _drawn(self) -> mujoco.MjModel:
-        """Compiles MyoArm with a camera and light beside it."""
-        arm, still = self._arm, mujoco.MjData(self._arm.model)
-        mujoco.mj_kinematics(arm.model, still)
-        axes = still.body(CHEST).xmat.reshape(3, 3) @ arm.trunk
-        shoulder = still.body("humerus_r").xpos
-        spec = myoarm_spec()
-        for part in [*spec.worldbody.geoms]:  # the room around it
-            spec.delete(part)
-        back = EYE - TARGET
-        right = np.cross([0.0, 1.0, 0.0], back)
-        up = np.cross(back, right)
-        spec.worldbody.add_camera(
-            name=CAMERA, pos=shoulder + axes @ EYE, xyaxes=[*(axes @ right), *(axes @ up)], fovy=33
+    def _shared(self) -> Array:
+        """Returns the activations that give the torque of the last period."""
+        measured = np.array(self._rows)
+        series = {
+            name: measured[:, COLUMNS[name]] for name in ("angle", "rate", "human_torque", "effort")
+        }
+        moments = Moments(
+            time=measured[:, TIME],
+            **series,
+            strength=strength_left(
+                self._simulation.state.muscles.strength[0], series["angle"], None
+            ),
+            fatigue=None,
+            dressed=self._simulation.dressed(0),
         )
-        whole = spec.visual.global_
-        whole.offwidth, whole.offheight = self._size
-        spec.visual.headlight.ambient, spec.visual.headlight.diffuse = [0.45] * 3, [0.5] * 3
-        return lean(spec)
+        demand = demand_of(moments, self._arm, threads=1).last()
+        convention = CONVENTIONS[STANDARD]
+        found = share_among_muscles(self._arm, demand, convention, before=self._activation)
+        return found.activation[0]
+
+    def _placed(self) -> tuple[Array, Array]:
+        """Returns the points of all tendons, and the ends of the bones, in the world [m]."""
+        arm, data = self._arm, self._data
+        angle = self._rows[-1][None, COLUMNS["angle"]]
+        data.qpos[:] = arm.coupled @ arm.angles(angle)[0]
+        mujoco.mj_kinematics(arm.model, data)
+        mujoco.mj_comPos(arm.model, data)
+        mujoco.mj_tendon(arm.model, data)
+        bones = np.array([data.body(name).xpos for name in BODIES])
+        axes = data.body(CHEST).xmat.reshape(3, 3) @ arm.trunk[:, FORWARD_OUTWARD_UP]
+        wearer = self._simulation.arm_of(int(self._simulation.state.conditions.wearer[0]))
+        shoulder, elbow = wearer.levers[[SHOULDER, ELBOW]]
+        axes = axes * (shoulder - elbow) / self._upper_arm
+        points, ends = (
+            wearer.from_shoulder((places - bones[0]) @ axes + BESIDE)
+            for places in (data.wrap_xpos.reshape(-1, 3), bones)
+        )
+        return points, ends

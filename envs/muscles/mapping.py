@@ -25,9 +25,6 @@ AXES = (
 OWN = (0, 1, 3, 5)
 """Axes that our four joints turn about, in the order of `JOINTS`."""
 
-CONSTRAINED = (2, 4, 6)
-"""Axes about which our arm does not turn."""
-
 THIRD = 2
 LEAST = 1e-3  # [rad], least elevation
 

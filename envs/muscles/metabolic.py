@@ -25,14 +25,6 @@ _UMBERGER = _OPENSIM.format("Umberger (2010), J. R. Soc. Interface 7, 1329-1340"
 _BHARGAVA = _OPENSIM.format("Bhargava, Pandy and Anderson (2004), J. Biomech. 37, 81-88")
 
 
-def _umberger(name: str, value: float, unit: str) -> Quantity:
-    return Quantity(f"metabolic.umberger.{name}", value, unit, _UMBERGER, "transcribed")
-
-
-def _bhargava(name: str, value: float, unit: str) -> Quantity:
-    return Quantity(f"metabolic.bhargava.{name}", value, unit, _BHARGAVA, "transcribed")
-
-
 _DENSITY = Quantity("metabolic.density", 1059.7, "kg/m³", _UMBERGER, "transcribed")
 _TENSION = Quantity(
     "metabolic.specific_tension",
@@ -43,53 +35,53 @@ _TENSION = Quantity(
     "assumed",
 )
 _SLOW = Quantity(
-    "metabolic.slow_fibres",
-    0.5,
-    "1",
-    "OpenSim's default for muscles of unknown composition",
-    "assumed",
+    *("metabolic.slow_fibres", 0.5, "1"),
+    *("OpenSim's default for muscles of unknown composition", "assumed"),
 )
 _LEAST_HEAT = Quantity(
-    "metabolic.least_heat",
-    1.0,
-    "W/kg",
-    f"Umberger et al. (2003), page 104; {_UMBERGER}",
-    "transcribed",
+    *("metabolic.least_heat", 1.0, "W/kg"),
+    *(f"Umberger et al. (2003), page 104; {_UMBERGER}", "transcribed"),
 )
-_AEROBIC = _umberger("aerobic", 1.5, "1")
-_ACTIVE = _umberger("active", 25.0, "W/kg")
-_ACTIVE_FAST = _umberger("active.fast", 128.0, "W/kg")
-_EXPONENT = _umberger("active.exponent", 0.6, "1")
-_BEYOND = _umberger("active.share_of_force", 0.6, "1")
-_SHORTENING_FAST = _umberger("shortening.fast", 153.0, "W/kg")
-_SHORTENING_SLOW = _umberger("shortening.slow", 100.0, "W/kg")
-_SLOWER = _umberger("shortening.slower", 2.5, "1")
-_LENGTHENING = _umberger("lengthening", 0.3, "1")
-_ACTIVATION = tuple(
-    _bhargava(f"activation.{kind}", value, "W/kg")
-    for kind, value in (("slow", 40.0), ("fast", 133.0))
-)
-_MAINTENANCE = tuple(
-    _bhargava(f"maintenance.{kind}", value, "W/kg")
-    for kind, value in (("slow", 74.0), ("fast", 111.0))
-)
-_OF_LENGTH = tuple(
-    _bhargava(f"maintenance.at_{length:g}_of_optimal_length", share, "1")
-    for length, share in ((0.0, 0.5), (0.5, 0.5), (1.0, 1.0), (1.5, 0.0))
-)
-_LENGTHS = (0.0, 0.5, 1.0, 1.5)
-_ISOMETRIC = _bhargava("shortening.isometric", 0.16, "1")
-_SHORTENING = _bhargava("shortening.force", 0.18, "1")
-_LENGTHENED = _bhargava("lengthening.force", 0.157, "1")
+_OF_UMBERGER = {
+    "aerobic": (1.5, "1"),
+    "active": (25.0, "W/kg"),
+    "active.fast": (128.0, "W/kg"),
+    "active.exponent": (0.6, "1"),
+    "active.share_of_force": (0.6, "1"),
+    "shortening.fast": (153.0, "W/kg"),
+    "shortening.slow": (100.0, "W/kg"),
+    "shortening.slower": (2.5, "1"),
+    "lengthening": (0.3, "1"),
+}
+_LENGTHS, _SHARES = (0.0, 0.5, 1.0, 1.5), (0.5, 0.5, 1.0, 0.0)  # over optimal length, of heat
+_OF_BHARGAVA = {
+    "activation.slow": (40.0, "W/kg"),
+    "activation.fast": (133.0, "W/kg"),
+    "maintenance.slow": (74.0, "W/kg"),
+    "maintenance.fast": (111.0, "W/kg"),
+    **{
+        f"maintenance.at_{length:g}_of_optimal_length": (share, "1")
+        for length, share in zip(_LENGTHS, _SHARES, strict=True)
+    },
+    "shortening.isometric": (0.16, "1"),
+    "shortening.force": (0.18, "1"),
+    "lengthening.force": (0.157, "1"),
+}
+_U, _B = ({name: value for name, (value, _) in of.items()} for of in (_OF_UMBERGER, _OF_BHARGAVA))
 
 LEAST_HEAT = _LEAST_HEAT.value
 """Least heat of a muscle [W/kg]: that of a muscle at rest."""
 
 PROVENANCE: tuple[Quantity, ...] = (
     *(_DENSITY, _TENSION, _SLOW, _LEAST_HEAT),
-    *(_AEROBIC, _ACTIVE, _ACTIVE_FAST, _EXPONENT, _BEYOND),
-    *(_SHORTENING_FAST, _SHORTENING_SLOW, _SLOWER, _LENGTHENING),
-    *(*_ACTIVATION, *_MAINTENANCE, *_OF_LENGTH, _ISOMETRIC, _SHORTENING, _LENGTHENED),
+    *(
+        Quantity(f"metabolic.{model}.{name}", value, unit, source, "transcribed")
+        for model, source, of in (
+            ("umberger", _UMBERGER, _OF_UMBERGER),
+            ("bhargava", _BHARGAVA, _OF_BHARGAVA),
+        )
+        for name, (value, unit) in of.items()
+    ),
 )
 
 
@@ -116,17 +108,16 @@ def umberger(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     Returns:
         The power, shape (samples, muscles).
     """
-    fast, aerobic = 1 - _SLOW.value, _AEROBIC.value
-    long, share = geometry.length > 1, geometry.isometric / arm.peak
-    active = (_ACTIVE.value + _ACTIVE_FAST.value * fast) * activation**_EXPONENT.value
-    active = active * np.where(long, 1 - _BEYOND.value * (1 - share), 1)
+    fast, long, share = 1 - _SLOW.value, geometry.length > 1, geometry.isometric / arm.peak
+    active = (_U["active"] + _U["active.fast"] * fast) * activation ** _U["active.exponent"]
+    active = active * np.where(long, 1 - _U["active.share_of_force"] * (1 - share), 1)
     shortening = np.maximum(-geometry.speed, 0) / arm.optimal / arm.fastest
     lengthening = np.maximum(geometry.speed, 0) / arm.optimal / arm.fastest
-    slow_rate = _SHORTENING_SLOW.value * _SLOWER.value
-    slow = np.minimum(slow_rate * shortening, _SHORTENING_SLOW.value)
-    moving = activation**2 * (_SLOW.value * slow + fast * _SHORTENING_FAST.value * shortening)
-    moving = moving + activation * _LENGTHENING.value * slow_rate * lengthening
-    heat = aerobic * (active + moving * np.where(long, share, 1))
+    slow_rate = _U["shortening.slow"] * _U["shortening.slower"]
+    slow = np.minimum(slow_rate * shortening, _U["shortening.slow"])
+    moving = activation**2 * (_SLOW.value * slow + fast * _U["shortening.fast"] * shortening)
+    moving = moving + activation * _U["lengthening"] * slow_rate * lengthening
+    heat = _U["aerobic"] * (active + moving * np.where(long, share, 1))
     return _with_work(arm, geometry, activation, muscle_masses(arm) * heat)
 
 
@@ -145,21 +136,19 @@ def bhargava(arm: MyoArm, geometry: Geometry, activation: Array) -> Array:
     Returns:
         The power, shape (samples, muscles).
     """
-    recruited = (
-        _SLOW.value * np.sin(np.pi / 2 * activation),
-        (1 - _SLOW.value) * (1 - np.cos(np.pi / 2 * activation)),
-    )
+    slow = _SLOW.value * np.sin(np.pi / 2 * activation)
+    fast = (1 - _SLOW.value) * (1 - np.cos(np.pi / 2 * activation))
     active, maintained = (
-        sum(rate.value * part for rate, part in zip(rates, recruited, strict=True))
-        for rates in (_ACTIVATION, _MAINTENANCE)
+        _B[f"{kind}.slow"] * slow + _B[f"{kind}.fast"] * fast
+        for kind in ("activation", "maintenance")
     )
-    shares = [share.value for share in _OF_LENGTH]
-    heat = active + np.interp(geometry.length, _LENGTHS, shares) * maintained
+    heat = active + np.interp(geometry.length, _LENGTHS, _SHARES) * maintained
     force = activation * geometry.full
-    shortening = _ISOMETRIC.value * activation * geometry.isometric + _SHORTENING.value * force
-    lengthened = _LENGTHENED.value * force
-    moving = np.where(geometry.speed <= 0, shortening, lengthened) * -geometry.speed
-    return _with_work(arm, geometry, activation, muscle_masses(arm) * heat + moving)
+    shortening = _B["shortening.isometric"] * activation * geometry.isometric
+    shortening = shortening + _B["shortening.force"] * force
+    moving = np.where(geometry.speed <= 0, shortening, _B["lengthening.force"] * force)
+    power = muscle_masses(arm) * heat - moving * geometry.speed
+    return _with_work(arm, geometry, activation, power)
 
 
 def _with_work(arm: MyoArm, geometry: Geometry, activation: Array, heat: Array) -> Array:

@@ -18,6 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.metadata import version
 from typing import NamedTuple
 
 import mujoco
@@ -238,21 +239,20 @@ def myoarm_spec() -> mujoco.MjSpec:
         try:
             spec = myo_sim.load_spec("myoarm_r")
         except (ValueError, AttributeError, OSError) as error:
-            raise InputError(
-                f"myo-sim {myo_sim.__version__} has no arm 'myoarm_r' ({error}): install version "
-                "0.2.3 or newer"
-            ) from None
+            raise _unfit(f"no arm 'myoarm_r' ({error})") from None
     has = {part.name for part in (*spec.joints, *spec.actuators, *spec.bodies)}
     for kind, names in (("joint", JOINTS), ("muscle", MUSCLES), ("body", (CHEST, *BODIES))):
         for name in names:
             if name not in has:
-                raise InputError(
-                    f"the arm of myo-sim {myo_sim.__version__} has no {kind} {name!r}: install "
-                    "version 0.2.3 or newer"
-                )
+                raise _unfit(f"an arm without the {kind} {name!r}")
     for key in spec.keys:
         spec.delete(key)
     return spec
+
+
+def _unfit(what: str) -> InputError:
+    installed = version("myo-sim")
+    return InputError(f"myo-sim {installed} has {what}: install version 0.2.3 or newer")
 
 
 @contextmanager
@@ -287,10 +287,7 @@ def _coupled(model: mujoco.MjModel) -> Array:
     for i in range(model.neq):
         line = model.eq_data[i]
         if model.eq_type[i] != mujoco.mjtEq.mjEQ_JOINT or line[[0, 2, 3, 4]].any():
-            raise InputError(
-                "the arm of this myo-sim has an equality that is no line between two joints: "
-                "install version 0.2.3"
-            )
+            raise _unfit("an arm with an equality that is no line between two joints")
         one, other = (model.jnt_dofadr[ids[i]] for ids in (model.eq_obj1id, model.eq_obj2id))
         found[one] = 0
         found[one, other] = line[1]

@@ -1,7 +1,6 @@
 """`activesuit animate`: an animation of an assisted motion with its torque-angle loops."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +11,8 @@ from ...arrays import Array
 from ...assets import JOINTS
 from ...checks import check_seed
 from ...envs.animation import LoopPanel
-from ...envs.evaluation import Trace, rollout
+from ...envs.evaluation import rollout
+from ...envs.extras import DRAWINGS
 from ...envs.making import make_arms
 from ...envs.policies import Policy, make_policy, needed_options
 from ...envs.simulation.plan import Motion
@@ -23,7 +23,7 @@ from ...errors import InputError, shown
 from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
 from ..film import FILMS, FPS, Fps, Picture, Quality, film_writer, filmed, stride_of
-from ..options import Force, PolicyName, Seed, Suit, Trust, env_option, gravity_option
+from ..options import Draw, Force, PolicyName, Seed, Suit, Trust, env_option, gravity_option
 from ..output import progress, say
 from ..runs import scene
 from ..settings import LIMIT
@@ -48,7 +48,7 @@ def animate(
     gravity: Annotated[str | None, gravity_option("microgravity")] = None,
     arm: ArmOptions = USUAL,
     seed: Seed = 0,
-    muscles: bool = False,
+    draw: Draw = None,
     camera: str = "overview",
     fps: Fps = FPS,
     width: int = 960,
@@ -57,22 +57,18 @@ def animate(
     force: Force = False,
     trust: Trust = False,
 ) -> None:
-    """Draw an assisted motion with its loops or muscles as an animation.
+    """Draw an assisted motion with its loops as an animation.
 
     Without an environment it is a reach that loops without a seam; with one, a whole episode.
 
     Args:
         out: Name of the film, ending with .gif or .mp4 (which needs the extra activesuit[video]).
-        muscles: Draw the muscles of the arm, colored by their activation, in place of the loops
-            (needs the extra muscles).
         camera: Camera of the film: overview, front, side, elbow, cuffs or follow.
         width: Width of the film [pixels].
         height: Height of the film [pixels].
     """
     write = _writer(out, force)
     check_seed(seed)
-    if muscles:
-        _check_muscles()
     _check_size(width, height)
     usual = {"env": REACH, "gravity": "microgravity"}
     chosen = scene(
@@ -101,11 +97,12 @@ def animate(
         arms = ArmVectorEnv(1, _Reaching(name="Reaching", duration=CYCLES * PERIOD), **options)
     else:
         arms = make_arms(chosen.env, 1, **options)
+    if draw is not None:
+        arms.renderer.beside = DRAWINGS.find(draw)(arms.episodes.simulation)
     stride = stride_of(fps, arms.control_dt)
     actor = make_policy(acting, arms)
     with replacing(out, force=force) as scratch:
-        make = _muscle_panel if muscles else _loop_panel
-        write(scratch, _film(arms, actor, seed, stride, partial(make, panel_width, height)), fps)
+        write(scratch, _film(arms, actor, seed, stride, panel_width, height), fps)
     arms.close()
     say(f"wrote {out}")
 
@@ -123,13 +120,9 @@ class _Reaching(Task):
 
 
 def _film(
-    arms: ArmVectorEnv,
-    policy: Policy,
-    seed: int,
-    stride: int,
-    panel_of: Callable[[Trace, slice, bool], Callable[[int], Picture]],
+    arms: ArmVectorEnv, policy: Policy, seed: int, stride: int, width: int, height: int
 ) -> list[Picture]:
-    """Films a whole episode, or the last cycle of a periodic motion."""
+    """Films a whole episode, or the last cycle of a periodic motion, with a panel of that size."""
     samples, reaching = round(arms.duration / arms.control_dt), isinstance(arms.task, _Reaching)
     cycle = samples // CYCLES if reaching else samples
     with filmed(arms, stride, begin=samples - cycle) as film:
@@ -144,44 +137,14 @@ def _film(
         part, shift = slice(-cycle - 1, -1), samples - cycle
     else:
         part, shift = slice(None), 1
-    picture = panel_of(trace, part, reaching)
+    torques = -trace.suit_torque[part], trace.human_torque[part]
+    panel = LoopPanel(trace.angle[part], *torques, width=width, height=height, closed=reaching)
     frames = film.pictures
     with progress("panels beside the arm", len(frames)) as bar:
         for i, step in enumerate(film.steps):
-            frames[i] = np.hstack([frames[i], picture(max(step - shift, 0))])
+            frames[i] = np.hstack([frames[i], panel.picture(max(step - shift, 0))])
             bar.advance()
     return frames
-
-
-def _loop_panel(
-    width: int, height: int, trace: Trace, part: slice, closed: bool
-) -> Callable[[int], Picture]:
-    return LoopPanel(
-        trace.angle[part],
-        -trace.suit_torque[part],
-        trace.human_torque[part],
-        width=width,
-        height=height,
-        closed=closed,
-    ).picture
-
-
-def _muscle_panel(
-    width: int, height: int, trace: Trace, part: slice, closed: bool
-) -> Callable[[int], Picture]:
-    from ...envs.muscles import muscle_activation
-    from ...envs.muscles.drawing import MusclePanel
-
-    del closed
-    activation = muscle_activation(trace)[part]
-    return MusclePanel(trace.angle[part], activation, width=width, height=height).picture
-
-
-def _check_muscles() -> None:
-    """Reports a missing extra before anything is simulated."""
-    from ...envs.muscles import MyoArm
-
-    MyoArm.load()
 
 
 def _periodic(time: Array, turns: Sequence[tuple[float, float]]) -> Array:

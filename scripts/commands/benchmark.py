@@ -10,17 +10,16 @@ import tyro
 from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial, suite
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
 from ...envs.benchmark.standings import FIXED, Standings
+from ...envs.extras import SCORES
 from ...envs.making import make_arms
-from ...envs.muscles import MyoArm
 from ...envs.policies import make_policy, needed_options
-from ...envs.tasks import TASKS
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
 from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
 from ..html.writing import write_report
-from ..options import Force, Json, Trust, choice
+from ..options import Force, Json, Scores, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
 from ..output import Rows, RunFolder, progress, say, table, telling, to_json
@@ -33,12 +32,7 @@ from ..reports.leaderboard import (
     profile_figure,
     task_rows,
 )
-from ..reports.muscles import (
-    TIRES,
-    benchmark_muscle_remarks,
-    muscle_level_rows,
-    muscle_task_rows,
-)
+from ..reports.scores import Said, benchmark_says
 from ..reports.why import benchmark_remarks
 from ..runs import refuse_observed
 from ..settings import settings
@@ -62,7 +56,7 @@ def benchmark(
     believed: tuple[str, ...] = (),
     episodes: int | None = None,
     set: Settings = (),
-    muscles: bool = False,
+    score: Scores = (),
     workers: int = -1,
     backend: Backend = "loky",
     out: Path | None = None,
@@ -88,9 +82,6 @@ def benchmark(
             (run).
         set: Any options of the environment, by their names in Python: fatigue=true
             sensing.rate_cutoff=10 (run). Their results have a contract of their own.
-        muscles: Score the muscles of the arm too: metabolic power and activation, by static
-            optimization on MyoArm (run; needs the extra muscles). For table: add their tables, from
-            results of trials with muscles.
         workers: Number of trials at once; -1 uses all cores, or the whole cluster (run).
         backend: Place of the trials (run): processes (loky) or threads of this machine, or a
             cluster of ray or dask, which RAY_ADDRESS or DASK_SCHEDULER_ADDRESS names.
@@ -108,34 +99,26 @@ def benchmark(
             believed=believed,
             episodes=episodes,
             options=settings([one for together in set for one in together]),
-            muscles=muscles,
+            scores=score,
             trust=trust,
         )
         check_backend(backend, workers)
         refuse_observed(chosen.options, [*chosen.policies.values()])
         if policies or believed or set:
             _check(chosen)
-        if muscles:
-            _check_muscles(chosen)
+        _check_scores(chosen)
         folder = _folder(out or Path("runs/benchmark"), chosen, force)
         with telling(lambda: _kept(folder, chosen)):
             found = _run(folder, chosen, backend, workers)
         folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {**_config(chosen), "backend": backend}, muscles)
+        _report(found, folder, json, {**_config(chosen), "backend": backend})
         return
-    if muscles and what == "compare":
-        raise InputError("compare has no muscles: use table, or leave --muscles out")
     found = read_results(results)
-    if muscles and not any(one.asked_for_muscles for one in found):
-        raise InputError(
-            "these trials were run without muscles: run the benchmark with --muscles, or leave "
-            "--muscles out"
-        )
     folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
-        _report(found, folder, json, {"results": results}, muscles)
+        _report(found, folder, json, {"results": results})
     else:
         _compare(Standings(found), policies or (BASELINE,), json)
 
@@ -150,11 +133,21 @@ def _check(chosen: Suite) -> None:
             arms.close()
 
 
-def _check_muscles(chosen: Suite) -> None:
-    """Reports a missing extra, and wearers who tire in every task, before anything has run."""
-    MyoArm.load()
-    if all(chosen.options.get("fatigue", TASKS[name].fatigue) for name in chosen.tasks):
-        raise InputError(TIRES)
+def _check_scores(chosen: Suite) -> None:
+    """Reports a score that no task can have, before anything has run."""
+    for name in chosen.scores:
+        refused: InputError | None = None
+        for setting in {one.task: one for one in chosen.settings}.values():
+            arms = make_arms(f"ActiveSuit/{setting.task}-v0", 1, **chosen.environment(setting))
+            try:
+                SCORES.find(name).check(arms.episodes.simulation)
+            except InputError as error:
+                refused = error
+            else:
+                refused = None
+                break
+        if refused is not None:
+            raise refused
 
 
 def _report(
@@ -162,13 +155,13 @@ def _report(
     folder: RunFolder | None,
     json: bool,
     settings: dict[str, Any],
-    muscles: bool,
 ) -> None:
     standings = Standings(found)
-    tables = _tables(standings, muscles)
+    scores = benchmark_says(found)
+    tables = _tables(standings, scores)
     if folder:
         title = "# Controllers compared"
-        folder.text("tables.md", page(standings, title, "profiles.png", muscles=muscles))
+        folder.text("tables.md", page(standings, title, "profiles.png", scores))
         folder.figure("profiles", profile_figure(standings))
         write_report(
             *(folder, folder.command, f"{standings.count} trials"),
@@ -182,7 +175,7 @@ def _report(
     for title, rows in tables.items():
         if len(rows[0]) <= WIDEST or BY_TASK not in title:
             table(title, *rows, left=1)
-    for remark in benchmark_muscle_remarks(found) if muscles else ():
+    for remark in [sentence for one in scores.values() for sentence in one.remarks]:
         say(remark)
     for remark in benchmark_remarks(found):
         say(remark)
@@ -195,15 +188,12 @@ def _report(
         say(f"wrote {folder.path}/{RESULTS}, tables.md and profiles.png")
 
 
-def _tables(standings: Standings, muscles: bool) -> dict[str, Rows]:
+def _tables(standings: Standings, scores: dict[str, Said]) -> dict[str, Rows]:
     """Returns the tables of all levels by their titles."""
     levels = standings.levels
     tables = {f"{one}: all tasks": level_rows(standings, one) for one in levels}
     tables |= {f"{one}: success and relief {BY_TASK}": task_rows(standings, one) for one in levels}
-    for one in levels if muscles else ():
-        tables[f"{one}: muscles"] = muscle_level_rows(standings, one)
-        tables[f"{one}: power and its relief {BY_TASK}"] = muscle_task_rows(standings, one)
-    return tables
+    return tables | {title: rows for one in scores.values() for title, rows in one.tables.items()}
 
 
 def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> None:
@@ -262,7 +252,7 @@ def _config(chosen: Suite) -> dict[str, Any]:
                 "episodes": chosen.episodes,
                 "policies": {name: spec.to_dict() for name, spec in chosen.policies.items()},
                 **({"options": chosen.options} if chosen.options else {}),
-                **({"muscles": True} if chosen.muscles else {}),
+                **({"scores": chosen.scores} if chosen.scores else {}),
             }
         )
     )

@@ -1,7 +1,7 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.evaluation.compare import Policies, named_policies
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
+from ...envs.extras import SCORES
 from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
@@ -19,8 +20,20 @@ from ...errors import InputError
 from ..arm_options import USUAL, ArmOptions
 from ..conclusion import conclude
 from ..html.motions import write_motions
-from ..options import Env, EvaluatedName, Force, Gravity, Json, Level, Suit, TaskName, Trust
-from ..output import Rows, RunFolder, progress
+from ..html.subjects import SCORE
+from ..options import (
+    Env,
+    EvaluatedName,
+    Force,
+    Gravity,
+    Json,
+    Level,
+    Scores,
+    Suit,
+    TaskName,
+    Trust,
+)
+from ..output import RunFolder, conclude, progress
 from ..reports.motions import (
     agreement,
     cuff_remarks,
@@ -32,6 +45,7 @@ from ..reports.motions import (
     units_table,
     write_scores,
 )
+from ..reports.scores import Said, drawn_policies, evaluation_says
 from ..reports.why import why_remarks
 from ..runs import Scene, scene
 
@@ -64,7 +78,7 @@ def evaluate(
     suit: Suit = None,
     gravity: Gravity = None,
     unadapted: bool = False,
-    muscles: bool = False,
+    score: Scores = (),
     table: bool = False,
     out: Path | None = None,
     force: Force = False,
@@ -87,16 +101,14 @@ def evaluate(
         seed: Seed of the first motion.
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
-        muscles: Score the muscles of the arm too: metabolic power and activation, by static
-            optimization on MyoArm (needs the extra muscles).
         table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
         out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
             with --table: a new or an empty one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
-    if table and muscles:
-        raise InputError("--table has no muscles: leave out --table or --muscles")
+    if table and score:
+        raise InputError("--table has no scores of extras: leave out --table or --score")
     if table:
         policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
     scenes = list(
@@ -113,7 +125,7 @@ def evaluate(
         )
     )
     for chosen in scenes[:1]:
-        _check(chosen, muscles=muscles)
+        _check(chosen, score)
     if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
@@ -147,9 +159,10 @@ def evaluate(
                 *cuff_remarks(scores),
                 *guard_remarks(scores),
             ]
-        if muscles:
-            tables["Muscles"], sentences = _add_muscles(found, results[-1], folder)
-            remarks += sentences
+        for name in score:
+            said = _add_score(name, found, results[-1], folder)
+            tables |= said.tables
+            remarks += said.remarks
         if folder:
             name = "motions.csv" if not table else f"motions-{len(results)}.csv"
             write_scores(folder, name, scores, seed)
@@ -161,7 +174,7 @@ def evaluate(
     result |= {"settings": results} if table else results[0]
     options = {} if table else scenes[0].options
     settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
-    settings_of_run |= {"seed": seed, "unadapted": unadapted, "muscles": muscles, **options}
+    settings_of_run |= {"seed": seed, "unadapted": unadapted, "score": score, **options}
     conclude(
         *(result, tables, remarks),
         folder=folder,
@@ -203,21 +216,23 @@ def run(
         )
 
 
-def _add_muscles(
-    found: Evaluation, result: dict[str, Any], folder: RunFolder | None
-) -> tuple[Rows, list[str]]:
-    """Scores the muscles, adds them to a result, draws them, and returns table and remarks."""
-    # An optional extra, and slow to import.
-    from ...envs.muscles.figures import activation_figure
-    from ..reports import muscles
-
-    scores = muscles.scored(found)
-    for name, values in muscles.muscle_values(scores).items():
-        result["scores"][name]["muscles"] = values
-    if folder:
-        shown = muscles.shown_motions(found, scores)
-        folder.figure("muscles", activation_figure({name: found.traces[name][0] for name in shown}))
-    return muscles.muscle_table(scores), list(muscles.muscle_remarks(scores))
+def _add_score(
+    name: str, found: Evaluation, result: dict[str, Any], folder: RunFolder | None
+) -> Said:
+    """Adds the score of an extra to a result, draws it, and returns what it says."""
+    score = SCORES.find(name)
+    with progress(name, sum(map(len, found.traces.values()))) as bar:
+        scored = {
+            policy: score.scored(traces, threads=0, on_motion=bar.advance)
+            for policy, traces in found.traces.items()
+        }
+    said, values = evaluation_says(name, scored)
+    for policy, its in values.items():
+        result["scores"][policy][name] = its
+    if folder and score.figure is not None:
+        drawn = {policy: found.traces[policy][0] for policy in drawn_policies(name, scored)}
+        folder.figure(f"{SCORE}{name}", score.figure(drawn))
+    return said
 
 
 def _scenes(
@@ -245,19 +260,13 @@ def _scenes(
         yield replace(chosen, options={**chosen.options, "coupling": coupling})
 
 
-def _check(chosen: Scene, *, muscles: bool) -> None:
+def _check(chosen: Scene, scores: Sequence[str]) -> None:
     """Reports a mistake before a folder is made."""
     named_policies(chosen.policies)
-    if muscles:
-        from ...envs.muscles import MyoArm
-
-        MyoArm.load()
     for policy in chosen.policies:
         needed = {} if policy in BOUNDS else needed_options(policy)
         arms = make_arms(chosen.env, 1, **{**chosen.options, **needed})
-        if muscles and arms.episodes.simulation.fatigue:
-            from ..reports.muscles import TIRES
-
-            raise InputError(TIRES)
+        for name in scores:
+            SCORES.find(name).check(arms.episodes.simulation)
         if policy not in BOUNDS:
             make_policy(policy, arms)

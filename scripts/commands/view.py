@@ -10,6 +10,7 @@ import gymnasium
 import mujoco
 
 from ...checks import check_seed
+from ...envs.extras import DRAWINGS
 from ...envs.making import make_env
 from ...envs.model import ArmConfig, arm_spec, compose
 from ...envs.policies import Policy, make_policy, needed_options
@@ -20,15 +21,15 @@ from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
 from ..film import Quality
 from ..live import panel
-from ..options import Env, Force, Gravity, PolicyName, Seed, Suit, Trust
+from ..options import Draw, Env, Force, Gravity, PolicyName, Seed, Suit, Trust
 from ..output import say
 from ..runs import scene
-from ..stage import Stage, live_muscles
+from ..stage import Stage
 
 LARGEST = 4096  # pixels of a side of a snapshot
 View = tuple[tuple[float, float, float], float]
 WHOLE: View = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of what a browser shows
-WITH_MUSCLES: View = (-0.3, -0.65, 1.2), 1.5  # the same, where muscles are beside the arm
+WITH_DRAWING: View = (-0.3, -0.65, 1.2), 1.5  # the same, where something is beside the arm
 VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 
@@ -39,7 +40,7 @@ def view(
     gravity: Gravity = None,
     arm: ArmOptions = USUAL,
     seed: Seed = 0,
-    muscles: bool = False,
+    draw: Draw = None,
     web: bool = False,
     host: str = "localhost",
     port: int = PORT,
@@ -57,8 +58,6 @@ def view(
     Each next motion has the next seed.
 
     Args:
-        muscles: Draw the muscles of the arm beside it, colored by their activation (needs the extra
-            muscles).
         web: Serve to a browser instead of opening a window. Only who has the printed address, which
             holds a token, can use the page; it is not encrypted.
         host: Address that the web page listens on: localhost, which only programs on this machine
@@ -73,10 +72,9 @@ def view(
         height: Height of the snapshot [pixels].
     """
     check_seed(seed)
-    if muscles and snapshot is not None:
+    if draw is not None and snapshot is not None:
         raise InputError(
-            "both muscles and snapshot are given, and a still arm has no activation: use animate "
-            "--muscles"
+            "both draw and snapshot are given, and a drawing is of a moving arm: use animate --draw"
         )
     chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), trusted=trust)
     (acting,) = chosen.policies
@@ -89,8 +87,8 @@ def view(
     if web:
         check_address(host, port)
         with suppress(KeyboardInterrupt):
-            stage = Stage(chosen, seed, muscles=muscles)
-            _serve(stage, host, port, WITH_MUSCLES if muscles else WHOLE)
+            stage = Stage(chosen, seed, draw=draw)
+            _serve(stage, host, port, WITH_DRAWING if draw else WHOLE)
         return
     made, simulated = make_env(
         chosen.env,
@@ -98,8 +96,8 @@ def view(
         render_mode="human",
         render_quality=quality,
     )
-    if muscles:
-        simulated.renderer.beside = live_muscles(simulated)
+    if draw is not None:
+        simulated.renderer.beside = DRAWINGS.find(draw)(simulated.episodes.simulation)
     with suppress(KeyboardInterrupt):
         _open_window(_move(made, make_policy(acting, simulated), seed))
     made.close()

@@ -25,6 +25,7 @@ MOTION_PICTURES = {
     "strain": "Effort, fatigue and heat",
     "cuff-forces": "Forces of the cuffs",
 }
+SCORE = "score-"  # begins the name of a picture of an extra
 NO_CHART = ("strain", "cuff-forces")  # of these a page has the picture in any case
 Blocks = Callable[[Path, Contents], Iterator[Section]]
 
@@ -86,8 +87,8 @@ def _evaluate(folder: Path, contents: Contents) -> Iterator[Section]:
             layout=layout,
         )
         yield Section(title="Relief", blocks=[chart])
-    muscles = Picture(name="muscles.png", title="Activation of the muscles in the first motion")
-    yield Section(title="Muscles", blocks=[muscles])
+    pictures = [Picture(name=path.name, title=path.stem) for path in folder.glob(f"{SCORE}*.png")]
+    yield Section(title="Scores of extras", blocks=sorted(pictures, key=lambda one: one.name))
     yield from _motions(folder, contents)
 
 

@@ -1,12 +1,11 @@
 """The benchmark as tables, a page and a figure."""
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...envs.benchmark.results import MYO_SIM
 from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
 from ...envs.benchmark.suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 from ...envs.evaluation import Interval
@@ -17,23 +16,17 @@ from ...errors import shown
 from ..output import Rows, markdown_table
 from ..text import without_markup
 from .motions import interval_text
-from .muscles import muscle_level_rows, muscle_task_rows
+from .scores import Said
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium", MYO_SIM)
+PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
-MUSCLE_COLUMNS = (
-    "*Power* is the metabolic power of all muscles and *active* their root mean square activation, "
-    "means over motions and settings. *Relief* is the share of the suit's cost in power or "
-    "activation that is given back, as above, and *its range* that over all conventions of sharing "
-    "torque among muscles. *Most loaded* are three muscles with the greatest activation in a "
-    "setting."
-)
-MUSCLE_CELLS = (
-    "Each row is a setting. Each cell has the metabolic power under a policy there, then its mean "
-    "relief."
+COSTS = (
+    "Each row is a policy: the mean of a cost over motions and settings, the share of the suit's "
+    "cost that is given back, as above, and the range of that over all conventions. By task each "
+    "cell has the mean cost, then its relief."
 )
 LOWEST = -1.0  # relief at which the figure begins
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best policies
@@ -125,14 +118,14 @@ def difference_rows(standings: Standings, one: str, other: str) -> Rows:
     return ["task", "level", "believed", "difference\n(95 % interval)"], rows
 
 
-def page(standings: Standings, title: str, figure: str, *, muscles: bool = False) -> str:
+def page(standings: Standings, title: str, figure: str, scores: Mapping[str, Said]) -> str:
     """Returns all tables as Markdown, with the protocol above them.
 
     Args:
         standings: Results.
         title: Heading of the page.
         figure: Name of the file of the performance profiles.
-        muscles: Whether there are tables of muscles.
+        scores: What the results say about scores of extras, by the name of each.
     """
     protocol = {key: without_markup(str(value)) for key, value in standings.protocol.items()}
     versions = ", ".join(f"{name} {protocol[name]}" for name in PACKAGES if name in protocol)
@@ -159,13 +152,10 @@ def page(standings: Standings, title: str, figure: str, *, muscles: bool = False
     for level in standings.levels:
         title = f"## {level}, by task: success and relief"
         parts.append(f"{title}\n\n{CELLS}\n\n{_turned(task_rows(standings, level))}\n")
-    for level in standings.levels if muscles else ():
-        whole = markdown_table(*_safe(muscle_level_rows(standings, level)))
-        parts.append(f"## {level}: muscles\n\n{MUSCLE_COLUMNS}\n\n{whole}\n")
-        title = f"## {level}, by task: metabolic power and its relief"
-        parts.append(
-            f"{title}\n\n{MUSCLE_CELLS}\n\n{_turned(muscle_task_rows(standings, level))}\n"
-        )
+    for name, said in scores.items():
+        parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
+        for title, rows in said.tables.items():
+            parts.append(f"### {title}\n\n{markdown_table(*_safe(rows))}\n")
     parts.append(
         f"Made by `activesuit benchmark table` from {standings.count} trials of suite version "
         f"{protocol.get('suite_version')}, with seeds from {protocol.get('first_seed')} "

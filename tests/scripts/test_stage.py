@@ -105,7 +105,7 @@ def test_muscles_move_with_the_arm_and_reach_the_viewer(monkeypatch):
     messages = pytest.importorskip("mujoco.studio.messages")
     shorten_tasks(monkeypatch, 1.0)
     chosen = scene(USUAL, env="ActiveSuit/ElbowFlexion-v0", policies=("none",))
-    stage = Stage(chosen, seed=0, muscles=True)
+    stage = Stage(chosen, seed=0, draw="muscles")
     motion = stage.motion()
     advance(motion, 3)
     assert stage.live.beside == []

@@ -1,6 +1,6 @@
 """The elbow that muscles move: Gymnasium's checks, tracking, assistance, pushes and bad input."""
 
-import activesuit  # noqa: F401, registers environments
+import activesuit.envs.muscles  # noqa: F401, registers the environment
 import gymnasium
 import numpy as np
 import pytest

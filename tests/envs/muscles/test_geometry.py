@@ -120,7 +120,7 @@ def test_models_that_lack_a_part_are_refused(monkeypatch, kind, name):
             body = body.add_body(mass=1, inertia=[1, 1, 1])
             body.add_joint(name=joint)
     monkeypatch.setattr(myo_sim, "load_spec", lambda _: spec)
-    with pytest.raises(InputError, match=f"has no {kind} '{name}': install version"):
+    with pytest.raises(InputError, match=f"without the {kind} '{name}': install version"):
         myoarm_spec()
 
 

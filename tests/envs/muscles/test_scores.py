@@ -4,14 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from activesuit.envs.benchmark.costs import cost_of
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.muscles import (
-    CONVENTIONS,
-    STANDARD,
-    muscle_relief,
-    muscle_scores,
-    relief_range,
-)
+from activesuit.envs.muscles import CONVENTIONS, STANDARD, muscle_scores
+from activesuit.envs.muscles.scores import SCORE
 from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.errors import InputError
 
@@ -35,35 +31,40 @@ def scores(traces):
 
 def test_each_motion_has_a_value_under_each_convention(scores):
     for score in scores.values():
-        assert set(score.power) == set(score.effort) == set(CONVENTIONS)
-        assert all(len(values) == 8 for values in score.power.values())
-        assert min(score.power[STANDARD]) > score.rest > 1
-        assert score.reserve < 0.01 and score.saturated == 0 and score.outside == 0
-        assert len(score.loaded) == 3
+        assert set(score.costs["power"]) == set(score.costs["effort"]) == set(CONVENTIONS)
+        assert all(len(values) == 8 for values in score.costs["power"].values())
+        assert min(score.costs["power"][STANDARD]) > score.facts["rest"] > 1
+        assert (
+            score.facts["reserve"] < 0.01
+            and score.facts["saturated"] == 0
+            and score.facts["outside"] == 0
+        )
+        assert len(score.facts["loaded"]) == 3
 
 
 def test_suit_and_exoskeleton_cost_the_muscles(scores):
-    power = {name: np.mean(score.power[STANDARD]) for name, score in scores.items()}
+    power = {name: np.mean(score.costs["power"][STANDARD]) for name, score in scores.items()}
     assert power["unsuited"] < power["suited"] < power["none"]
-    relief = muscle_relief(*(scores[name] for name in ("unsuited", "suited", "none")))
-    assert relief is not None and relief.high < 0
-    low, high = relief_range(*(scores[name] for name in ("unsuited", "suited", "none")))
-    assert low <= relief.value <= high and high - low > 0.01
+    found = cost_of(scores, "none", "power", SCORE.least["power"])
+    assert found.mean == power["none"] and found.relief is not None and found.relief.high < 0
+    low, high = found.between
+    assert low <= found.relief.value <= high and high - low > 0.01
 
 
 def test_the_relief_of_the_references_is_known(scores):
-    for what in ("power", "effort"):
+    for what, least in SCORE.least.items():
         for name, value in (("unsuited", 1), ("suited", 0)):
-            found = muscle_relief(scores["unsuited"], scores["suited"], scores[name], what)
-            assert found is not None and found.value == pytest.approx(value)
-    assert muscle_relief(scores["suited"], scores["suited"], scores["none"]) is None
+            found = cost_of(scores, name, what, least)
+            assert found.relief is not None and found.relief.value == pytest.approx(value)
+    alike = {**scores, "unsuited": scores["suited"]}
+    assert cost_of(alike, "none", "power", 0.5)[1:] == (None, None)
 
 
 def test_conventions_move_scores_the_way_they_must(scores):
     for score in scores.values():
         power, effort = (
             {name: np.mean(values) for name, values in one.items()}
-            for one in (score.power, score.effort)
+            for one in (score.costs["power"], score.costs["effort"])
         )
         assert power["relaxed"] < power[STANDARD]
         assert effort["rotation free"] < effort[STANDARD] + 1e-9
@@ -76,8 +77,10 @@ def test_a_weaker_wearer_needs_more_of_weaker_muscles(traces):
     one = traces["unsuited"][0]
     weaker = replace(one, strength=one.strength / 2, effort=one.effort * 2)
     man, other = (muscle_scores([trace], conventions=["relaxed"]) for trace in (one, weaker))
-    assert other.effort["relaxed"][0] == pytest.approx(2 * man.effort["relaxed"][0], rel=0.02)
-    assert other.rest == pytest.approx(man.rest / 2)
+    assert other.costs["effort"]["relaxed"][0] == pytest.approx(
+        2 * man.costs["effort"]["relaxed"][0], rel=0.02
+    )
+    assert other.facts["rest"] == pytest.approx(man.facts["rest"] / 2)
 
 
 def test_progress_and_threads(traces):
@@ -90,8 +93,8 @@ def test_progress_and_threads(traces):
 
 
 def test_plain_values_have_units(scores):
-    plain = scores["none"].to_dict()
-    assert set(plain["units"]) == set(plain) - {"units"}
+    one = scores["none"]
+    assert set(SCORE.units) == {*one.costs, *one.facts} and set(SCORE.least) == set(one.costs)
 
 
 def test_motions_that_end_at_once_have_no_value(traces):
@@ -99,7 +102,9 @@ def test_motions_that_end_at_once_have_no_value(traces):
     cut = ("time", "angle", "rate", "human_torque", "effort", "strength")
     short = replace(one, **{name: getattr(one, name)[:2] for name in cut})
     found = muscle_scores([one, short], conventions=[])
-    assert np.isfinite(found.power[STANDARD][0]) and np.isnan(found.power[STANDARD][1])
+    assert np.isfinite(found.costs["power"][STANDARD][0]) and np.isnan(
+        found.costs["power"][STANDARD][1]
+    )
     with pytest.raises(InputError, match="no motion has 3 samples"):
         muscle_scores([short])
 

@@ -73,7 +73,7 @@ def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
     [
         (["--snapshot", "arm.jpg"], "snapshot is 'arm.jpg': use a name that ends with .png"),
         (["--snapshot", "arm.png", "--web"], "both web and snapshot are given: use one of them"),
-        (["--snapshot", "arm.png", "--muscles"], "both muscles and snapshot are given"),
+        (["--snapshot", "arm.png", "--draw", "muscles"], "both draw and snapshot are given"),
         (["--snapshot", "arm.png", "--pose", "sit"], "unknown pose 'sit': use one of home, reach"),
         (["--snapshot", "arm.png", "--width", "0"], "the picture size is 0 x 960"),
         (["--snapshot", "arm.png", "--height", "9999"], "height is 9999: use 1 to 4096 pixels"),

@@ -9,8 +9,7 @@ import pytest
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.making import make_arms, make_env
 from activesuit.envs.muscles import MyoArm, muscle_activation
-from activesuit.envs.muscles.drawing import color_of, width_of
-from activesuit.envs.muscles.live import BESIDE, LiveMuscles
+from activesuit.envs.muscles.drawing import BESIDE, LiveMuscles, color_of, width_of
 from activesuit.envs.policies import make_policy
 from activesuit.errors import InputError
 
