@@ -1,7 +1,6 @@
-"""The Gymnasium environments: conformance, reproducibility, honest observations."""
+"""The Gymnasium environments: reproducibility and honest observations."""
 
 import json
-import math
 import multiprocessing
 
 import activesuit
@@ -11,11 +10,9 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS, load_suit, save_suit
 from activesuit.envs import ArmEnv
-from activesuit.envs.model import ASSISTED
 from activesuit.errors import InputError
 from activesuit.hysteresis import UncertifiedModelError
 from arms import addresses, state
-from gymnasium.utils.env_checker import check_env
 
 IDS = [f"ActiveSuit/{task}-v0" for task in activesuit.TASKS]
 
@@ -42,29 +39,19 @@ def assert_same(first, second):
         np.testing.assert_array_equal(a, b)
 
 
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("sensors", [["encoders"], ["encoders", "preview", "privileged"]])
-@pytest.mark.parametrize("env_id", IDS)
-def test_gymnasium_checker(env_id, sensors):
-    check_env(gymnasium.make(env_id, sensors=sensors).unwrapped, skip_render_check=True)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("env_id", IDS)
-def test_stable_baselines3_checker(env_id):
-    checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    checker.check_env(gymnasium.make(env_id).unwrapped, warn=True, skip_render_check=True)
-
-
-@pytest.mark.parametrize("env_id", IDS[:3])
-def test_an_episode_lasts_ten_seconds(env_id):
-    env = gymnasium.make(env_id)
+@pytest.mark.parametrize(
+    ("options", "steps"),
+    [({}, 1000), ({"gravity": "microgravity", "control_dt": 0.02, "sim_dt": 0.001}, 500)],
+)
+def test_an_episode_lasts_ten_seconds(options, steps):
+    env = make(**options)
     env.reset(seed=0)
-    for step in range(1, 1001):
+    assert env.metadata["render_fps"] == steps / 10
+    for step in range(1, steps + 1):
         observation, _, terminated, truncated, info = env.step(np.zeros(2, np.float32))
         assert not terminated
         assert observation in env.observation_space
-        assert truncated == (step == 1000)
+        assert truncated == (step == steps)
     assert info["time"] == pytest.approx(10.0)
 
 
@@ -192,50 +179,6 @@ def test_the_array_of_an_action_may_be_reused():
         assert first[1] == second[1]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"gravity": "pluto"}, "unknown gravity 'pluto': use one of earth"),
-        ({"suit": "nun"}, "unknown suit 'nun'"),
-        ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
-        ({"wearer": {"stature": 178}}, "stature is 178: use meters from 1.4 to 2.1"),
-        ({"wearer": 1.8}, r"wearer is 1\.8: give Person\(...\) or a dict"),
-        ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),
-        ({"control": {"delay": 0.015}}, "delay is 0.015 s: give it as a multiple of the control"),
-        ({"coupling": "cuff"}, "unknown coupling 'cuff'.*did you mean 'cuffs'"),
-        ({"sensors": ["all"]}, "unknown sensor suite 'all': use one of belief, cuffs, emg"),
-        ({"sensors": "encoders"}, "sensors is 'encoders': give a list of suites"),
-        ({"sensors": []}, "sensors is empty: name at least one of encoders"),
-        ({"sensors": ["encoders", "encoders"]}, "sensors has 'encoders' twice"),
-        ({"sensors": ["cuffs"]}, "sensors has 'cuffs', and this coupling has none"),
-        ({"normalize": 1}, "normalize is 1: use True or False"),
-        ({"sensing": {"lag": 1}}, "unknown field of sensing 'lag'"),
-        ({"sensing": {"emg_noise": 2}}, "sensing.emg_noise is 2: use a number from 0 to 1"),
-        ({"sensing": {"interaction_delay": -1}}, "sensing.interaction_delay is -1: use a number"),
-        ({"sensors": 3}, "sensors is 3: give a list of suites"),
-        ({"history": 0}, "history is 0: use a whole number from 1 to 1000"),
-        ({"history": True}, "history is True: use a whole number"),
-        ({"task": "Knee"}, "unknown task 'Knee'"),
-        ({"task": 3}, "task is a int: give a Task, or the name of one"),
-        ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
-        ({"sim_dt": 0.5}, "sim_dt is 0.5: use a number from 1e-05 to 0.01 s"),
-        ({"control_dt": 0.003}, "control_dt must be a multiple"),
-        ({"control_dt": 0.03}, "control_dt is 0.03: use a number from 0 to 0.02 s"),
-        ({"control_dt": np.nan}, "control_dt is nan: use a number from 0 to 0.02 s"),
-        ({"control_dt": "fast"}, "control_dt is 'fast': use a number"),
-        ({"control_dt": 0.008}, "control_dt is 0.008: it must divide 0.02 s"),
-        ({"control_dt": 0.0}, "control_dt must be a multiple"),
-        ({"width": 0}, "picture size is 0 x 480"),
-        ({"width": 64.5}, "picture size is 64.5 x 480: use whole numbers"),
-        ({"height": "480"}, "picture size is 640 x '480': use whole numbers"),
-        ({"fatigue": "no"}, "fatigue is 'no': use True or False"),
-    ],
-)
-def test_bad_options(options, message):
-    with pytest.raises(InputError, match=message):
-        ArmEnv(**options)
-
-
 def test_bad_reset_and_render():
     env = ArmEnv("ElbowFlexion")
     with pytest.raises(InputError, match=r"options {'speed': 2}"):
@@ -292,21 +235,6 @@ def test_module_prefixed_id_works_in_spawned_workers():
     env_id = f"activesuit:{IDS[1]}"
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert pool.apply(first_observation, (env_id,)) == first_observation(env_id)
-
-
-@pytest.mark.parametrize("gravity", ["earth", "mars", "moon", "microgravity"])
-def test_control_rate_and_gravity_options(gravity):
-    env = make(gravity=gravity, control_dt=0.02, sim_dt=0.001)
-    assert env.episodes.simulation.substeps == 20
-    assert env.metadata["render_fps"] == 50
-    env.reset(seed=0)
-    for step in range(1, 501):
-        _, _, terminated, truncated, info = env.step(np.zeros(2))
-        assert not terminated
-        assert truncated == (step == 500)
-    assert info["time"] == pytest.approx(10.0)
-    assert math.isfinite(info["human_energy"])
-    assert len(info["assist_torque"]) == len(ASSISTED)
 
 
 def test_a_history_contains_the_last_observations():

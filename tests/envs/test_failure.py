@@ -164,39 +164,3 @@ def test_a_diverged_episode_is_scored_as_failed(monkeypatch):
     assert np.isfinite([result.assist_energy, result.reward]).all()
     # What is lost early earns nothing more.
     assert max(result.reward) < 0.2 * min(found["none"].reward)
-
-
-@pytest.mark.parametrize(
-    "action",
-    [
-        ["0.5", "-0.5"],
-        "00",
-        [None, None],
-        [True, False],
-        [[0.1], [0.1, 0.2]],
-        [0.1 + 0j, 0.2],
-        {"elbow": 1},
-        [object(), 1],
-        np.array([b"1", b"0"]),
-        ["x" * 1000, 0],
-    ],
-)
-def test_what_is_no_action_is_refused_and_changes_nothing(env, action):
-    begin(env, 3)
-    before = env.get_state()["physics"]
-    with pytest.raises(InputError, match=r"action is .*: give 2 numbers from -1 to 1$") as error:
-        env.step(action)
-    assert len(str(error.value)) <= 300
-    np.testing.assert_array_equal(env.get_state()["physics"], before)
-
-
-@pytest.mark.parametrize("options", [5, {"seed": 1}, [1], "fast", True, {"x": [0] * 5000}])
-def test_what_is_no_option_is_refused_and_changes_nothing(env, options):
-    begin(env, 3)
-    state = env.get_state()
-    with pytest.raises(InputError, match=r"reset got the options .*: it knows none; leave it out"):
-        env.reset(seed=5, options=options)
-    again = env.get_state()
-    np.testing.assert_array_equal(again["physics"], state["physics"])
-    assert (again["seed"], again["episode"]) == (state["seed"], state["episode"])
-    env.reset(options={})

@@ -309,40 +309,6 @@ def test_it_is_plain_data_and_part_of_the_identity():
         gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped.set_state(env.unwrapped.get_state())
 
 
-@pytest.mark.parametrize(
-    ("terms", "options", "message"),
-    [
-        ({"size": 2}, {}, "unknown field of randomize 'size'"),
-        ({"gravity": ["sun"]}, {}, "unknown place in randomize.gravity 'sun'"),
-        ({"payload": 3}, {}, "randomize.payload is 3: give the least and the greatest, two"),
-        ({"payload": [3, 1]}, {}, r"randomize.payload is \[3, 1\]: give the smaller number first"),
-        ({"payload": [0, 99]}, {}, "randomize.payload is 99: use a number from 0 to 60 kg"),
-        ({"pressure": 0.9}, {}, "randomize.pressure is 0.9: use a number from 0 to 0.5"),
-        ({"pressure": "much"}, {}, "randomize.pressure is 'much'"),
-        ({"encoder_offset": -0.1}, {}, "randomize.encoder_offset is -0.1: use a number from 0 to"),
-        ({"suit": "any"}, {}, "unknown choice of randomize.suit 'any': use one of"),
-        (
-            {"suit": "samples"},
-            {},
-            "randomize.suit is 'samples', and the suit has none",
-        ),
-        ({"pressure": 0.1}, {"suit": "none"}, "and suit is 'none': name a suit"),
-        ({"suits": "emu-like"}, {}, "randomize.suits is 'emu-like': give a list of suits"),
-        ({"suits": ["none"]}, {}, "randomize.suits has 'none': give names or files of suits"),
-        ({"suits": ["emulike"]}, {}, "emulike"),
-        ({"wearers": [{"size": 2}]}, {}, r"unknown field of randomize.wearers\[0\] 'size'"),
-        ({"wearers": {"sex": "male"}}, {}, "randomize.wearers is .*: give a list of persons"),
-        ({"misalignment": 0.01}, {}, "only coupling='cuffs' lets exoskeleton and arm have diff"),
-        ({"misalignment": 0.1}, {}, "randomize.misalignment is 0.1: use a number from 0 to 0.05"),
-        ({"sensor_noise": [0, 1000]}, {}, "randomize.sensor_noise is 1000: use a number from 0"),
-        (0.1, {}, r"randomize is 0\.1: give Randomization\(...\) or a dict"),
-    ],
-)
-def test_mistakes(terms, options, message):
-    with pytest.raises(InputError, match=message):
-        ArmEnv(randomize=terms, **options)
-
-
 def test_any_row_continues_from_a_state_of_another_load_and_place(sampled):
     terms = {"suit": "samples", "payload": [0.0, 5.0], "gravity": ["earth", "microgravity"]}
     arms = ArmEnv(suit=sampled, randomize=terms).rows(4)

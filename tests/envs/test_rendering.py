@@ -1,6 +1,5 @@
 import copy
 import itertools
-import math
 import pickle
 
 import gymnasium
@@ -96,20 +95,6 @@ def arm_env(**options):
     made = gymnasium.make(ID, render_mode="rgb_array", camera="side", **options)
     made.reset(seed=0)
     return made.unwrapped
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"render_quality": "best"}, "unknown render_quality 'best': use one of fast, fine"),
-        ({"render_quality": 5}, "unknown render_quality"),
-        ({"picture_dt": -1}, "picture_dt is -1: use a number from 0 to 10 s"),
-        ({"picture_dt": math.nan}, "picture_dt is nan"),
-    ],
-)
-def test_mistakes_in_options_of_pictures(options, sentence):
-    with pytest.raises(InputError, match=sentence):
-        gymnasium.make(ID, render_mode="rgb_array", **options)
 
 
 def test_options_of_pictures_are_json():

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.vector_env import ArmVectorEnv
-from activesuit.errors import InputError
 from gymnasium.vector import AutoresetMode
 
 TERMS = {
@@ -215,64 +214,3 @@ def test_the_default_observation_knows_nothing_of_what_comes():
         env.set_state(state)
     pairs = [[env.step(np.zeros(2))[0] for env in shown] for _ in range(40)]
     assert not np.array_equal(*pairs[-1])
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"num_envs": 0}, "num_envs is 0: use at least 1"),
-        ({"num_envs": 2.5}, "num_envs is 2.5"),
-        ({"threads": -1}, "threads is -1: use at least 0"),
-        ({"autoreset_mode": "Later"}, "unknown autoreset_mode 'Later': use one of"),
-        ({"info": "some"}, "unknown info 'some': use one of full, metrics, none"),
-        ({"stagger": 1}, "stagger is 1: use True or False"),
-        ({"max_episode_steps": 0}, "max_episode_steps is 0: use at least 1"),
-        ({"sensors": ["radar"]}, "unknown sensor suite 'radar'"),
-        ({"render_mode": "human"}, "render_mode is 'human': use None or 'rgb_array'"),
-        ({"speed": 1}, "unknown option 'speed'"),
-    ],
-)
-def test_mistakes_in_options(options, message):
-    with pytest.raises(InputError, match=message):
-        ArmVectorEnv(**options)
-
-
-def test_mistakes_in_calls():
-    arms = ArmVectorEnv(3, autoreset_mode="Disabled", max_episode_steps=2)
-    with pytest.raises(InputError, match="step before the first reset: call reset"):
-        arms.step(np.zeros((3, 2)))
-    for mask in ([True] * 3, np.ones(2, bool), np.ones(3), "all"):
-        with pytest.raises(InputError, match=r"reset_mask is .*: give an array of 3 booleans"):
-            arms.reset(options={"reset_mask": mask})
-    with pytest.raises(InputError, match="reset_mask names no row: set at least one"):
-        arms.reset(options={"reset_mask": np.zeros(3, bool)})
-    with pytest.raises(
-        InputError, match=r"reset got the options \['mask'\]: it knows 'reset_mask'"
-    ):
-        arms.reset(options={"mask": None})
-    with pytest.raises(InputError, match="seed has 2 numbers: give one for each of 3 rows"):
-        arms.reset(seed=[1, 2])
-    with pytest.raises(InputError, match="seed is -1: use 0 to"):
-        arms.reset(seed=-1)
-    with pytest.raises(InputError, match="seed is 'one': give a whole number"):
-        arms.reset(seed="one")
-    arms.reset(seed=0)
-    before = arms.get_state()["physics"]
-    for actions, message in (
-        (np.zeros((2, 2)), r"action has shape \(2, 2\): give \(3, 2\)"),
-        ([[0, 0], [0, np.nan], [0, 0]], r"action of row 1 is \[0.0, nan\]: give finite numbers"),
-        ("push", "action is 'push': give 2 numbers"),
-    ):
-        with pytest.raises(InputError, match=message):
-            arms.step(actions)
-    np.testing.assert_array_equal(arms.get_state()["physics"], before)
-    state = arms.get_state(rows=[0, 1])
-    with pytest.raises(InputError, match="the state is of 2 rows, and 3 are to be restored"):
-        arms.set_state(state)
-    for rows in ([3], [0, 0], [0.5], [[1]], "all"):
-        with pytest.raises(InputError, match=r"rows is .*: give different whole numbers"):
-            arms.get_state(rows=rows)
-    for _ in range(2):
-        arms.step(np.zeros((3, 2)))
-    with pytest.raises(InputError, match=r"the episodes of rows \[0, 1, 2\] are over: reset them"):
-        arms.step(np.zeros((3, 2)))

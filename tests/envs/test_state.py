@@ -92,20 +92,19 @@ def test_needs_a_reset_first():
         env.step(np.zeros(2))
 
 
-@pytest.mark.parametrize("junk", [None, 3, "state", [1, 2], np.zeros(5)])
-def test_what_is_no_dict_is_refused(junk):
-    with pytest.raises(InputError, match=f"the state is a {type(junk).__name__}: give the dict"):
-        make().set_state(junk)
-
-
-def test_a_state_without_a_part_is_refused(saved):
+def test_what_is_no_whole_state_is_refused(saved):
     env = make()
     for key in saved:
         part = {name: value for name, value in saved.items() if name != key}
         with pytest.raises(InputError, match=f"the state lacks {key}: give"):
             env.set_state(part)
-    with pytest.raises(InputError, match=r"the state lacks config, physics, .*frames: give"):
-        env.set_state({})
+    for junk, message in (
+        ({}, r"the state lacks config, physics, .*frames: give"),
+        (None, "the state is a NoneType: give the dict"),
+        (np.zeros(5), "the state is a ndarray: give the dict"),
+    ):
+        with pytest.raises(InputError, match=message):
+            env.set_state(junk)
 
 
 def spoiled(values, index=0, value=np.nan):
@@ -119,41 +118,21 @@ JUNK = [
     ("config", lambda old: {"task": 1}, r"the state's config is {'task': 1}: give that"),
     ("physics", lambda old: old.tolist(), r"physics is \[.*float64 numbers of shape"),
     ("physics", lambda old: old[:, :-1], r"physics is array.*must be float64 numbers of shape"),
-    ("physics", lambda old: old[0], r"must be float64 numbers of shape \(1, "),
-    ("physics", lambda old: old.astype(np.float32), "must be float64 numbers"),
-    ("physics", lambda old: spoiled(old, -1), "must be float64 numbers"),
     ("physics", lambda old: spoiled(old, 1, np.inf), "must be float64 numbers"),
     ("physics", lambda old: spoiled(old, 1, -1e11), "must be a motion below"),
-    ("physics", lambda old: None, "physics is None"),
     ("command", lambda old: "left", r"command is 'left'.* of shape \(1, 2\)"),
     ("command", lambda old: spoiled(old, 0, 1.5), r"must be .* \(1, 2\) from -1 to 1, as"),
-    ("command", lambda old: spoiled(old, 1, -np.inf), "must be .* from -1 to 1"),
-    ("change", lambda old: spoiled(old, 1, 3.0), "must be .* from -2 to 2"),
-    ("angle", lambda old: {}, r"angle is {}: it must be float64 numbers of shape"),
     ("angle", lambda old: old[:, :5], r"angle is .* of shape \(1, 1001, 4\)"),
     ("angle", lambda old: spoiled(old, 9, 1e9), r"angle is .* from -6\.28319 to 6\.28319"),
-    ("rate", lambda old: spoiled(old, 9, -np.inf), r"rate is .* from -1e[+]09"),
-    ("acceleration", spoiled, r"acceleration is "),
     ("reflex_delay", lambda old: old[:, 1:], r"reflex_delay is .* of shape \(1, 5, 4\)"),
-    ("reflex_delay", lambda old: spoiled(old, 3, -1e200), "reflex_delay is .* from -1e[+]09"),
-    ("muscle_noise", spoiled, r"muscle_noise is .* of shape \(1, 3, 4\)"),
     ("muscle_noise", lambda old: spoiled(old, 3, 1e200), "muscle_noise is .* from -1e[+]09"),
-    ("fatigued", lambda old: 0.0, r"fatigued is 0\.0.* of shape \(1, 2, 4\)"),
     ("fatigued", lambda old: spoiled(old, 3, 1.1), "fatigued is .* from .* to 1,"),
-    ("mean_square", lambda old: None, r"mean_square is None.* of shape \(1, 2\)"),
     ("mean_square", lambda old: spoiled(old, 0, -1.0), "mean_square is .* from 0 to"),
-    ("measured", spoiled, "measured is .* float64 numbers"),
     ("encoder_counts", lambda old: spoiled(old, 0, 1e300), "must be .* from -1e[+]09 to 1e[+]09"),
-    ("dissipated_at_reset", lambda old: np.inf, "dissipated_at_reset is inf: it must be float64"),
     ("step", lambda old: True, "step is True: it must be int64 numbers of shape"),
-    ("step", lambda old: 10**400, "step is 1000.*0000: it must be int64 numbers"),
     ("step", lambda old: old - 10**6, "step is .* from 0 to 1e[+]09"),
-    ("step", lambda old: old.astype(float), "it must be int64 numbers of shape"),
     ("limit", lambda old: 0 * old, "limit is .* from 1 to 1e[+]09"),
-    ("clipped", lambda old: False, "clipped is False: it must be int64 numbers"),
     ("seed", lambda old: old - 2, "seed is .* from 0 to"),
-    ("episode", lambda old: None, "episode is None: it must be int64 numbers"),
-    ("diverged", lambda old: None, "diverged is None: it must be bool numbers"),
     ("diverged", lambda old: ~old, "an episode that has diverged: go on from an earlier one"),
 ]
 

@@ -149,9 +149,3 @@ def test_a_state_with_another_load_in_the_plan_is_refused():
     for mass in (-1.0, 1e6):
         with pytest.raises(InputError, match=r"the state's carried is .* from 0 to 60"):
             env.set_state({**state, "carried": np.full_like(state["carried"], mass)})
-
-
-@pytest.mark.parametrize("share", [-0.1, 0.6, "much", None, np.nan, True])
-def test_shares_of_randomized_loads_are_checked(share):
-    with pytest.raises(InputError, match=r"randomize\.load is .*: use a number from 0 to 0.5"):
-        ArmEnv(randomize={"load": share})
