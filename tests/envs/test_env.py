@@ -179,15 +179,6 @@ def test_the_array_of_an_action_may_be_reused():
         assert first[1] == second[1]
 
 
-def test_bad_reset_and_render():
-    env = ArmEnv("ElbowFlexion")
-    with pytest.raises(InputError, match=r"options {'speed': 2}"):
-        env.reset(seed=0, options={"speed": 2})
-    env.reset(seed=0, options={})
-    with pytest.raises(InputError, match="render_mode is None"):
-        env.render()
-
-
 def test_uncertified_suit_needs_consent():
     with pytest.raises(UncertifiedModelError, match=r"shoulder_flexion.*margin is -0"):
         ArmEnv(suit="published-2022")

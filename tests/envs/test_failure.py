@@ -41,8 +41,7 @@ def assert_finite(observation, reward, info):
         assert np.isfinite(info[key]).all(), key
 
 
-@pytest.mark.parametrize("steps", [0, 30])
-@pytest.mark.parametrize("value", [np.nan, np.inf, 1e12, 1e6])
+@pytest.mark.parametrize(("value", "steps"), [(np.nan, 0), (np.inf, 30), (1e6, 30)])
 def test_divergence_ends_the_episode_with_what_was_valid_last(env, value, steps):
     observation, info = begin(env, steps)
     assert not info["diverged"]
@@ -62,7 +61,10 @@ def test_divergence_ends_the_episode_with_what_was_valid_last(env, value, steps)
         np.testing.assert_array_equal(reported[key], info[key])
 
 
-@pytest.mark.parametrize("part", ["qpos", "qvel", "act", "plugin_state", "qfrc_applied"])
+@pytest.mark.parametrize(
+    "part",
+    ["qpos", "qvel", "act", "qfrc_applied", pytest.param("plugin_state", marks=pytest.mark.slow)],
+)
 def test_whatever_is_spoiled_all_numbers_stay_finite(env, part):
     begin(env, 5)
     state = env.get_state()

@@ -104,11 +104,7 @@ def test_the_pressure_of_a_level_is_of_its_suit():
 
 @pytest.mark.parametrize(
     ("level", "reference"),
-    [
-        ("nominal", "suited"),
-        ("shift", "unsuited"),
-        *product(["randomized"], ["suited", "unsuited"]),
-    ],
+    [("shift", "suited"), ("randomized", "suited"), ("randomized", "unsuited")],
 )
 def test_references_are_of_the_same_wearers_places_and_motions(level, reference):
     given = {"level": level, "coupling": "cuffs"}

@@ -185,7 +185,7 @@ def test_steps_and_states_of_rows_that_cannot_be():
     with pytest.raises(InputError, match="the state is of 2 rows, and 3 are to be restored"):
         arms.set_state(arms.get_state(rows=[0, 1]))
     for rows in ([3], [0, 0], [0.5], [[1]], [[0], [1, 2]], "all"):
-        with pytest.raises(InputError, match=r"rows is .*: give different whole numbers|whole"):
+        with pytest.raises(InputError, match=r"rows is .*: give different whole"):
             arms.get_state(rows=rows)
     for _ in range(2):
         arms.step(np.zeros((3, 2)))

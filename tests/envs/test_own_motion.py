@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv, Task
-from activesuit.errors import InputError
 
 
 class Raise(Task):
@@ -28,20 +27,3 @@ def test_the_wearer_follows_it():
     assert steps == 100
     assert info["target_angle"].tolist() == pytest.approx([0, 0.7, 0, 0])
     np.testing.assert_allclose(info["angle"], info["target_angle"], atol=0.08)
-
-
-@pytest.mark.parametrize(
-    ("angle", "message"),
-    [
-        (np.zeros((10, 4)), r"shape \(10, 4\), .*: give .* numbers of shape \(1001, 4\) each"),
-        (np.full((1001, 4), np.nan), "finite numbers"),
-        (np.full((1001, 4), [0, 0, 3, 0]), "elbow_flexion from 3 to 3 rad: stay between 0 and 2.5"),
-    ],
-)
-def test_what_no_arm_can_do_is_refused(angle, message):
-    class Impossible(Task):
-        def motion(self, rng, samples, dt):
-            return angle, np.zeros_like(angle), np.zeros_like(angle)
-
-    with pytest.raises(InputError, match=message):
-        ArmEnv(Impossible(name="Impossible"))

@@ -213,6 +213,3 @@ def test_the_first_half_second_decides_no_score():
         traces = rollout(arms, make_policy(name, arms), range(8))
         rewards = np.sum([trace.rewards for trace in traces], axis=0)
         assert 0.03 < rewards[:50].sum() / rewards.sum() < 0.08
-
-
-# --- Bad input ----------------------------------------------------------------------------------

@@ -39,28 +39,7 @@ def total_energy(data):
     return data.energy.sum() + stored
 
 
-def test_the_names_that_others_look_up():
-    model, _ = cuffed()
-    names = [model.joint(i).name for i in range(model.njnt)]
-    assert names == [*JOINTS, *(f"exo_{joint}" for joint in JOINTS)]
-    rigid = rigid_spec().compile()
-    for kind in ("body", "actuator", "site"):
-        counts = {"body": rigid.nbody, "actuator": rigid.nu, "site": rigid.nsite}
-        for i in range(counts[kind]):
-            getattr(model, kind)(mujoco.mj_id2name(rigid, _object(kind), i) or 0)
-    for joint in JOINTS:
-        encoder = model.sensor(f"encoder_{joint}").id
-        assert model.joint(model.sensor_objid[encoder]).name == f"exo_{joint}"
-    for joint in ("shoulder_flexion", "elbow_flexion"):
-        driven = model.actuator(f"assist_{joint}").trnid[0]
-        assert model.joint(driven).name == f"exo_{joint}"
-
-
-def _object(kind):
-    return getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
-
-
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_moving_as_one_it_is_the_rigid_mechanism(seed):
     rigid = rigid_spec().compile()
     model, data = cuffed()
@@ -134,10 +113,9 @@ def test_a_misalignment_loads_the_cuffs_only_away_from_where_they_were_strapped_
     assert loaded == (axis != 1)  # a shift along the axis of flexion does not matter to it
 
 
-@pytest.mark.parametrize("misalignment", [(0, 0, 0), (0.02, 0.01, 0.02)])
 @pytest.mark.slow
-def test_left_alone_for_a_minute_it_only_loses_energy(misalignment):
-    model, data = cuffed(misalignment)
+def test_left_alone_for_a_minute_it_only_loses_energy():
+    model, data = cuffed((0.02, 0.01, 0.02))
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
     energies = [total_energy(data)]
     for _ in range(600):

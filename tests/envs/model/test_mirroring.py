@@ -8,7 +8,6 @@ from activesuit.envs.person import Person
 from activesuit.envs.rendering import QUALITIES
 
 CONFIGS = {
-    "rigid": {},
     "cuffs": {"coupling": "cuffs", "misalignment": (0.01, 0.02, -0.015)},
     "none": {"coupling": "none", "suit": "none"},
     "loaded": {"payload": {"mass": 3.0, "inertia": (0.01, 0.02, 0.015)}, "tilt": (0.4, 0.0)},

@@ -12,7 +12,7 @@ from activesuit.envs.policies.adaptive import SCALES, projected
 from activesuit.errors import InputError
 
 
-@pytest.mark.parametrize("factor", [0.7, 1.4])
+@pytest.mark.parametrize("factor", [0.7, pytest.param(1.4, marks=pytest.mark.slow)])
 def test_it_recovers_a_scaled_suit(factor):
     """Within 10 % in 30 s of motion, by what it says the suit needs along that motion."""
     suit = load_suit("emu-like")

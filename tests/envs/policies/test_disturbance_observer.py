@@ -15,8 +15,8 @@ def step_response(bandwidth, time):
     return 1 - (1 + pole * time) * math.exp(-pole * time)
 
 
-@pytest.mark.parametrize("bandwidth", [2.0, 5.0])
-def test_a_disturbance_is_cancelled_through_the_filter(bandwidth):
+def test_a_disturbance_is_cancelled_through_the_filter():
+    bandwidth = 5.0
     # At rest, 2 and -1 N·m of the person without any motion: something withstands them.
     name = f"disturbance-observer:bandwidth={bandwidth}"
     policy, env = made(name, gravity="microgravity", suit="none")

@@ -35,7 +35,6 @@ def test_it_plans_on_what_it_believes():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ("samples=1", "samples is 1: use a number from 4 to 64"),
         ("samples=100", "samples is 100: use a number from 4 to 64"),
         ("horizon=2", "horizon is 2.0: use a number from 0.02 to 0.5 s"),
         ("samples=2.5", "option samples of policy 'predictive' is '2.5'"),

@@ -42,7 +42,7 @@ def test_the_correction_observes_what_it_corrects():
     assert (base.resets, correction.resets) == (1, 1)
 
 
-@pytest.mark.parametrize("name", ["compensation", "adaptive", "disturbance-observer"])
+@pytest.mark.parametrize("name", ["compensation", "adaptive"])
 def test_rows_that_begin_anew_have_a_memory_of_their_own(name):
     """A row acts as it would alone, whenever it and its neighbours begin."""
     arms = make_arms("ActiveSuit/ArmTracking-v0", 3, autoreset_mode="Disabled", **SCENE)
@@ -107,13 +107,13 @@ def test_policies_that_no_network_can_correct(given, message):
         residual_of(given, 0.3)
 
 
-def test_a_card_cannot_name_code():
-    card = Residual(policy={"name": "os:system"}, scale=0.3)
-    with pytest.raises(InputError, match="unknown policy that a network corrects 'os:system'"):
-        base_of(card)
-
-
-def test_a_card_cannot_name_a_file(tmp_path):
-    card = Residual(policy={"name": "compensation", "suit": str(tmp_path / "x.json")}, scale=0.3)
-    with pytest.raises(InputError, match="a card names shipped suits"):
-        base_of(card)
+@pytest.mark.parametrize(
+    ("policy", "message"),
+    [
+        ({"name": "os:system"}, "unknown policy that a network corrects 'os:system'"),
+        ({"name": "compensation", "suit": "/tmp/x.json"}, "a card names shipped suits"),
+    ],
+)
+def test_a_card_names_neither_code_nor_files(policy, message):
+    with pytest.raises(InputError, match=message):
+        base_of(Residual(policy=policy, scale=0.3))

@@ -38,14 +38,10 @@ def played(request):
     return TASKS[name], env, info
 
 
-def test_an_episode_within_its_tolerances_succeeds(played):
-    _, _, info = played
+def test_an_episode_goes_well_and_each_quantity_that_is_watched_can_spoil_it(played):
+    shipped, env, info = played
     assert info["is_success"]
     assert info["cost_terms"]["heat"] == 0
-
-
-def test_each_quantity_that_is_watched_can_spoil_it(played):
-    shipped, env, _ = played
     watched = {name for name in TOLERANCES if getattr(shipped, name) < FARTHEST}
     assert watched >= {"tracking"}
     costs, periods = env.unwrapped.episodes.costs[0], int(state(env).step[0])
