@@ -10,7 +10,7 @@ from activesuit.hysteresis import Viscoelastic
 SENSORS = ["encoders", "belief"]
 
 
-@pytest.mark.parametrize("believed", [{}, {"suit": "emu-like"}, {"payload": {"mass": 2.0}}])
+@pytest.mark.parametrize("believed", [{}, {"suit": "emu-like", "payload": {"mass": 2.0}}])
 def test_it_is_what_the_policies_of_that_belief_command(believed):
     env, other = ArmEnv(sensors=SENSORS, belief=believed), ArmEnv(**believed)
     suit = make_policy({"name": "feedforward", "suit": believed.get("suit")}, env)

@@ -222,6 +222,7 @@ def first_observation(env_id):
     return gymnasium.make(env_id).reset(seed=0)[0].tolist()
 
 
+@pytest.mark.slow
 def test_module_prefixed_id_works_in_spawned_workers():
     env_id = f"activesuit:{IDS[1]}"
     with multiprocessing.get_context("spawn").Pool(1) as pool:

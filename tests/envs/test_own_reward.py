@@ -72,8 +72,6 @@ def test_rows_that_begin_anew_have_no_reward():
         ("own_rewards:scalar", r"has the shape \(\): return \(1,\)"),
         ("own_rewards:failing", "fails .KeyError"),
         ("no_module:reward", "cannot be imported .ModuleNotFoundError"),
-        ("own_rewards:absent", "cannot be imported .AttributeError"),
-        ("own_rewards", "cannot be imported"),
         (5, "the reward is 5: give a function"),
     ],
 )

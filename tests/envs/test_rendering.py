@@ -35,6 +35,7 @@ def test_pictures_show_the_motion(env):
     assert np.abs(env.render().astype(int) - first).mean() > 0.5
 
 
+@pytest.mark.slow
 def test_two_videos_and_a_pickle(env):
     arm = env.unwrapped
     first = env.render()
@@ -76,6 +77,7 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
         renderer.show(model, data, 0.01)
 
 
+@pytest.mark.slow
 def test_usual_pictures_have_neither_shadows_nor_samples():
     """Which take 1.5 s a picture without a graphics card."""
     small = {"width": 160, "height": 120}
@@ -103,6 +105,7 @@ def test_options_of_pictures_are_json():
     assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
 
 
+@pytest.mark.slow
 def test_pictures_repeat_within_their_time_only(env):
     arm = arm_env(picture_dt=0.04, width=80, height=60)
     arm.reset(seed=0)
@@ -122,6 +125,7 @@ def test_pictures_repeat_within_their_time_only(env):
     arm.close()
 
 
+@pytest.mark.slow
 def test_a_recorded_video_plays_in_real_time(env, tmp_path):
     pytest.importorskip("moviepy")
     imageio = pytest.importorskip("imageio.v3")

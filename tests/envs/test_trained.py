@@ -99,6 +99,7 @@ def test_what_it_needs_is_what_it_was_trained_with(saved):
     assert needed == {**observed, "belief": None}
 
 
+@pytest.mark.slow
 def test_no_torch_is_imported(tmp_path):
     run = make_run(tmp_path / "run")
     program = f"""
@@ -140,15 +141,12 @@ def changed(**more):
     ("weights", "message"),
     [
         ({}, "no layer.0.weight: give it"),
-        ({**layers(12, 2), "0.weight": np.zeros((2, 12))}, "array of the network '0.weight'"),
         (changed(layer_1_bias=[0.0, 0.0]), "give an array of NumPy with 1 dimensions"),
         (changed(layer_1_bias=np.zeros(2, int)), "float32 or float64"),
-        (changed(layer_1_weight=np.zeros(8)), "with 2 dimensions"),
         (changed(layer_1_bias=np.zeros(3)), r"layer.1.bias has the shape \(3,\)"),
         (changed(layer_0_weight=np.full((8, 12), np.nan)), "values that are not finite"),
         (changed(lstm_hidden=np.zeros((16, 4))), "no lstm.input"),
         ({"layer.0.weight": np.zeros((2, 12))}, "no layer.0.bias"),
-        ({"layer.1.weight": np.zeros((2, 12))}, "no layer.0.weight"),
     ],
 )
 def test_networks_that_do_not_fit_together(weights, message):
@@ -171,7 +169,6 @@ def damaged_card(run, **changes):
     ("damage", "message"),
     [
         (lambda run: (run / "policy.safetensors").unlink(), "no finished policy.safetensors"),
-        (lambda run: damaged_card(run, weights=None), "no finished policy.safetensors"),
         (lambda run: damaged_card(run, weights="0" * 64), "do not belong together"),
         (
             lambda run: (run / "policy.safetensors").write_bytes(
@@ -181,7 +178,6 @@ def damaged_card(run, **changes):
         ),
         (lambda run: damaged_card(run, format=2), "its format is wrong"),
         (lambda run: damaged_card(run, contract="0" * 12), "is not that of its observation"),
-        (lambda run: damaged_card(run, more=2), "its more is wrong"),
         (
             lambda run: write_network(run, Network(layers(5, 2), "tanh", squashed=False)),
             "has 5 inputs and 2 outputs, and its card says 12 and 2",
@@ -224,8 +220,7 @@ def test_models_that_make_no_policy(tmp_path):
         save_policy(PPO("MlpPolicy", env, **small), tmp_path / "file" / "policy", env)
 
 
-@pytest.mark.parametrize("squashed", [False, True])
-@pytest.mark.parametrize("activation", ["Tanh", "ReLU"])
+@pytest.mark.parametrize(("activation", "squashed"), [("Tanh", False), ("ReLU", True)])
 def test_a_network_of_torch_is_a_policy(tmp_path, activation, squashed):
     import torch
     from torch import nn

@@ -296,9 +296,7 @@ def test_named_policies_see_units_whatever_others_see(short):
         (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
         (["none"], {"episodes": 0}, "episodes is 0"),
-        (["none"], {"seed": -1}, "seed is -1"),
         ([], {}, "no policy given"),
-        ({}, {}, "no policy given"),
         ("none", {}, r"policies is 'none': give a list"),
         (["suited"], {}, "policy 'suited' is a reference, which has no exoskeleton: leave it out"),
         ({"mine": NoAssist, "push": 0.2}, {}, r"policy 'push' is 0\.2: give a name, or a function"),
@@ -315,10 +313,7 @@ def test_named_policies_see_units_whatever_others_see(short):
         ),
         (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
-        (["none"], {"adapted": "no"}, "adapted is 'no': use True or False"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
-        (["none"], {"control": 3}, "control is 3: give a dict of its fields"),
-        ({"mine": lambda arms: 3}, {}, r"policy 'mine' makes 3, which has no reset\(\)"),
     ],
 )
 def test_mistakes(short, policies, options, message):
