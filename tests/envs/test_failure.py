@@ -76,15 +76,6 @@ def test_whatever_is_spoiled_all_numbers_stay_finite(env, part):
         assert_finite(observation, reward, info)
 
 
-def test_a_force_without_limit_diverges_by_itself(env):
-    begin(env, 5)
-    physics(env, "qfrc_applied")[2] = 1e14
-    observation, reward, terminated, _, info = env.step(ACTION)
-    assert terminated
-    assert info["diverged"]
-    assert_finite(observation, reward, info)
-
-
 def test_what_the_caller_does_to_an_answer_stays_with_the_caller(env):
     observation, info = begin(env, 5)
     kept, angle = observation.copy(), info["angle"].copy()

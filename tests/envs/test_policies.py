@@ -122,24 +122,6 @@ def test_a_policy_without_its_sensors():
         make_policy("oracle", ArmEnv())
 
 
-def test_a_policy_of_your_own():
-    class Push:
-        def __init__(self, plant):
-            self.action = np.full(plant.motors, 0.2)
-
-        def reset(self):
-            self.steps = 0
-
-        def act(self, observation):
-            self.steps += 1
-            return np.broadcast_to(self.action, (*observation.shape[:-1], 2))
-
-    found = evaluate(ELBOW, {"none": "none", "push": Push}, episodes=1, **NAIVE).scores
-    assert found["push"].policy == "push"
-    elbow = "elbow_flexion"
-    assert found["push"].human_rms[elbow] < 0.9 * found["none"].human_rms[elbow]
-
-
 def test_a_wrong_belief_helps_less(tmp_path):
     suit = load_suit("mock-suit")
     content = suit.model_dump()

@@ -9,7 +9,7 @@ import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.policies import Belief, make_policy, policy_spec
+from activesuit.envs.policies import Belief, make_policy, needed_options, policy_spec
 from activesuit.errors import InputError
 
 OBSERVATION = np.zeros(12, np.float32)
@@ -198,6 +198,25 @@ def test_mistakes_in_what_names_a_policy(outside, given, message):
 def test_mistakes_in_what_makes_one(outside, given, message):
     with pytest.raises(InputError, match=message):
         make_policy(given, ArmEnv())
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("adaptive:forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
+        ("disturbance-observer:bandwidth=9", "bandwidth is 9.0: use a number from 0.1 to 5 Hz"),
+        ("impedance:damping_ratio=-1", "damping_ratio is -1.0: use a number from 0 to 3"),
+        ("iterative:gain=2", "gain is 2.0: use a number from 0 to 1"),
+        ("observer:bandwidth=30", "bandwidth is 30.0: use a number from 0.1 to 20 rad/s"),
+        ("predictive:samples=100", "samples is 100: use a number from 4 to 64"),
+        ("predictive:samples=2.5", "option samples of policy 'predictive' is '2.5'"),
+        ("predictive:horizon=2", "horizon is 2.0: use a number from 0.02 to 0.5 s"),
+    ],
+)
+def test_options_of_policies_have_ranges(given, message):
+    env = ArmEnv(**needed_options(given.partition(":")[0]))
+    with pytest.raises(InputError, match=message):
+        make_policy(given, env)
 
 
 @pytest.mark.parametrize(

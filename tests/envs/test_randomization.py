@@ -1,15 +1,10 @@
 """What differs from episode to episode: drawn by seed, and each term for itself."""
 
-import json
-
-import gymnasium
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS, Softening, Suit, SuitJoint, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.model import ArmConfig, suit_of_config
-from activesuit.envs.randomization import Randomization
-from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, BoucWen, Clipped, PrandtlIshlinskii
 
 ELBOW = JOINTS.index("elbow_flexion")
@@ -211,23 +206,6 @@ def test_the_noise_of_sensors_may_differ():
     np.testing.assert_allclose(ratios, 1.0, rtol=0.1)  # N, the usual noise of a cuff
 
 
-@pytest.mark.parametrize("n", [1, 8])
-def test_the_same_seed_gives_the_same_episodes_whatever_n(n, sampled):
-    terms = {"suit": "samples", "pressure": 0.2, "encoder_offset": 0.02}
-    terms |= {"payload": [0.0, 3.0], "gravity": ["earth", "mars"]}
-    single = ArmEnv(suit=sampled, randomize=terms)
-    arms = single.rows(n, max_episode_steps=5, autoreset_mode="SameStep")
-    rows, _ = arms.reset(seed=20)
-    alone = [single.reset(seed=20 + n - 1)[0]]
-    seen = [rows[-1]]
-    for period in range(11):
-        rows, *_ = arms.step(np.full((n, 2), 0.1))
-        seen.append(rows[-1])
-        shown = single.step(np.full(2, 0.1))[0]
-        alone.append(single.reset()[0] if period % 5 == 4 else shown)
-    np.testing.assert_array_equal(seen, alone)
-
-
 def test_a_term_that_is_added_leaves_the_others_alone(sampled):
     few = ArmEnv(suit=sampled, randomize={"suit": "samples"})
     many = ArmEnv(suit=sampled, randomize={"suit": "samples", "encoder_offset": 0.1})
@@ -238,35 +216,6 @@ def test_a_term_that_is_added_leaves_the_others_alone(sampled):
         np.testing.assert_array_equal(one["angle"], other["angle"])
         np.testing.assert_array_equal(one["physics"], other["physics"])
         assert not np.array_equal(one["encoder_offset"], other["encoder_offset"])
-
-
-def test_it_is_plain_data_and_part_of_the_identity():
-    env = gymnasium.make("ActiveSuit/ElbowFlexion-v0", randomize={"pressure": 0.1})
-    spec = gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json())
-    again = gymnasium.make(spec).unwrapped
-    assert again.episodes.setup.randomize == Randomization(pressure=0.1)
-    assert json.loads(env.spec.to_json())["kwargs"]["randomize"] == {"pressure": 0.1}
-    env.reset(seed=0)
-    with pytest.raises(
-        InputError, match=r"randomize\.pressure=0\.1, and this one has randomize\.pressure=0\.0"
-    ):
-        gymnasium.make("ActiveSuit/ElbowFlexion-v0").unwrapped.set_state(env.unwrapped.get_state())
-
-
-def test_any_row_continues_from_a_state_of_another_load_and_place(sampled):
-    terms = {"suit": "samples", "payload": [0.0, 5.0], "gravity": ["earth", "microgravity"]}
-    arms = ArmEnv(suit=sampled, randomize=terms).rows(4)
-    arms.reset(seed=1)
-    for _ in range(10):
-        arms.step(np.zeros((4, 2)))
-    state = arms.get_state()
-    assert len(set(state["load"].tolist())) == 4
-    first = [arms.step(np.full((4, 2), 0.1))[0] for _ in range(10)]
-    arms.reset(seed=50)
-    arms.set_state({**state, **{k: v[::-1].copy() for k, v in state.items() if k != "config"}})
-    again = [arms.step(np.full((4, 2), 0.1))[0] for _ in range(10)]
-    for one, other in zip(first, again, strict=True):
-        np.testing.assert_array_equal(one, other[::-1])
 
 
 def test_cycles_change_the_torque_of_a_suit_that_softens():

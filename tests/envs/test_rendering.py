@@ -1,4 +1,3 @@
-import copy
 import itertools
 import pickle
 
@@ -97,12 +96,6 @@ def arm_env(**options):
     made = gymnasium.make(ID, render_mode="rgb_array", camera="side", **options)
     made.reset(seed=0)
     return made.unwrapped
-
-
-def test_options_of_pictures_are_json():
-    spec = copy.deepcopy(gymnasium.spec(ID))
-    spec.kwargs.update(render_quality="fine", picture_dt=0.04)
-    assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
 
 
 @pytest.mark.slow

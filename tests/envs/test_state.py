@@ -42,6 +42,8 @@ def test_branching_from_a_saved_state():
     env.set_state(state)
     np.testing.assert_array_equal(first, play(env, 80))
     other = make()
+    with pytest.raises(InputError, match="get_state before the first reset: call reset"):
+        other.get_state()
     other.set_state(state)  # a reset is not needed before
     np.testing.assert_array_equal(first, play(other, 80))
     after, again = env.reset()[0], other.reset()[0]
@@ -80,16 +82,10 @@ def test_state_of_another_environment_is_refused(saved):
         make(control_dt=0.02).set_state(saved)
     with pytest.raises(InputError, match=r"task='ArmTracking'.*task='ElbowFlexion'"):
         make("ElbowFlexion").set_state(saved)
+    with pytest.raises(InputError, match=r"randomize\.pressure=0\.0.*randomize\.pressure=0\.1"):
+        make(randomize={"pressure": 0.1}).set_state(saved)
     with pytest.raises(InputError, match=r"with fatigue=False, and this one has fatigue=True"):
         make(fatigue=True).set_state(saved)
-
-
-def test_needs_a_reset_first():
-    env = make()
-    with pytest.raises(InputError, match="get_state before the first reset: call reset"):
-        env.get_state()
-    with pytest.raises(InputError, match="step before the first reset: call reset"):
-        env.step(np.zeros(2))
 
 
 def test_what_is_no_whole_state_is_refused(saved):

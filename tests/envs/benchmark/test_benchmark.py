@@ -226,27 +226,6 @@ def test_results_that_cannot_be_merged(tmp_path, content, message):
         read_results([tmp_path / "a.jsonl", tmp_path / "b.jsonl"])
 
 
-def test_results_of_more_and_of_fewer_motions_stand_beside_each_other():
-    efforts = {"unsuited": [0.1] * 9, "suited": [0.3] * 12, "best-known-plan": [0.1] * 3}
-    efforts |= {"compensation": [0.2] * 12, "other": [0.16] * 8}
-    size = {"tracking": (0.0,) * 12, "success": (True,) * 12}
-    results = [
-        made(
-            policy=name,
-            effort=tuple(effort),
-            **{what: values[: len(effort)] for what, values in size.items()},
-        )
-        for name, effort in efforts.items()
-    ]
-    standings = Standings(results)
-    (setting,) = standings.settings
-    np.testing.assert_allclose(standings.relief(setting, "compensation"), [0.5] * 9)
-    found = {one.policy: one for one in standings.by_level("nominal")}
-    assert found["other"].gain.value == pytest.approx(0.2)
-    assert found["best-known-plan"].relief.value == pytest.approx(1)
-    assert standings.difference(setting, "other", "compensation").value == pytest.approx(0.2)
-
-
 def test_a_reference_that_failed_leaves_no_relief():
     efforts = {"unsuited": 0.1, "suited": np.inf, "compensation": 0.2}
     standings = Standings([made(policy=name, effort=(e,) * 2) for name, e in efforts.items()])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from activesuit.envs.evaluation import bounds, evaluate
+from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.scores import root_mean_square
 from helpers import shorten_tasks
 
@@ -39,43 +39,3 @@ def test_no_policy_needs_less_effort(found):
         mine = np.array(found.scores[name].effort)
         assert (mine >= np.array(found.scores["best-known-plan"].effort)).all()
     assert found.scores["best-known-plan"].success == (True,) * 4
-
-
-class Aimed:
-    """Plans whose effort is their distance from some right ones; stands for the wearers."""
-
-    def __init__(self, right, begin):
-        self.right, self.commands, self.tries = right, begin.copy(), 0
-        self.effort = self.off(begin)
-
-    def off(self, commands):
-        return 1 + np.sqrt(np.mean((commands - self.right) ** 2, axis=(1, 2)))
-
-    def tried(self, commands):
-        self.tries += 1
-        effort = self.off(commands)
-        better = effort < self.effort
-        self.commands[better], self.effort = commands[better], np.minimum(effort, self.effort)
-
-
-@pytest.fixture
-def begin():
-    time = 0.01 * np.arange(400)
-    return np.sin(3 * time + np.arange(3)[:, None])[..., None] * [0.8, 0.4]
-
-
-def test_a_plan_that_is_late_and_weak_is_searched_for(begin):
-    right = np.clip(1.1 * np.concatenate([begin[:, 7:], begin[:, -7:]], axis=1), -1, 1)
-    best, passes = Aimed(right, begin), []
-    before = best.effort.copy()
-    bounds._search(best, passes.append)
-    assert (best.effort - 1 < 0.4 * (before - 1)).all()
-    assert len(passes) >= 2
-    assert np.abs(best.commands).max() <= 1
-
-
-def test_where_no_shift_helps_two_tries_are_enough(begin):
-    best = Aimed(begin, begin)
-    bounds._search(best, lambda _: None)
-    assert best.tries == 2
-    np.testing.assert_array_equal(best.commands, begin)

@@ -10,7 +10,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.bounds import inverted, rationed
 from activesuit.envs.evaluation.core import reference_options
-from activesuit.envs.model import ASSISTED, Exo
+from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
 from activesuit.errors import InputError
@@ -320,13 +320,3 @@ def test_mistakes(short, policies, options, message):
     with pytest.raises(InputError, match=message) as raised:
         evaluate(ENV, policies, **{"references": "suit" in options, "episodes": 1, **options})
     assert len(str(raised.value).splitlines()) == 1
-
-
-def test_functions_make_policies_too(short):
-    mine = {"off": lambda arms: make_policy("none", arms), "none": "none"}
-    found = evaluate(ENV, mine, episodes=1, references=False, adapted=False)
-    assert found.scores["off"].torque == found.scores["none"].torque
-    for joint in ASSISTED:
-        assert found.scores["off"].human_rms[joint] == pytest.approx(
-            found.scores["off"].torque[joint][0]
-        )

@@ -111,14 +111,6 @@ def energies(model, angle, rate):
     return data.energy[1], data.energy[0]
 
 
-def test_raising_the_bare_arm_takes_its_weight_times_its_levers():
-    # de Leva 1996, 1.78 m, 80 kg, Earth: its gravity torque when horizontal, worked by hand.
-    model = bare_arm(ArmConfig())
-    hanging = energies(model, np.zeros(4), 0)[1]
-    horizontal = energies(model, [0, np.pi / 2, 0, 0], 0)[1]
-    assert horizontal - hanging == pytest.approx(11.82, abs=0.005)
-
-
 @pytest.mark.parametrize("person", PEOPLE[1:3])
 def test_a_bent_elbow_moves_forearm_and_hand(person):
     arm, rate = segments(person), 3.0

@@ -62,18 +62,6 @@ def test_torque_follows_a_step_with_the_bandwidth(joint):
     np.testing.assert_allclose(torque, expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("joint", ASSISTED)
-def test_command_and_activation_are_torques(joint):
-    model, data = driven(joint)
-    actuator = model.actuator(f"assist_{joint}")
-    peak = MOTORS[joint].peak_torque
-    np.testing.assert_array_equal(actuator.forcerange, [-peak, peak])
-    data.ctrl[model.actuator_ctrladr[actuator.id]] = 0.5 * peak
-    mujoco.mj_step(model, data, 500)
-    assert data.actuator_force[actuator.id] == pytest.approx(0.5 * peak, rel=1e-6)
-    assert data.act[model.actuator_actadr[actuator.id]] == pytest.approx(0.5 * peak, rel=1e-6)
-
-
 def test_inertia_and_friction_are_the_motors():
     strong = replace(Exo().elbow, armature=0.05, coulomb=3.2, viscous=0.4)
     exo = Exo(elbow=strong)

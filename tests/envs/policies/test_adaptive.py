@@ -9,7 +9,6 @@ from activesuit.envs import TASKS, ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.policies import make_policy, needed_options
 from activesuit.envs.policies.adaptive import SCALES, projected
-from activesuit.errors import InputError
 
 
 @pytest.mark.parametrize("factor", [0.7, pytest.param(1.4, marks=pytest.mark.slow)])
@@ -59,17 +58,3 @@ def test_projection_is_the_nearest_point():
     inside = np.array([1.2, -3.0, 0.5, 0.9])
     np.testing.assert_array_equal(projected(inside), inside)
     assert projected(np.array([-5.0, 1e9, -1e9, 0.0])).tolist() == [0.02, 40, -20, 0]
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
-        ("delay=3", "delay is 3.0: use a number from 0 to 0.5 s"),
-        ("friction=2", "friction is 2.0: use a number from 0 to 1"),
-    ],
-)
-def test_mistakes(options, message):
-    arms = ArmEnv(**needed_options("adaptive"))
-    with pytest.raises(InputError, match=message):
-        make_policy(f"adaptive:{options}", arms)

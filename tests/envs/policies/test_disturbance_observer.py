@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from activesuit.envs.policies import make_policy
 from activesuit.envs.policies.filters import SecondOrderLowPass
-from activesuit.errors import InputError
 from shown import asked, made
 
 
@@ -46,9 +45,3 @@ def test_rate_of_the_filter():
         after, rate = low.step(value)
         assert (after - before) / 0.01 == pytest.approx(rate, rel=0.25, abs=0.05)
         before = after
-
-
-def test_options_out_of_range():
-    _, env = made("disturbance-observer")
-    with pytest.raises(InputError, match=r"bandwidth is 9.0: use a number from 0.1 to 5 Hz"):
-        make_policy("disturbance-observer:bandwidth=9", env)
