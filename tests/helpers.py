@@ -23,6 +23,12 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     return np.concatenate([[turns[0]], *branches])
 
 
+def one_sentence(refusal: pytest.ExceptionInfo) -> bool:
+    """Returns whether an error is one sentence, without a full stop at its end."""
+    text = str(refusal.value)
+    return "\n" not in text and len(text) <= 400 and not text.endswith(".")
+
+
 def without_volume_shares(suit: Suit) -> Suit:
     """Returns the suit with a torque, friction included, that is proportional to its pressure."""
     joints = {

@@ -8,6 +8,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.levels import LEVELS, with_level
 from activesuit.envs.randomization import Randomization
+from arms import assert_same_states
 
 
 def play(env, seed, periods=20):
@@ -23,9 +24,7 @@ def play(env, seed, periods=20):
 
 def assert_same(states, others):
     for state, other in zip(states, others, strict=True):
-        assert state["config"] == other["config"]
-        for name in state.keys() - {"config"}:
-            np.testing.assert_array_equal(state[name], other[name], name)
+        assert_same_states(state, other)
 
 
 @pytest.mark.parametrize("level", LEVELS)

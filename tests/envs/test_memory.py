@@ -6,10 +6,8 @@ import sys
 from pathlib import Path
 
 import gymnasium
-import mujoco
 import numpy as np
 import pytest
-from activesuit.envs.model import ArmConfig, bare_arm
 from activesuit.envs.rendering import RenderingUnavailableError
 
 STORED = 8  # compiled models, at most; see `envs/model/compose.py`
@@ -66,10 +64,3 @@ def test_pictures_give_their_memory_back():
         env.close()
     del env, kept
     assert (resident() - before) / PICTURED < 30  # MB, drivers keep some; was 306
-
-
-def test_the_arm_for_inverse_dynamics_has_nothing_to_draw(tmp_path):
-    arm = bare_arm(ArmConfig())
-    assert (arm.nmesh, arm.ntex, arm.nmat) == (0, 0, 0)
-    mujoco.mj_saveModel(arm, str(tmp_path / "arm.mjb"))
-    assert (tmp_path / "arm.mjb").stat().st_size < 1e5  # bytes; was 1.1e7

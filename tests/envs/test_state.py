@@ -3,19 +3,12 @@
 import copy
 import pickle
 
-import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.errors import InputError
 
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (100, 2))
-
-
-def make(task="ArmTracking", **options) -> ArmEnv:
-    env = gymnasium.make(f"ActiveSuit/{task}-v0", **options).unwrapped
-    assert isinstance(env, ArmEnv)
-    return env
 
 
 def play(env, steps):
@@ -26,14 +19,14 @@ def play(env, steps):
 @pytest.fixture(scope="module")
 def saved():
     """A state that tests may take apart (after a deep copy)."""
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 20)
     return env.get_state()
 
 
 def test_branching_from_a_saved_state():
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 60)
     state = pickle.loads(pickle.dumps(env.get_state()))
@@ -41,7 +34,7 @@ def test_branching_from_a_saved_state():
     env.reset(seed=9)
     env.set_state(state)
     np.testing.assert_array_equal(first, play(env, 80))
-    other = make()
+    other = ArmEnv()
     with pytest.raises(InputError, match="get_state before the first reset: call reset"):
         other.get_state()
     other.set_state(state)  # a reset is not needed before
@@ -51,7 +44,7 @@ def test_branching_from_a_saved_state():
 
 
 def test_state_shows_its_own_moment():
-    env = make(sensors=["encoders", "preview", "privileged"])
+    env = ArmEnv(sensors=["encoders", "preview", "privileged"])
     env.reset(seed=0)
     for _ in range(40):
         observation, *_, info = env.step(np.array([0.5, 0.5], np.float32))
@@ -66,7 +59,7 @@ def test_state_shows_its_own_moment():
 
 
 def test_deepcopy_and_pickle_continue_alike():
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 30)
     copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
@@ -77,19 +70,19 @@ def test_deepcopy_and_pickle_continue_alike():
 
 def test_state_of_another_environment_is_refused(saved):
     with pytest.raises(InputError, match=r"gravity='earth'.*gravity='moon'"):
-        make(gravity="moon").set_state(saved)
+        ArmEnv(gravity="moon").set_state(saved)
     with pytest.raises(InputError, match=r"control_dt=0\.01.*control_dt=0\.02"):
-        make(control_dt=0.02).set_state(saved)
+        ArmEnv(control_dt=0.02).set_state(saved)
     with pytest.raises(InputError, match=r"task='ArmTracking'.*task='ElbowFlexion'"):
-        make("ElbowFlexion").set_state(saved)
+        ArmEnv("ElbowFlexion").set_state(saved)
     with pytest.raises(InputError, match=r"randomize\.pressure=0\.0.*randomize\.pressure=0\.1"):
-        make(randomize={"pressure": 0.1}).set_state(saved)
+        ArmEnv(randomize={"pressure": 0.1}).set_state(saved)
     with pytest.raises(InputError, match=r"with fatigue=False, and this one has fatigue=True"):
-        make(fatigue=True).set_state(saved)
+        ArmEnv(fatigue=True).set_state(saved)
 
 
 def test_what_is_no_whole_state_is_refused(saved):
-    env = make()
+    env = ArmEnv()
     for key in saved:
         part = {name: value for name, value in saved.items() if name != key}
         with pytest.raises(InputError, match=f"the state lacks {key}: give"):
@@ -135,7 +128,7 @@ JUNK = [
 
 @pytest.mark.parametrize(("key", "change", "message"), JUNK)
 def test_a_spoiled_state_is_refused_and_changes_nothing(saved, key, change, message):
-    env, twin = make(), make()
+    env, twin = ArmEnv(), ArmEnv()
     for one in (env, twin):
         one.reset(seed=4)
         play(one, 5)

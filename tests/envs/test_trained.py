@@ -15,14 +15,10 @@ from activesuit.envs.sb3 import ArmVecEnv
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 from activesuit.scripts.training.hyperparameters import ALGORITHMS, algorithm_class
+from helpers import one_sentence
 from trained_runs import make_run, write_network
 
 pytest.importorskip("stable_baselines3")
-
-
-def one_sentence(refusal):
-    text = str(refusal.value)
-    return "\n" not in text and len(text) < 400
 
 
 OPTIONS = {"gravity": "moon", "sensors": ("encoders", "preview"), "history": 2, "normalize": True}

@@ -215,22 +215,3 @@ def test_the_specification_can_be_added_to():
     spec = arm_spec(ArmConfig())
     spec.body("hand").add_site(name="tool")
     assert spec.compile().site("tool").bodyid == spec.compile().body("hand").id
-
-
-def test_without_an_exoskeleton_there_are_no_motors():
-    model = compose(ArmConfig(coupling="none"))
-    assert model.nu == 3 * len(JOINTS)
-    assert (model.dof_frictionloss == 0).all()
-    names = {model.sensor(i).name for i in range(model.nsensor)}
-    assert "encoder_elbow_flexion" in names
-    assert "assist_torque_elbow_flexion" not in names
-
-
-def test_motors_of_cuffs_drive_the_exoskeletons_joints():
-    config = ArmConfig(coupling="cuffs")
-    model = compose(config)
-    motor = model.actuator("assist_elbow_flexion")
-    assert model.joint(motor.trnid[0]).name == "exo_elbow_flexion"
-    friction = {model.joint(i).name: model.dof_frictionloss[i] for i in range(model.njnt)}
-    assert friction["elbow_flexion"] == 0
-    assert friction["exo_elbow_flexion"] == config.exo.elbow.coulomb

@@ -1,8 +1,6 @@
 """The wearer's control of the arm: impedance, reflex, correction, noise and learning."""
 
-import json
 from collections import deque
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -260,11 +258,6 @@ def test_noise_varies_the_torque_in_proportion():
     assert np.std(share, axis=0) == pytest.approx(NOISE_SIZE, rel=0.6)
     # Without its noise the shoulder's torque is that of an arm at rest.
     assert np.ptp(np.array(torque)[:, 1]) < 0.25 * np.abs(torque)[:, 1].mean()
-
-
-def test_settings_convert_to_json_and_back():
-    settings = VoluntaryControl(contraction=0.3, noise=1)
-    assert VoluntaryControl(**json.loads(json.dumps(asdict(settings)))) == settings
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,3 @@
-import json
-
 import numpy as np
 import pytest
 from activesuit.envs.person.effort import effort_metrics
@@ -55,11 +53,6 @@ def test_many_records_at_once_are_those_one_by_one():
     alone = effort_metrics(torque[4, 1], rate[4, 1], DT).to_dict()
     for name, value in alone.items():
         np.testing.assert_allclose(value, together[name][4][1], rtol=1e-12)
-
-
-def test_metrics_convert_to_json():
-    metrics = effort_metrics(np.ones((50, 2)), np.sin(TIME[:50, None] + [0, 1]), DT).to_dict()
-    assert json.loads(json.dumps(metrics)) == metrics
 
 
 def test_smoothness_of_the_authors_example():

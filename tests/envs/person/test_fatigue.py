@@ -126,14 +126,6 @@ def test_recovery_is_faster_only_at_rest():
     assert (loaded > 0.4 * np.exp(-30 * recovery)).all()
 
 
-def test_many_wearers_at_once_are_those_one_by_one_bit_for_bit():
-    rng = np.random.default_rng(2)
-    fatigued, load = rng.uniform(0, 0.9, (64, 2, 4)), rng.uniform(0, 1, (64, 2, 4))
-    together = fatigue_step(fatigued, load, 5.0)
-    for i in range(64):
-        np.testing.assert_array_equal(fatigue_step(fatigued[i], load[i], 5.0), together[i])
-
-
 def test_load_is_the_share_of_strength_in_the_direction_of_the_torque():
     torque = np.array([[10.0, -10, 0, 3], [0, 0, -5, 5]])
     low, high = np.array([-20.0, -40, -10, 0]), np.array([50.0, 20, 10, 0])

@@ -8,7 +8,7 @@ from activesuit.assets import load_suit
 from activesuit.envs import TASKS, ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.policies import make_policy, needed_options
-from activesuit.envs.policies.adaptive import SCALES, projected
+from activesuit.envs.policies.adaptive import SCALES
 
 
 @pytest.mark.parametrize("factor", [0.7, pytest.param(1.4, marks=pytest.mark.slow)])
@@ -52,9 +52,3 @@ def test_no_data_leave_the_certified_set():
         if i % 500 == 0:
             model = entry.model.scaled(torque=float(scale[0, 1]))
             assert model.certificate(entry.range).certified
-
-
-def test_projection_is_the_nearest_point():
-    inside = np.array([1.2, -3.0, 0.5, 0.9])
-    np.testing.assert_array_equal(projected(inside), inside)
-    assert projected(np.array([-5.0, 1e9, -1e9, 0.0])).tolist() == [0.02, 40, -20, 0]

@@ -2,7 +2,6 @@
 
 import numpy as np
 from activesuit.envs.plant import Plant
-from activesuit.envs.policies.intention import intended
 from activesuit.envs.simulation.simulation import PREVIEW
 from shown import asked, made
 
@@ -26,11 +25,3 @@ def test_springs_give_the_believed_arm_its_bandwidth():
     pole = 2 * np.pi * 1.5
     np.testing.assert_allclose(policy.stiffness / inertia, pole**2)
     np.testing.assert_allclose(policy.damping / inertia, 2 * 0.7 * pole)
-
-
-def test_the_intended_rate_is_that_of_a_parabola():
-    time = np.array(PREVIEW)
-    target = np.stack([1 + 2 * time + 3 * time**2, -time], axis=1).reshape(1, 6)
-    angle, rate = intended(target)
-    np.testing.assert_allclose(angle, [[1 + 2 * 0.02 + 3 * 0.02**2, -0.02]])
-    np.testing.assert_allclose(rate, [[2 + 6 * 0.02, -1]])

@@ -70,19 +70,6 @@ def test_rows_that_begin_anew_have_a_memory_of_their_own(name):
         action = cohorts.act(observation)
 
 
-def test_policies_of_cohorts_are_used_again():
-    made = []
-
-    def make():
-        made.append(Constant([0.0, 0.0]))
-        return made[-1]
-
-    cohorts, observation = Cohorts(make, 2, 2), np.zeros((2, 4), np.float32)
-    for _ in range(5):
-        cohorts.begin(np.arange(2), observation)
-    assert len(made) == 1
-
-
 def test_a_suit_file_is_part_of_the_plain_data(tmp_path):
     from activesuit.assets import load_suit, save_suit
 

@@ -7,6 +7,7 @@ from activesuit.envs.model import ArmConfig, bare_arm, compose
 from activesuit.envs.person import Person
 from activesuit.envs.simulation.kinematics import Arm, through_places
 from activesuit.errors import InputError
+from helpers import one_sentence
 
 ARMS = {
     "tilted": {"tilt": (0.5, -0.2)},
@@ -109,11 +110,6 @@ def test_a_motion_through_places_has_the_derivatives_of_its_angles(made):
     slope = np.gradient(rate, dt, axis=0)
     np.testing.assert_allclose(slope[inside], acceleration[inside], atol=0.05)
     assert np.abs(rate).max() > 0.1
-
-
-def one_sentence(error):
-    text = str(error.value)
-    return "\n" not in text and text.count(": ") == 1 and not text.endswith(".")
 
 
 def test_what_no_posture_reaches_is_refused():

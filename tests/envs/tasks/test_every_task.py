@@ -11,7 +11,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.levels import LEVELS
 from activesuit.envs.model.config import COUPLINGS
 from activesuit.envs.tasks import TASKS
-from arms import state
+from arms import assert_same_states, state
 from gymnasium.utils.env_checker import check_env
 from scipy.stats import qmc
 
@@ -82,14 +82,6 @@ def test_noise_breaks_nothing(made):
     assert np.isfinite(state(env).measured).all()
 
 
-def assert_same(state, other):
-    """Compares everything that lives from step to step; the rows of states of one row."""
-    assert state.keys() == other.keys()
-    for name in state.keys() - {"config"}:
-        np.testing.assert_array_equal(state[name], other[name], name)
-    assert state["config"] == other["config"]
-
-
 def until_loaded(env, arms, rng):
     """Plays until a load is in the hand, or for half a second where there never is one."""
     motors = env.action_space.shape
@@ -112,7 +104,7 @@ def test_a_row_is_the_single_environment_and_states_in_mid_task_go_on_alike(made
     for alone, row in zip(one[:4], rows[:4], strict=True):
         np.testing.assert_array_equal(alone, row[1])
     state = env.get_state()
-    assert_same(state, arms.get_state(rows=[1]))
+    assert_same_states(state, arms.get_state(rows=[1]))
     if env.episodes.task.carries:
         assert state["load"][0] > 0
     actions = rng.uniform(-0.3, 0.3, (30, *env.action_space.shape))
@@ -122,9 +114,9 @@ def test_a_row_is_the_single_environment_and_states_in_mid_task_go_on_alike(made
     env.set_state(state)
     again = [env.step(action)[0] for action in actions]
     np.testing.assert_array_equal(again, first)
-    assert_same(env.get_state(), after)
+    assert_same_states(env.get_state(), after)
     arms.reset(seed=2)
     arms.set_state(state, rows=[2])  # another environment, and another row
     third = [arms.step(np.tile(action, (ROWS, 1)))[0][2] for action in actions]
     np.testing.assert_array_equal(third, first)
-    assert_same(arms.get_state(rows=[2]), after)
+    assert_same_states(arms.get_state(rows=[2]), after)

@@ -11,6 +11,7 @@ from activesuit.envs.tasks import TASKS, Hammer, ObjectRelocation, RandomMoves, 
 from activesuit.envs.tasks.ratchet import Ratchet
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
+from helpers import one_sentence
 
 SAMPLES = 11
 DURATION = 0.1  # s
@@ -46,11 +47,6 @@ def with_plan(kind, plan):
     task = kind(name="Planned", duration=DURATION)
     object.__setattr__(task, "made", plan)
     return task
-
-
-def one_sentence(error):
-    text = str(error.value)
-    return "\n" not in text and len(text) <= 300 and not text.endswith(".")
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.tasks import ARM_TRACKING, RecordedMotion
 from activesuit.errors import InputError
+from helpers import one_sentence
 
 HEADER = ["time", *JOINTS]
 STEP = 0.02  # s between recorded samples
@@ -105,9 +106,7 @@ def test_files_that_are_no_motion_are_refused(tmp_path, rows, header, message):
     path = write(tmp_path / "motion.csv", rows, header)
     with pytest.raises(InputError, match=message) as refusal:
         RecordedMotion(name="Recorded", path=path)
-    text = str(refusal.value)
-    assert "\n" not in text
-    assert not text.endswith(".")
+    assert one_sentence(refusal)
 
 
 def test_files_that_cannot_be_read_are_refused():
