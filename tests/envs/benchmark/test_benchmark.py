@@ -24,7 +24,7 @@ PROTOCOL = {"contract": "abc"}
 
 @pytest.fixture(scope="module", autouse=True)
 def short():
-    with short_benchmark(4.0):
+    with short_benchmark(2.0):
         yield
 
 

@@ -10,6 +10,7 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.evaluation.bounds import inverted, rationed
 from activesuit.envs.evaluation.core import reference_options
+from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.model import Exo
 from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
@@ -126,11 +127,22 @@ def test_what_each_policy_gives_back(weightless):
 
 def test_no_policy_exceeds_the_clairvoyant_by_more_than_its_interval(weightless):
     best = np.array(weightless.scores["best-known-plan"].reward)
+    least = np.array(weightless.scores["best-known-plan"].effort)
     for name, score in weightless.scores.items():
         if name in ("unsuited", "suited", "best-known-plan"):
             continue
+        assert (np.array(score.effort) >= least).all(), name
         ahead = np.array(score.reward) - best
         assert ahead.mean() < 2.4 * ahead.std(ddof=1) / np.sqrt(MOTIONS), name
+
+
+def test_strong_motors_take_over_nearly_all(weightless):
+    """Without limits of the motors the least torque of the wearer is zero."""
+    left = {
+        name: rms(np.array([trace.human_torque[:, 1:3] for trace in weightless.traces[name]]))
+        for name in ("best-known-plan", "suited")
+    }
+    assert left["best-known-plan"] < 0.02 * left["suited"]
 
 
 def test_scores_keep_one_value_per_motion(weightless):

@@ -10,9 +10,9 @@ import activesuit
 import mujoco
 import numpy as np
 import pytest
+from activesuit.assets import load_suit
 from activesuit.envs.model import ArmConfig, compose, load_model
 from activesuit.errors import InputError
-from activesuit.hysteresis import Dahl
 from activesuit.hysteresis.engine import attach
 
 JOINT = """<mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1"/></body>
@@ -22,7 +22,7 @@ ROOT = Path(activesuit.__file__).parent.parent
 
 def spec():
     made = mujoco.MjSpec.from_string(JOINT)
-    attach(made, "j", Dahl(spring=[0.1, 3.0], stiffness=9, friction=1.5))
+    attach(made, "j", load_suit("mock-suit").joints["elbow_flexion"].model)
     return made
 
 

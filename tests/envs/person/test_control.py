@@ -215,7 +215,7 @@ def test_a_pushed_arm_is_back_within_a_second(joint, push, load):
 
 
 def test_noise_and_tremor_have_the_stated_spectra():
-    count, periods = 200, 400
+    count, periods = 100, 400
     rng, found = np.random.default_rng(2), []
     noise = MuscleNoise(
         muscle_noise=np.zeros((count, 3, 4)),

@@ -53,9 +53,8 @@ def test_endurance_is_infinite_for_what_recovery_sustains():
         assert endurance_time(1, joint) == 0
 
 
-@pytest.mark.parametrize("dt", [0.01, 1.0])
-def test_a_simulated_hold_ends_at_the_endurance_time(dt):
-    loads = [0.5, 0.7] if dt == 0.01 else LOADS[:3]
+def test_a_simulated_hold_ends_at_the_endurance_time():
+    dt, loads = 1.0, LOADS[:3]
     load = np.broadcast_to(np.reshape(loads, (-1, 1, 1)), (len(loads), 2, 4))
     expected = np.stack([endurance_time(loads, joint) for joint in JOINTS], axis=-1)
     endured, fatigued = np.zeros(load.shape), np.zeros(load.shape)
@@ -67,7 +66,7 @@ def test_a_simulated_hold_ends_at_the_endurance_time(dt):
 
 
 def test_it_is_the_original_model_without_the_controllers_lag():
-    dt = 0.01
+    dt = 0.02
     time = np.arange(0, 300, dt)
     load = np.where(time % 20 < 10, 0.5 + 0.4 * np.sin(time / 40), 0.0)
     load[time > 200] = 0.15
