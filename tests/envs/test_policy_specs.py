@@ -11,7 +11,9 @@ from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.policies import Belief, make_policy, needed_options, policy_spec
 from activesuit.errors import InputError
+from helpers import assert_refused
 
+ELBOW = "ActiveSuit/ElbowFlexion-v0"
 OBSERVATION = np.zeros(12, np.float32)
 
 
@@ -162,9 +164,8 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
     assert scores["mine"].assist_energy != scores["more"].assist_energy
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_mistakes_in_what_names_a_policy(outside):
+    rows = [
         ("copmensation", "unknown policy 'copmensation': .*did you mean 'compensation'"),
         ("compensation:leed=1", "unknown option of policy 'compensation' 'leed'.*mean 'lead'"),
         ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
@@ -178,31 +179,23 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
         ({"nam": "none"}, "the policy is .*: give a name"),
         (3, "the policy is 3: give a name"),
         ("feedforward:wearer=1,wearer.mass=2", "wearer"),
-    ],
-)
-def test_mistakes_in_what_names_a_policy(outside, given, message):
-    with pytest.raises(InputError, match=message):
-        policy_spec(given)
+    ]
+    assert_refused(policy_spec, rows)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_mistakes_in_what_makes_one(outside):
+    rows = [
         ("compensation:load=90", "the believed load is 90.0: use a number from 0 to 60 kg"),
         ("compensation:suit=nosuit", "unknown suit 'nosuit'"),
         ("adaptive", r"policy 'adaptive' needs the sensors encoders, interaction"),
         ("sys:exit", r"'sys:exit' cannot be made \(SystemExit"),
         ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
-    ],
-)
-def test_mistakes_in_what_makes_one(outside, given, message):
-    with pytest.raises(InputError, match=message):
-        make_policy(given, ArmEnv())
+    ]
+    assert_refused(lambda given: make_policy(given, ArmEnv()), rows)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_options_of_policies_have_ranges():
+    rows = [
         ("adaptive:forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
         ("disturbance-observer:bandwidth=9", "bandwidth is 9.0: use a number from 0.1 to 5 Hz"),
         ("impedance:damping_ratio=-1", "damping_ratio is -1.0: use a number from 0 to 3"),
@@ -211,28 +204,19 @@ def test_mistakes_in_what_makes_one(outside, given, message):
         ("predictive:samples=100", "samples is 100: use a number from 4 to 64"),
         ("predictive:samples=2.5", "option samples of policy 'predictive' is '2.5'"),
         ("predictive:horizon=2", "horizon is 2.0: use a number from 0.02 to 0.5 s"),
-    ],
-)
-def test_options_of_policies_have_ranges(given, message):
-    env = ArmEnv(**needed_options(given.partition(":")[0]))
-    with pytest.raises(InputError, match=message):
-        make_policy(given, env)
+    ]
+    for given, message in rows:
+        env = ArmEnv(**needed_options(given.partition(":")[0]))
+        assert_refused(make_policy, [(given, env, message)])
 
 
-@pytest.mark.parametrize(
-    ("bad", "message"),
-    [
+def test_what_it_returns_is_checked(outside):
+    rows = [
         ("nan", "policy 'outside:Mine' returns nan: return finite numbers from -1 to 1"),
         ("shape", r"returns an action of shape \(3,\): return finite numbers .* shape \(1, 2\)"),
         ("raise", r"fails in act\(\) \(ZeroDivisionError: division by zero\): repair it"),
-    ],
-)
-def test_what_it_returns_is_checked(outside, bad, message):
-    with pytest.raises(InputError, match=message):
-        evaluate(
-            "ActiveSuit/ElbowFlexion-v0",
-            [f"outside:Mine:bad={bad}"],
-            episodes=1,
-            references=False,
-            adapted=False,
-        )
+    ]
+    once = {"episodes": 1, "references": False, "adapted": False}
+    for bad, message in rows:
+        policies = [f"outside:Mine:bad={bad}"]
+        assert_refused(lambda given: evaluate(ELBOW, given, **once), [(policies, message)])

@@ -16,7 +16,7 @@ from activesuit.envs.policies import NoAssist, make_policy
 from activesuit.envs.reward import COSTS
 from activesuit.errors import InputError
 from activesuit.identification import identify, load_curves
-from helpers import shorten_tasks, without_volume_shares
+from helpers import assert_refused, shorten_tasks, without_volume_shares
 from scipy.optimize import minimize
 from scipy.signal import lfilter
 
@@ -137,12 +137,12 @@ def test_no_policy_exceeds_the_clairvoyant_by_more_than_its_interval(weightless)
 
 
 def test_strong_motors_take_over_nearly_all(weightless):
-    """Without limits of the motors the least torque of the wearer is zero."""
+    """Without limits and lag of the motors the least torque of the wearer is zero."""
     left = {
         name: rms(np.array([trace.human_torque[:, 1:3] for trace in weightless.traces[name]]))
         for name in ("best-known-plan", "suited")
     }
-    assert left["best-known-plan"] < 0.02 * left["suited"]
+    assert left["best-known-plan"] < 0.025 * left["suited"]
 
 
 def test_scores_keep_one_value_per_motion(weightless):
@@ -302,9 +302,8 @@ def test_named_policies_see_units_whatever_others_see(short):
         make_policy("compensation", ArmEnv(normalize=True))
 
 
-@pytest.mark.parametrize(
-    ("policies", "options", "message"),
-    [
+def test_mistakes(short):
+    rows = [
         (["none"], {"suit": "none"}, "references are asked for, and suit is 'none': there is no"),
         (["nune"], {}, "unknown policy 'nune'.*'none'"),
         (["none"], {"episodes": 0}, "episodes is 0"),
@@ -326,9 +325,10 @@ def test_named_policies_see_units_whatever_others_see(short):
         (["none"], {"settled": False}, "'settled' was a name of version 0.2: write 'adapted'"),
         (["none"], {"effort_scale": 1.0}, "effort_scale is what evaluate sets itself"),
         (["none"], {"on_policy": 5}, "on_policy is 5: give a function"),
-    ],
-)
-def test_mistakes(short, policies, options, message):
-    with pytest.raises(InputError, match=message) as raised:
-        evaluate(ENV, policies, **{"references": "suit" in options, "episodes": 1, **options})
-    assert len(str(raised.value).splitlines()) == 1
+    ]
+    assert_refused(
+        lambda policies, options: evaluate(
+            ENV, policies, **{"references": "suit" in options, "episodes": 1, **options}
+        ),
+        rows,
+    )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from activesuit.envs.model.bushing import Bushing, attach_bushing, replace_bushing
 from activesuit.errors import InputError
+from helpers import assert_refused
 from mujoco.batch import Batch
 from scipy.spatial.transform import Rotation
 
@@ -196,18 +197,14 @@ def test_two_bushings_and_a_site_on_the_world():
     assert model.nsensor == 3
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
+def test_numbers_that_are_no_bushing_are_refused():
+    rows = [
         ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
         ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
         ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
         ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
-    ],
-)
-def test_numbers_that_are_no_bushing_are_refused(change, sentence):
-    with pytest.raises(InputError, match=sentence):
-        Bushing(**change)
+    ]
+    assert_refused(lambda change: Bushing(**change), rows)
 
 
 def test_wrong_names_are_refused():
@@ -247,19 +244,17 @@ def test_plain_mjcf_works():
     )
 
 
-@pytest.mark.parametrize(
-    ("config", "sensor", "sentence"),
-    [
+def test_mistakes_in_mjcf_get_one_sentence():
+    rows = [
         ({"limb": "limb"}, "a_force", "of limb site 'limb': exo is '': the model has no such site"),
         (ENDS | {"exo": "limb"}, "a_force", "same body"),
         (ENDS | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
         (ENDS | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
         (ENDS, "a_pressure", "must end in force, torque or energy"),
-    ],
-)
-def test_mistakes_in_mjcf_get_one_sentence(config, sensor, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
+    ]
+    for config, sensor, sentence in rows:
+        with pytest.raises(ValueError, match=sentence):
+            mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from activesuit.envs.model import ArmConfig
 from activesuit.envs.person import Person, range_of_motion, segments
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
+from helpers import assert_refused
 
 
 def test_default_man_has_the_segments_worked_out_from_de_leva():
@@ -57,22 +58,17 @@ def test_percentiles_are_those_of_the_survey():
     assert small.strength == large.strength == 50
 
 
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
+def test_a_person_that_cannot_be_is_refused():
+    rows = [
         ({"stature": 178}, r"^stature is 178: .*; 178 cm is 1.78 m$"),
         ({"stature": 5.8}, r"^stature is 5.8: .*; 5.8 ft is 1.77 m$"),
         ({"stature": float("nan")}, "^stature is nan: "),
         ({"mass": 180}, "^mass is 180: use kilograms from 40 to 140$"),
         ({"strength": 0}, "^strength is 0: use a percentile from 1 to 99$"),
         ({"sex": "man"}, "^unknown sex 'man': use one of female, male"),
-    ],
-)
-def test_a_person_that_cannot_be_is_refused(fields, message):
-    with pytest.raises(InputError, match=message):
-        Person(**fields)
-    with pytest.raises(InputError, match=r"^percentile is 0.5: use a percentile from 1 to 99$"):
-        Person.percentile("male", 0.5)
+    ]
+    assert_refused(lambda fields: Person(**fields), rows)
+    assert_refused(Person.percentile, [("male", 0.5, "^percentile is 0.5: use a percentile")])
 
 
 def test_ranges_of_motion_are_the_published_ones():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from activesuit.envs.person.effort import effort_metrics
 from activesuit.envs.person.smoothness import log_dimensionless_jerk, spectral_arc_length
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 DT = 0.01
 TIME = np.arange(0, 2, DT)
@@ -85,14 +85,10 @@ def test_no_movement_has_no_smoothness():
     assert metrics.impulse == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize(
-    ("torque", "rate", "dt", "message"),
-    [
+def test_mistakes_are_named():
+    rows = [
         (np.ones((5, 4)), np.ones((4, 4)), DT, r"shape \(5, 4\) and rate \(4, 4\).*same shape"),
         (np.full((9, 4), np.nan), np.ones((9, 4)), DT, "not finite"),
         (np.ones((9, 4)), np.ones((9, 4)), 0.0, "dt is 0.0.*above 0"),
-    ],
-)
-def test_mistakes_are_named(torque, rate, dt, message):
-    with pytest.raises(InputError, match=message):
-        effort_metrics(torque, rate, dt)
+    ]
+    assert_refused(effort_metrics, rows)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs.person.fatigue import PROVENANCE, endurance_time, fatigue_step, muscle_load
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 REGIONS = {
     "shoulder_abduction": "shoulder",
@@ -138,14 +138,10 @@ def test_load_is_the_share_of_strength_in_the_direction_of_the_torque():
     np.testing.assert_array_equal(many, np.stack([one] * 3))
 
 
-@pytest.mark.parametrize(
-    ("load", "joint", "message"),
-    [
+def test_mistakes_are_named():
+    rows = [
         (0.3, "elbow", "unknown joint 'elbow'.*elbow_flexion"),
         (30, "elbow_flexion", "load is 30.*from 0 to 1"),
         ([0.1, np.nan], "elbow_flexion", "load is .*nan.*from 0 to 1"),
-    ],
-)
-def test_mistakes_are_named(load, joint, message):
-    with pytest.raises(InputError, match=message):
-        endurance_time(load, joint)
+    ]
+    assert_refused(endurance_time, rows)

@@ -8,7 +8,7 @@ from activesuit.envs.policies import make_policy
 from activesuit.envs.policies.build import base_of, residual_of
 from activesuit.envs.policies.network import Residual
 from activesuit.envs.policies.residual import Cohorts, ResidualPolicy, corrected
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 SCENE = {"gravity": "microgravity", "sensors": ("encoders", "interaction")}
 
@@ -81,26 +81,18 @@ def test_a_suit_file_is_part_of_the_plain_data(tmp_path):
     make_policy(base_of(again), arms)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_policies_that_no_network_can_correct():
+    rows = [
         ("compensator", "unknown policy 'compensator'"),
         ("activesuit.envs.policies:NoAssist", "unknown policy that a network corrects"),
         ("compensation:gain=2", "unknown option of policy 'compensation'"),
-    ],
-)
-def test_policies_that_no_network_can_correct(given, message):
-    with pytest.raises(InputError, match=message):
-        residual_of(given, 0.3)
+    ]
+    assert_refused(lambda given: residual_of(given, 0.3), rows)
 
 
-@pytest.mark.parametrize(
-    ("policy", "message"),
-    [
+def test_a_card_names_neither_code_nor_files():
+    rows = [
         ({"name": "os:system"}, "unknown policy that a network corrects 'os:system'"),
         ({"name": "compensation", "suit": "/tmp/x.json"}, "a card names shipped suits"),
-    ],
-)
-def test_a_card_names_neither_code_nor_files(policy, message):
-    with pytest.raises(InputError, match=message):
-        base_of(Residual(policy=policy, scale=0.3))
+    ]
+    assert_refused(lambda policy: base_of(Residual(policy=policy, scale=0.3)), rows)

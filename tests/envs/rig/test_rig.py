@@ -20,6 +20,7 @@ from activesuit.identification import (
     nested_motion,
     select,
 )
+from helpers import assert_refused
 
 EXACT = NOISE / 10  # N·m, so that no reading of the default sensor could tell
 START, TURNS = 0.52, (0.87, 1.22)
@@ -30,6 +31,10 @@ SHIPPED = [
     for suit in suit_names()
     for joint in load_suit(suit).joints
 ]
+
+
+def escaped(rows):
+    return [(options, re.escape(sentence)) for options, sentence in rows]
 
 
 def exact(model, **options):
@@ -154,9 +159,8 @@ def test_a_motion_keeps_its_reversals_and_rates(elbow):
     assert RigConfig(suit=elbow, motion=config.motion) == replace(config, noise=NOISE)
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
+def test_a_motion_that_the_rig_cannot_follow_is_refused():
+    rows = [
         ({"motion": pairs(START, 1.7, rates=0.1)}, "an angle of motion is 1.7 rad: give an angle"),
         ({"motion": pairs(START, 1.2, rates=0.9)}, "0.68 rad in 0.756 s from 0 s on, at 0.9 rad/s"),
         ({"motion": ((0, START), (0, 1.2))}, "motion[1] is at 0 s, after one at 0 s: give times"),
@@ -166,11 +170,8 @@ def test_a_motion_keeps_its_reversals_and_rates(elbow):
         ({"motion": MOTION, "turns": (1.2,)}, "turns is (1.2,) beside a motion, which has its own"),
         ({"motion": MOTION, "repeats": 2}, "repeats is 2 beside a motion"),
         ({"motion": MOTION, "start_angle": 0.6}, "start_angle is 0.6 rad, and the motion begins"),
-    ],
-)
-def test_a_motion_that_the_rig_cannot_follow_is_refused(options, sentence):
-    with pytest.raises(InputError, match=re.escape(sentence)):
-        RigConfig(**options)
+    ]
+    assert_refused(lambda options: RigConfig(**options), escaped(rows))
 
 
 @pytest.mark.parametrize(("suit", "joint"), SHIPPED)
@@ -204,9 +205,8 @@ def test_the_figure_shows_every_curve(elbow):
     assert ax.get_title() == "an elbow"
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
+def test_bad_input_is_refused_with_a_sentence():
+    rows = [
         ({"turns": (0.87, 1.7)}, "turn is 1.7 rad: give an angle in the range of elbow_flexion"),
         ({"turns": (0.87, float("nan"))}, "turns[1] is nan: give finite numbers"),
         ({"turns": (0.87, 0.872)}, "differ from the start and each other by 0.01 rad"),
@@ -216,26 +216,19 @@ def test_the_figure_shows_every_curve(elbow):
         ({"noise": -0.1}, "noise is -0.1 N·m: give 0 or more"),
         ({"repeats": 0}, "repeats is 0"),
         ({"joint": "knee"}, "unknown joint of suit 'mock-suit' 'knee': use one of elbow_flexion"),
-    ],
-)
-def test_bad_input_is_refused_with_a_sentence(options, sentence):
-    with pytest.raises(InputError, match=re.escape(sentence)):
-        RigConfig(**options)
+    ]
+    assert_refused(lambda options: RigConfig(**options), escaped(rows))
 
 
-@pytest.mark.parametrize(
-    ("motions", "sentence"),
-    [
+def test_bad_motions_are_refused_with_a_sentence(elbow):
+    rows = [
         (None, "there is no motion"),
         ({"a": [0.6, 1.0]}, "motion 'a' begins at 0.6 rad"),
         ({"a": [START, START]}, "motion 'a' stays at 0.52 rad"),
         ({"a": [START, 7.0, START]}, "motion 'a' is 7 rad"),
         ({"a": [START, np.nan]}, "motion 'a'.* is nan"),
-    ],
-)
-def test_bad_motions_are_refused_with_a_sentence(elbow, motions, sentence):
-    with pytest.raises(InputError, match=sentence):
-        run_rig(RigConfig(suit=elbow, start_angle=START), motions)
+    ]
+    assert_refused(lambda motions: run_rig(RigConfig(suit=elbow, start_angle=START), motions), rows)
 
 
 def test_a_curve_that_takes_hours_is_refused(elbow):

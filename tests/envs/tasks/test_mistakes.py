@@ -11,7 +11,7 @@ from activesuit.envs.tasks import TASKS, Hammer, ObjectRelocation, RandomMoves, 
 from activesuit.envs.tasks.ratchet import Ratchet
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
-from helpers import one_sentence
+from helpers import assert_refused
 
 SAMPLES = 11
 DURATION = 0.1  # s
@@ -49,9 +49,8 @@ def with_plan(kind, plan):
     return task
 
 
-@pytest.mark.parametrize(
-    ("kind", "plan", "message"),
-    [
+def test_plans_are_checked():
+    rows = [
         (Planned, MOTION, r"the task's plan is \(.*\): return a Plan"),
         (Planned, None, "the task's plan is None: return a Plan"),
         (Planned, Plan(("bent", STILL, STILL)), "the task's motion is 'bent': give numbers"),
@@ -72,12 +71,8 @@ def with_plan(kind, plan):
         (Planned, Plan(MOTION, push=np.outer(np.arange(11), [0, 0, 200])), "push reaches 2000 N:"),
         (Planned, Plan(MOTION, push=PUSH[:, :2]), r"push has shape \(11, 2\): give finite numbers"),
         (Planned, Plan(MOTION, watched=np.ones(2)), r"watched has shape \(2,\): give finite"),
-    ],
-)
-def test_plans_are_checked(kind, plan, message):
-    with pytest.raises(InputError, match=message) as refusal:
-        ArmEnv(with_plan(kind, plan), coupling="none")
-    assert one_sentence(refusal)
+    ]
+    assert_refused(lambda kind, plan: ArmEnv(with_plan(kind, plan), coupling="none"), rows)
 
 
 def test_a_good_plan_is_none_of_them():
@@ -86,29 +81,23 @@ def test_a_good_plan_is_none_of_them():
     ArmEnv(with_plan(Idle, Plan(MOTION)), coupling="none").reset(seed=0)
 
 
-@pytest.mark.parametrize(
-    ("task", "message"),
-    [
+def test_what_is_no_task_is_refused():
+    rows = [
         (Task(name="Empty"), "'Empty' has no motion: override motion or plan"),
         (Scoop, "task is a type: give a Task, or the name of one"),
         ({"name": "Scoop"}, "task is a dict: give a Task, or the name of one"),
         ("Scop", "unknown task 'Scop': use one of .*; did you mean 'Scoop'"),
-    ],
-)
-def test_what_is_no_task_is_refused(task, message):
-    for make in (ArmEnv, ArmVectorEnv):
-        with pytest.raises(InputError, match=message) as refusal:
-            make(task=task)
-        assert one_sentence(refusal)
+    ]
+    assert_refused(ArmEnv, rows)
+    assert_refused(lambda task: ArmVectorEnv(1, task), rows)
 
 
 def moves(**fields):
     return RandomMoves(**{"name": "Mine", "span": {"elbow_flexion": (0.5, 1.2)}, **fields})
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
+def test_fields_of_tasks_are_checked():
+    rows = [
         (lambda: Hammer(name="Hammer", mass="x"), "the task's mass is 'x': use a number from"),
         (lambda: Scoop(name="Scoop", load=(5, 1)), r"load is \(5, 1\): give the smaller number"),
         (lambda: Scoop(name="Scoop", load=None), "the task's load is None: give two numbers"),
@@ -125,12 +114,8 @@ def moves(**fields):
         (lambda: moves(hold={"elbow_flexion": (0, 1)}), "span and hold both have elbow_flexion"),
         (lambda: moves(move_time=(2, 1)), "move_time is .*: give the shortest and the longest"),
         (lambda: moves(name=""), "the task's name is '': give it one"),
-    ],
-)
-def test_fields_of_tasks_are_checked(make, message):
-    with pytest.raises(InputError, match=message) as refusal:
-        make()
-    assert one_sentence(refusal)
+    ]
+    assert_refused(lambda make: make(), rows)
 
 
 def test_payload_and_load_are_refused_together_before_the_episode():

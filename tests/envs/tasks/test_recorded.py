@@ -8,7 +8,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.tasks import ARM_TRACKING, RecordedMotion
 from activesuit.errors import InputError
-from helpers import one_sentence
+from helpers import assert_refused
 
 HEADER = ["time", *JOINTS]
 STEP = 0.02  # s between recorded samples
@@ -86,9 +86,8 @@ def in_degrees():
     return rows
 
 
-@pytest.mark.parametrize(
-    ("rows", "header", "message"),
-    [
+def test_files_that_are_no_motion_are_refused(tmp_path):
+    rows = [
         (np.delete(SWING, range(10, 15), axis=0), HEADER, "a gap from 0.18 to 0.3 s, .*: fill it"),
         (SWING * [20, 1, 1, 1, 1], HEADER, "samples may be 0.2 s apart at most"),
         (in_degrees(), HEADER, "more than a full turn: if these are degrees, give radians"),
@@ -100,13 +99,13 @@ def in_degrees():
         (changed(7, 2, "nan"), HEADER, "shoulder_flexion is .*: give a finite number"),
         ([*SWING[:9].tolist(), [1, 2]], HEADER, "line 11: 2 cells where the header has 5"),
         (SWING * [1e-4, 1, 1, 1, 1], HEADER, "lasts 9.8e-05 s: use 0.02 to 3600 s"),
-    ],
-)
-def test_files_that_are_no_motion_are_refused(tmp_path, rows, header, message):
-    path = write(tmp_path / "motion.csv", rows, header)
-    with pytest.raises(InputError, match=message) as refusal:
-        RecordedMotion(name="Recorded", path=path)
-    assert one_sentence(refusal)
+    ]
+    assert_refused(
+        lambda cells, header: RecordedMotion(
+            name="Recorded", path=write(tmp_path / "motion.csv", cells, header)
+        ),
+        rows,
+    )
 
 
 def test_files_that_cannot_be_read_are_refused():
