@@ -12,7 +12,6 @@ from activesuit.envs.tasks import RandomMoves, Task
 from activesuit.envs.vector_env import ArmVectorEnv
 from activesuit.errors import InputError
 
-ELBOW = "ActiveSuit/ElbowFlexion-v0"
 SPAN = {"elbow_flexion": (0.5, 1.2)}
 
 

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
-from activesuit.envs.evaluation import rollout, score
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.model.cuffs import FORCE_LIMITS
-from activesuit.envs.person import Person, effort_metrics, isometric_strength, strength_limits
+from activesuit.envs.person import Person, isometric_strength, strength_limits
 from activesuit.envs.policies import make_policy
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
@@ -202,20 +201,3 @@ def test_the_usual_delay_fits_every_control_period(control_dt):
 
 
 # --- Evaluation ---------------------------------------------------------------------------------
-
-
-def test_scores_contain_effort_and_cuff_forces():
-    arms = ArmEnv(coupling="cuffs").rows(1, max_episode_steps=200)
-    (trace,) = rollout(arms, make_policy("none", arms), [0])
-    result = score("none", [trace])
-    wanted = effort_metrics(trace.human_torque, trace.rate, 0.01)
-    for column, joint in enumerate(JOINTS):
-        assert result.load[joint]["impulse"] == pytest.approx(wanted.impulse[column])
-        assert result.load[joint]["work_cost"] == pytest.approx(wanted.work_cost[column])
-        assert result.human_rms[joint] == pytest.approx(wanted.rms[column])
-        assert result.peak[joint] == pytest.approx(wanted.peak[column])
-    assert trace.cuff_force.shape == (200, 3, 3)
-    force = np.linalg.norm(trace.cuff_force, axis=2).max(axis=0)
-    assert result.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
-    worst = max(force / list(FORCE_LIMITS.values()))
-    assert result.costs["cuff_force"] == (pytest.approx(worst),)

@@ -183,6 +183,8 @@ def test_steps_and_states_of_rows_that_cannot_be():
 def test_calls():
     rows = [
         (lambda: evaluate(ELBOW, 3), "policies is 3: give a list of names"),
+        (lambda: evaluate("ActiveSuit/Knee-v0", ["none"]), "unknown environment 'ActiveSuit/Knee"),
+        (lambda: evaluate("CartPole-v1", ["none"]), "'CartPole-v1' is no arm of ActiveSuit"),
         (lambda: evaluate(3, ["none"]), "env_id is 3: give the id of an environment"),
         (lambda: evaluate(ELBOW, ["none"], stagger=True), "whole episodes need 'NextStep' with"),
         (lambda: evaluate(ELBOW, ["none"], autoreset_mode="SameStep"), "whole episodes need 'Ne"),

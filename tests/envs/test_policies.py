@@ -10,11 +10,12 @@ from activesuit.envs.belief.arm import without_exo
 from activesuit.envs.evaluation import evaluate, rollout, score
 from activesuit.envs.making import make_arms
 from activesuit.envs.model import ASSISTED, bare_arm, compose
+from activesuit.envs.model.cuffs import FORCE_LIMITS
+from activesuit.envs.person import effort_metrics
 from activesuit.envs.policies import POLICIES, make_policy, needed_options
 from activesuit.errors import InputError
 from helpers import shorten_tasks
 
-ELBOW = "ActiveSuit/ElbowFlexion-v0"
 NAIVE = {"references": False, "adapted": False}
 
 
@@ -123,15 +124,18 @@ def test_a_policy_without_its_sensors():
 
 
 def test_scores_are_what_they_say():
-    arms = make_arms("ActiveSuit/ArmTracking-v0", 1)
+    arms = make_arms("ActiveSuit/ArmTracking-v0", 1, coupling="cuffs", max_episode_steps=300)
     (trace,) = rollout(arms, make_policy("none", arms), [0])
     result = score("none", [trace, trace])
     error = trace.angle - trace.target_angle
+    wanted = effort_metrics(trace.human_torque, trace.rate, 0.01)
     for column, joint in enumerate(JOINTS):
         human = trace.human_torque[:, column]
         assert result.human_rms[joint] == pytest.approx(np.sqrt(np.mean(human**2)))
         assert result.torque[joint] == (result.human_rms[joint],) * 2
         assert result.peak[joint] == pytest.approx(np.abs(human).max())
+        assert result.load[joint]["impulse"] == pytest.approx(wanted.impulse[column])
+        assert result.load[joint]["work_cost"] == pytest.approx(wanted.work_cost[column])
         rmse = np.sqrt(np.mean(error[:, column] ** 2))
         assert result.tracking_rmse[joint] == pytest.approx(rmse)
     assert result.effort == (pytest.approx(np.sqrt(np.mean(trace.effort**2))),) * 2
@@ -139,18 +143,10 @@ def test_scores_are_what_they_say():
     assert result.tracking[0] == pytest.approx(result.costs["tracking"][0])
     assert result.reward == (pytest.approx(trace.rewards.mean()),) * 2
     assert result.unadapted_effort == ()
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("ActiveSuit/Knee-v0", "unknown environment 'ActiveSuit/Knee-v0'"),
-        ("CartPole-v1", "'CartPole-v1' is no arm of ActiveSuit"),
-    ],
-)
-def test_environments_that_are_none(name, message):
-    with pytest.raises(InputError, match=message):
-        evaluate(name, ["none"])
+    force = np.linalg.norm(trace.cuff_force, axis=2).max(axis=0)
+    assert result.cuff_peak == pytest.approx(dict(zip(FORCE_LIMITS, force, strict=True)))
+    worst = max(force / list(FORCE_LIMITS.values()))
+    assert result.costs["cuff_force"][0] == pytest.approx(worst)
 
 
 def test_feedforward_leaves_alone_what_it_does_not_know(tmp_path):

@@ -76,14 +76,6 @@ def test_one_seed_for_every_row():
         ours.reset()
 
 
-def test_rows_that_go_on_share_one_info():
-    ours, _ = pair()
-    ours.reset()
-    *_, infos = ours.step(np.zeros((ROWS, 2)))
-    assert infos[0] == {}
-    assert all(info is infos[0] for info in infos)
-
-
 def test_ppo_learns_and_is_evaluated_in_it(tmp_path):
     ours, _ = pair()
     with pytest.raises(InputError, match="autoreset_mode is 'NextStep': Stable-Baselines3 needs"):

@@ -8,7 +8,7 @@ import pytest
 from activesuit.assets import CURVES, Suit, curves_path, load_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.evaluation.bounds import inverted, rationed
+from activesuit.envs.evaluation.bounds import rationed
 from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.evaluation.scores import root_mean_square as rms
 from activesuit.envs.model import Exo
@@ -269,22 +269,6 @@ def test_a_plan_rations_the_heat_of_motors():
     )
     assert best.success
     assert ((given - wanted) ** 2).sum() <= 1.01 * best.fun
-
-
-def test_a_plan_inverts_the_lag_of_motors():
-    rng = np.random.default_rng(0)
-    wanted = np.cumsum(rng.normal(size=(3, 50, 2)), axis=1)
-    gain, peak = np.array([0.6, 0.4]), np.array([30.0, 8.0])
-    commands = inverted(wanted, gain, peak)
-    assert (np.abs(commands) <= peak).all()
-    given = commands[:, 0].copy()
-    unlimited = inverted(wanted, gain, np.full(2, 1e9))
-    answer = unlimited[:, 0].copy()
-    for i in range(1, 49):
-        answer += gain * (unlimited[:, i] - answer)
-        np.testing.assert_allclose(answer, wanted[:, i + 1], atol=1e-9)
-        given += gain * (commands[:, i] - given)
-    assert (np.abs(given) <= peak).all()
 
 
 # --- Bad input ----------------------------------------------------------------------------------

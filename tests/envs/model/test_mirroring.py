@@ -74,15 +74,17 @@ def test_roll_leans_to_the_same_side_for_both_arms():
     assert heads[0][1] < -0.1  # the wearer's right
 
 
-@pytest.mark.parametrize("kind", ["quat", "euler", "axisangle", "zaxis", "xyaxes"])
-def test_every_way_to_give_an_orientation_is_reflected(kind):
-    words = {
-        "quat": "0.8 0.3 -0.2 0.4",
-        "euler": "0.3 -0.5 0.7",
-        "axisangle": "0.3 0.4 0.5 0.9",
-        "zaxis": "0.3 0.4 0.5",
-        "xyaxes": "0.9 0.3 0.1 -0.2 0.7 0.3",
-    }[kind]
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("quat", "0.8 0.3 -0.2 0.4"),
+        ("euler", "0.3 -0.5 0.7"),
+        ("axisangle", "0.3 0.4 0.5 0.9"),
+        ("zaxis", "0.3 0.4 0.5"),
+        ("xyaxes", "0.9 0.3 0.1 -0.2 0.7 0.3"),
+    ],
+)
+def test_every_way_to_give_an_orientation_is_reflected(kind, words):
     xml = f"""<mujoco><compiler angle="radian"/><worldbody><body {kind}="{words}">
       <joint axis=".2 .3 .9"/><geom type="box" size=".1 .2 .3" pos=".1 .2 .3"/>
       </body></worldbody></mujoco>"""

@@ -73,8 +73,10 @@ CASES = {
     **{name: (name, {}) for name in ("transparent", "gravity", "feedforward", "complement")},
     "compensation": ("compensation:lead=0.03,friction=0.5,wearer.mass=65", {}),
     "compensation, moon, load": ("compensation", {"gravity": "moon", "payload": {"mass": 3.0}}),
-    "compensation, no suit": ("compensation", {"suit": "none"}),
-    "compensation, cuffs, left": ("compensation", {"coupling": "cuffs", "side": "left"}),
+    "compensation, cuffs, left": (
+        "compensation",
+        {"coupling": "cuffs", "side": "left", "suit": "none"},
+    ),
     "compensation, play and damping": ("compensation", {"suit": rich_suit()}),
 }
 

@@ -235,14 +235,6 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
     )
 
 
-def test_all_blows_are_alike():
-    plan = TASKS["Hammer"].plan(np.random.default_rng(0), 2501, 0.01, None)
-    period = 125  # samples
-    for part in plan.motion:
-        blows = part[:2500].reshape(-1, period, 4)
-        np.testing.assert_allclose(blows, np.broadcast_to(blows[0], blows.shape), atol=1e-6)
-
-
 @pytest.mark.parametrize("reference", ["unsuited", "suited"])
 def test_both_references_bear_the_reaction_of_a_tool(reference):
     """So relief above 1 says that motors bear it, too."""

@@ -85,4 +85,5 @@ def test_costs_of_the_hand_begin_anew_with_each_episode():
     for _ in range(10):
         info = env.step(np.zeros(0))[-1]
     assert info["cost_terms"]["hand_error"] > 0
-    assert env.reset()[1]["cost_terms"]["hand_error"] == 0
+    terms = env.reset()[1]["cost_terms"]
+    assert terms["hand_error"] == terms["chatter"] == 0
