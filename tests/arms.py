@@ -19,3 +19,11 @@ def addresses(env: ArmEnv) -> Addresses:
 def state(env: ArmEnv) -> SimpleNamespace:
     """Returns the arrays of the episode's state by name, which may be written."""
     return SimpleNamespace(**env.episodes.simulation.state.arrays())
+
+
+def assert_same_states(one: dict, other: dict) -> None:
+    """Compares everything that lives from step to step, to the last bit."""
+    assert one.keys() == other.keys()
+    assert one["config"] == other["config"]
+    for name in one.keys() - {"config"}:
+        np.testing.assert_array_equal(one[name], other[name], name)

@@ -6,11 +6,8 @@ import sys
 from pathlib import Path
 
 import gymnasium
-import mujoco
 import numpy as np
 import pytest
-from activesuit.envs.memory import give_back
-from activesuit.envs.model import ArmConfig, bare_arm
 from activesuit.envs.rendering import RenderingUnavailableError
 
 STORED = 8  # compiled models, at most; see `envs/model/compose.py`
@@ -37,6 +34,7 @@ def make(number: int, **options) -> gymnasium.Env:
 
 
 @linux
+@pytest.mark.slow
 def test_environments_give_their_memory_back():
     for number in range(STORED):  # fills the store of compiled models
         make(number)
@@ -66,15 +64,3 @@ def test_pictures_give_their_memory_back():
         env.close()
     del env, kept
     assert (resident() - before) / PICTURED < 30  # MB, drivers keep some; was 306
-
-
-def test_the_arm_for_inverse_dynamics_has_nothing_to_draw(tmp_path):
-    arm = bare_arm(ArmConfig())
-    assert (arm.nmesh, arm.ntex, arm.nmat) == (0, 0, 0)
-    mujoco.mj_saveModel(arm, str(tmp_path / "arm.mjb"))
-    assert (tmp_path / "arm.mjb").stat().st_size < 1e5  # bytes; was 1.1e7
-
-
-def test_no_c_library_that_gives_back_is_no_failure(monkeypatch):
-    monkeypatch.setattr("activesuit.envs.memory._trim", lambda: None)
-    give_back()

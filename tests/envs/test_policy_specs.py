@@ -9,9 +9,11 @@ import pytest
 from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
-from activesuit.envs.policies import POLICIES, Belief, make_policy, policy_spec
+from activesuit.envs.policies import Belief, make_policy, needed_options, policy_spec
 from activesuit.errors import InputError
+from helpers import assert_refused
 
+ELBOW = "ActiveSuit/ElbowFlexion-v0"
 OBSERVATION = np.zeros(12, np.float32)
 
 
@@ -52,7 +54,7 @@ def test_a_file_is_one_too(tmp_path):
         policy_spec(str(path))
 
 
-@pytest.mark.parametrize("name", ["sneaky:Policy", "sys:exit", "http.server:test", ":", "a:b:c"])
+@pytest.mark.parametrize("name", ["sneaky:Policy", "sys:exit", "a:b:c"])
 def test_a_file_runs_no_code_unless_it_is_trusted(name, tmp_path, monkeypatch):
     imported = tmp_path / "imported"
     code = f"open({str(imported)!r}, 'w').close()\ndef Policy(env): pass\n"
@@ -78,20 +80,9 @@ def test_a_file_may_name_the_folder_of_a_run(tmp_path):
     assert policy_spec(str(path)).name == str(tmp_path / "odd:name")
 
 
-@pytest.mark.parametrize("text", ["wearer=1,wearer.mass=2", "wearer.mass.x=1,wearer.mass=2"])
-def test_a_value_with_fields_is_refused(text):
-    with pytest.raises(InputError):
-        policy_spec(f"feedforward:{text}")
-
-
-def test_code_that_ends_the_process_is_a_mistake():
-    with pytest.raises(InputError, match=r"'sys:exit' cannot be made \(SystemExit"):
-        make_policy("sys:exit", ArmEnv())
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
-    [({"suit": "nosuch"}, "nosuch"), ({"load": -3.0}, "load is -3"), ({"pressure": 900.0}, "900")],
+    [({"suit": "nosuch"}, "nosuch"), ({"pressure": 900.0}, "900")],
 )
 def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, message, monkeypatch):
     class Careless:
@@ -106,13 +97,6 @@ def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, me
     with pytest.raises(InputError, match=message):
         make_policy({"name": "careless:Careless", **options}, env)
     env.close()
-
-
-@pytest.mark.parametrize("name", POLICIES)
-def test_every_policy_has_a_line_for_the_list(name):
-    first = (POLICIES[name].__doc__ or "").splitlines()[0]
-    assert first.endswith(".")
-    assert "Args" in POLICIES[name].__doc__
 
 
 def test_a_belief_is_not_the_true_suit():
@@ -180,61 +164,59 @@ def test_a_class_from_outside_has_options_and_sensors(outside):
     assert scores["mine"].assist_energy != scores["more"].assist_energy
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_mistakes_in_what_names_a_policy(outside):
+    rows = [
         ("copmensation", "unknown policy 'copmensation': .*did you mean 'compensation'"),
         ("compensation:leed=1", "unknown option of policy 'compensation' 'leed'.*mean 'lead'"),
         ("compensation:lead=fast", "option lead of policy 'compensation' is 'fast': .*number"),
-        ({"name": "compensation", "lead": True}, "option lead .* is True: give a number"),
         ("compensation:lead=1,lead=2", "has the option 'lead' twice: give it once"),
         ("compensation:guard=maybe", "option guard .* is 'maybe': use true or false"),
         ("os:getcwd", "makes no policy .* whose first argument is the environment"),
         ("compensation:lead", "has 'lead': give options as option=value"),
-        ("none:x=1", "unknown option of policy 'none' 'x': use one of guard"),
         ("nowhere:Class", "the policy 'nowhere:Class' cannot be imported"),
         ("outside:NUMBER", "the policy 'outside:NUMBER' is 3: name a class or a function"),
         ("outside:Mine:gain=big", "option gain of policy 'outside:Mine' is 'big'"),
-        ("outside:Mine:goin=1", "unknown option of policy 'outside:Mine' 'goin'"),
         ({"nam": "none"}, "the policy is .*: give a name"),
         (3, "the policy is 3: give a name"),
-    ],
-)
-def test_mistakes_in_what_names_a_policy(outside, given, message):
-    with pytest.raises(InputError, match=message):
-        policy_spec(given)
+        ("feedforward:wearer=1,wearer.mass=2", "wearer"),
+    ]
+    assert_refused(policy_spec, rows)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_mistakes_in_what_makes_one(outside):
+    rows = [
         ("compensation:load=90", "the believed load is 90.0: use a number from 0 to 60 kg"),
         ("compensation:suit=nosuit", "unknown suit 'nosuit'"),
-        ("compensation:wearer.mas=3", "unknown field of wearer 'mas'"),
-        ("compensation:pressure=9999", "pressure is 9999.0"),
         ("adaptive", r"policy 'adaptive' needs the sensors encoders, interaction"),
+        ("sys:exit", r"'sys:exit' cannot be made \(SystemExit"),
         ("outside:wrong", r"policy 'outside:wrong' makes .*, which has no reset\(\)"),
-    ],
-)
-def test_mistakes_in_what_makes_one(outside, given, message):
-    with pytest.raises(InputError, match=message):
-        make_policy(given, ArmEnv())
+    ]
+    assert_refused(lambda given: make_policy(given, ArmEnv()), rows)
 
 
-@pytest.mark.parametrize(
-    ("bad", "message"),
-    [
+def test_options_of_policies_have_ranges():
+    rows = [
+        ("adaptive:forgetting=0.1", "forgetting is 0.1: use a number from 1 to 1000 s"),
+        ("disturbance-observer:bandwidth=9", "bandwidth is 9.0: use a number from 0.1 to 5 Hz"),
+        ("impedance:damping_ratio=-1", "damping_ratio is -1.0: use a number from 0 to 3"),
+        ("iterative:gain=2", "gain is 2.0: use a number from 0 to 1"),
+        ("observer:bandwidth=30", "bandwidth is 30.0: use a number from 0.1 to 20 rad/s"),
+        ("predictive:samples=100", "samples is 100: use a number from 4 to 64"),
+        ("predictive:samples=2.5", "option samples of policy 'predictive' is '2.5'"),
+        ("predictive:horizon=2", "horizon is 2.0: use a number from 0.02 to 0.5 s"),
+    ]
+    for given, message in rows:
+        env = ArmEnv(**needed_options(given.partition(":")[0]))
+        assert_refused(make_policy, [(given, env, message)])
+
+
+def test_what_it_returns_is_checked(outside):
+    rows = [
         ("nan", "policy 'outside:Mine' returns nan: return finite numbers from -1 to 1"),
         ("shape", r"returns an action of shape \(3,\): return finite numbers .* shape \(1, 2\)"),
         ("raise", r"fails in act\(\) \(ZeroDivisionError: division by zero\): repair it"),
-    ],
-)
-def test_what_it_returns_is_checked(outside, bad, message):
-    with pytest.raises(InputError, match=message):
-        evaluate(
-            "ActiveSuit/ElbowFlexion-v0",
-            [f"outside:Mine:bad={bad}"],
-            episodes=1,
-            references=False,
-            adapted=False,
-        )
+    ]
+    once = {"episodes": 1, "references": False, "adapted": False}
+    for bad, message in rows:
+        policies = [f"outside:Mine:bad={bad}"]
+        assert_refused(lambda given: evaluate(ELBOW, given, **once), [(policies, message)])

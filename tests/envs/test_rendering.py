@@ -1,6 +1,4 @@
-import copy
 import itertools
-import math
 import pickle
 
 import gymnasium
@@ -36,6 +34,7 @@ def test_pictures_show_the_motion(env):
     assert np.abs(env.render().astype(int) - first).mean() > 0.5
 
 
+@pytest.mark.slow
 def test_two_videos_and_a_pickle(env):
     arm = env.unwrapped
     first = env.render()
@@ -77,6 +76,7 @@ def test_no_opengl_is_one_sentence(env, monkeypatch):
         renderer.show(model, data, 0.01)
 
 
+@pytest.mark.slow
 def test_usual_pictures_have_neither_shadows_nor_samples():
     """Which take 1.5 s a picture without a graphics card."""
     small = {"width": 160, "height": 120}
@@ -98,26 +98,7 @@ def arm_env(**options):
     return made.unwrapped
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"render_quality": "best"}, "unknown render_quality 'best': use one of fast, fine"),
-        ({"render_quality": 5}, "unknown render_quality"),
-        ({"picture_dt": -1}, "picture_dt is -1: use a number from 0 to 10 s"),
-        ({"picture_dt": math.nan}, "picture_dt is nan"),
-    ],
-)
-def test_mistakes_in_options_of_pictures(options, sentence):
-    with pytest.raises(InputError, match=sentence):
-        gymnasium.make(ID, render_mode="rgb_array", **options)
-
-
-def test_options_of_pictures_are_json():
-    spec = copy.deepcopy(gymnasium.spec(ID))
-    spec.kwargs.update(render_quality="fine", picture_dt=0.04)
-    assert gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(spec.to_json()))
-
-
+@pytest.mark.slow
 def test_pictures_repeat_within_their_time_only(env):
     arm = arm_env(picture_dt=0.04, width=80, height=60)
     arm.reset(seed=0)
@@ -137,6 +118,7 @@ def test_pictures_repeat_within_their_time_only(env):
     arm.close()
 
 
+@pytest.mark.slow
 def test_a_recorded_video_plays_in_real_time(env, tmp_path):
     pytest.importorskip("moviepy")
     imageio = pytest.importorskip("imageio.v3")

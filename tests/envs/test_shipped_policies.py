@@ -45,6 +45,7 @@ def test_the_scene_is_free(capsys):
     assert "my-network" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_benchmark_has_its_sensors(tmp_path):
     given = ["benchmark", "run", "--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes"]
     given += ["8", "--believed", "emu-like", "--workers", "1", "--backend", "threading"]
@@ -80,6 +81,7 @@ def really_shipped(monkeypatch):
     monkeypatch.setattr(trained, "SHIPPED", SHIPPED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(path.name for path in SHIPPED.iterdir()))
 def test_what_ships_is_small_and_relieves(name, really_shipped):
     folder = SHIPPED / name

@@ -3,19 +3,13 @@
 import copy
 import pickle
 
-import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
 from activesuit.errors import InputError
+from helpers import assert_refused
 
 ACTIONS = np.random.default_rng(5).uniform(-1, 1, (100, 2))
-
-
-def make(task="ArmTracking", **options) -> ArmEnv:
-    env = gymnasium.make(f"ActiveSuit/{task}-v0", **options).unwrapped
-    assert isinstance(env, ArmEnv)
-    return env
 
 
 def play(env, steps):
@@ -26,14 +20,14 @@ def play(env, steps):
 @pytest.fixture(scope="module")
 def saved():
     """A state that tests may take apart (after a deep copy)."""
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 20)
     return env.get_state()
 
 
 def test_branching_from_a_saved_state():
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 60)
     state = pickle.loads(pickle.dumps(env.get_state()))
@@ -41,7 +35,9 @@ def test_branching_from_a_saved_state():
     env.reset(seed=9)
     env.set_state(state)
     np.testing.assert_array_equal(first, play(env, 80))
-    other = make()
+    other = ArmEnv()
+    with pytest.raises(InputError, match="get_state before the first reset: call reset"):
+        other.get_state()
     other.set_state(state)  # a reset is not needed before
     np.testing.assert_array_equal(first, play(other, 80))
     after, again = env.reset()[0], other.reset()[0]
@@ -49,7 +45,7 @@ def test_branching_from_a_saved_state():
 
 
 def test_state_shows_its_own_moment():
-    env = make(sensors=["encoders", "preview", "privileged"])
+    env = ArmEnv(sensors=["encoders", "preview", "privileged"])
     env.reset(seed=0)
     for _ in range(40):
         observation, *_, info = env.step(np.array([0.5, 0.5], np.float32))
@@ -64,7 +60,7 @@ def test_state_shows_its_own_moment():
 
 
 def test_deepcopy_and_pickle_continue_alike():
-    env = make()
+    env = ArmEnv()
     env.reset(seed=1)
     play(env, 30)
     copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
@@ -74,38 +70,25 @@ def test_deepcopy_and_pickle_continue_alike():
 
 
 def test_state_of_another_environment_is_refused(saved):
-    with pytest.raises(InputError, match=r"gravity='earth'.*gravity='moon'"):
-        make(gravity="moon").set_state(saved)
-    with pytest.raises(InputError, match=r"control_dt=0\.01.*control_dt=0\.02"):
-        make(control_dt=0.02).set_state(saved)
-    with pytest.raises(InputError, match=r"task='ArmTracking'.*task='ElbowFlexion'"):
-        make("ElbowFlexion").set_state(saved)
-    with pytest.raises(InputError, match=r"with fatigue=False, and this one has fatigue=True"):
-        make(fatigue=True).set_state(saved)
+    rows = [
+        ({"gravity": "moon"}, r"gravity='earth'.*gravity='moon'"),
+        ({"control_dt": 0.02}, r"control_dt=0\.01.*control_dt=0\.02"),
+        ({"task": "ElbowFlexion"}, r"task='ArmTracking'.*task='ElbowFlexion'"),
+        ({"randomize": {"pressure": 0.1}}, r"randomize\.pressure=0\.0.*randomize\.pressure=0\.1"),
+        ({"fatigue": True}, r"with fatigue=False, and this one has fatigue=True"),
+    ]
+    assert_refused(lambda options: ArmEnv(**options).set_state(saved), rows)
 
 
-def test_needs_a_reset_first():
-    env = make()
-    with pytest.raises(InputError, match="get_state before the first reset: call reset"):
-        env.get_state()
-    with pytest.raises(InputError, match="step before the first reset: call reset"):
-        env.step(np.zeros(2))
-
-
-@pytest.mark.parametrize("junk", [None, 3, "state", [1, 2], np.zeros(5)])
-def test_what_is_no_dict_is_refused(junk):
-    with pytest.raises(InputError, match=f"the state is a {type(junk).__name__}: give the dict"):
-        make().set_state(junk)
-
-
-def test_a_state_without_a_part_is_refused(saved):
-    env = make()
-    for key in saved:
-        part = {name: value for name, value in saved.items() if name != key}
-        with pytest.raises(InputError, match=f"the state lacks {key}: give"):
-            env.set_state(part)
-    with pytest.raises(InputError, match=r"the state lacks config, physics, .*frames: give"):
-        env.set_state({})
+def test_what_is_no_whole_state_is_refused(saved):
+    lacking = [{name: saved[name] for name in saved.keys() - {key}} for key in saved]
+    rows = [
+        *zip(lacking, (f"the state lacks {key}: give" for key in saved), strict=True),
+        ({}, r"the state lacks config, physics, .*frames: give"),
+        (None, "the state is a NoneType: give the dict"),
+        (np.zeros(5), "the state is a ndarray: give the dict"),
+    ]
+    assert_refused(ArmEnv().set_state, rows)
 
 
 def spoiled(values, index=0, value=np.nan):
@@ -119,55 +102,33 @@ JUNK = [
     ("config", lambda old: {"task": 1}, r"the state's config is {'task': 1}: give that"),
     ("physics", lambda old: old.tolist(), r"physics is \[.*float64 numbers of shape"),
     ("physics", lambda old: old[:, :-1], r"physics is array.*must be float64 numbers of shape"),
-    ("physics", lambda old: old[0], r"must be float64 numbers of shape \(1, "),
-    ("physics", lambda old: old.astype(np.float32), "must be float64 numbers"),
-    ("physics", lambda old: spoiled(old, -1), "must be float64 numbers"),
     ("physics", lambda old: spoiled(old, 1, np.inf), "must be float64 numbers"),
     ("physics", lambda old: spoiled(old, 1, -1e11), "must be a motion below"),
-    ("physics", lambda old: None, "physics is None"),
     ("command", lambda old: "left", r"command is 'left'.* of shape \(1, 2\)"),
     ("command", lambda old: spoiled(old, 0, 1.5), r"must be .* \(1, 2\) from -1 to 1, as"),
-    ("command", lambda old: spoiled(old, 1, -np.inf), "must be .* from -1 to 1"),
-    ("change", lambda old: spoiled(old, 1, 3.0), "must be .* from -2 to 2"),
-    ("angle", lambda old: {}, r"angle is {}: it must be float64 numbers of shape"),
     ("angle", lambda old: old[:, :5], r"angle is .* of shape \(1, 1001, 4\)"),
     ("angle", lambda old: spoiled(old, 9, 1e9), r"angle is .* from -6\.28319 to 6\.28319"),
-    ("rate", lambda old: spoiled(old, 9, -np.inf), r"rate is .* from -1e[+]09"),
-    ("acceleration", spoiled, r"acceleration is "),
     ("reflex_delay", lambda old: old[:, 1:], r"reflex_delay is .* of shape \(1, 5, 4\)"),
-    ("reflex_delay", lambda old: spoiled(old, 3, -1e200), "reflex_delay is .* from -1e[+]09"),
-    ("muscle_noise", spoiled, r"muscle_noise is .* of shape \(1, 3, 4\)"),
     ("muscle_noise", lambda old: spoiled(old, 3, 1e200), "muscle_noise is .* from -1e[+]09"),
-    ("fatigued", lambda old: 0.0, r"fatigued is 0\.0.* of shape \(1, 2, 4\)"),
     ("fatigued", lambda old: spoiled(old, 3, 1.1), "fatigued is .* from .* to 1,"),
-    ("mean_square", lambda old: None, r"mean_square is None.* of shape \(1, 2\)"),
     ("mean_square", lambda old: spoiled(old, 0, -1.0), "mean_square is .* from 0 to"),
-    ("measured", spoiled, "measured is .* float64 numbers"),
     ("encoder_counts", lambda old: spoiled(old, 0, 1e300), "must be .* from -1e[+]09 to 1e[+]09"),
-    ("dissipated_at_reset", lambda old: np.inf, "dissipated_at_reset is inf: it must be float64"),
     ("step", lambda old: True, "step is True: it must be int64 numbers of shape"),
-    ("step", lambda old: 10**400, "step is 1000.*0000: it must be int64 numbers"),
     ("step", lambda old: old - 10**6, "step is .* from 0 to 1e[+]09"),
-    ("step", lambda old: old.astype(float), "it must be int64 numbers of shape"),
     ("limit", lambda old: 0 * old, "limit is .* from 1 to 1e[+]09"),
-    ("clipped", lambda old: False, "clipped is False: it must be int64 numbers"),
     ("seed", lambda old: old - 2, "seed is .* from 0 to"),
-    ("episode", lambda old: None, "episode is None: it must be int64 numbers"),
-    ("diverged", lambda old: None, "diverged is None: it must be bool numbers"),
     ("diverged", lambda old: ~old, "an episode that has diverged: go on from an earlier one"),
 ]
 
 
-@pytest.mark.parametrize(("key", "change", "message"), JUNK)
-def test_a_spoiled_state_is_refused_and_changes_nothing(saved, key, change, message):
-    env, twin = make(), make()
+def test_a_spoiled_state_is_refused_and_changes_nothing(saved):
+    env, twin = ArmEnv(), ArmEnv()
     for one in (env, twin):
         one.reset(seed=4)
         play(one, 5)
-    state = copy.deepcopy(saved)
-    state[key] = change(state[key])
-    with pytest.raises(InputError, match=message) as refusal:
-        env.set_state(state)
-    assert len(str(refusal.value).splitlines()) == 1
-    np.testing.assert_array_equal(play(env, 20), play(twin, 20))
+    for key, change, message in JUNK:
+        state = copy.deepcopy(saved)
+        state[key] = change(state[key])
+        assert_refused(env.set_state, [(state, message)])
+        np.testing.assert_array_equal(play(env, 2), play(twin, 2), f"{key}: {message}")
     np.testing.assert_array_equal(env.reset()[0], twin.reset()[0])

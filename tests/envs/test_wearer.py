@@ -14,7 +14,6 @@ from activesuit.envs.person.control import FORGETTING, RATE
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import ARM_TRACKING, RandomMoves
 from activesuit.envs.vector_env import ArmVectorEnv
-from activesuit.errors import InputError
 from arms import addresses, state
 
 MOVED = [JOINTS.index("shoulder_flexion"), JOINTS.index("elbow_flexion")]
@@ -214,38 +213,3 @@ def test_the_first_half_second_decides_no_score():
         traces = rollout(arms, make_policy(name, arms), range(8))
         rewards = np.sum([trace.rewards for trace in traces], axis=0)
         assert 0.03 < rewards[:50].sum() / rewards.sum() < 0.08
-
-
-# --- Bad input ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("made", "learned_torque", "message"),
-    [
-        (
-            False,
-            np.zeros((2, 401, 4)),
-            "learned_torque is given: make the environment with learned_torque=True",
-        ),
-        (True, np.zeros((2, 400, 4)), r"learned_torque has shape \(2, 400, 4\): .* \(2, 401, 4\)"),
-        (
-            True,
-            np.full((2, 401, 4), np.nan),
-            "learned_torque has shape .*: give finite numbers of shape",
-        ),
-    ],
-)
-def test_learned_torques_are_checked(made, learned_torque, message):
-    arms = ArmVectorEnv(2, AGAIN, threads=1, learned_torque=made)
-    with pytest.raises(InputError, match=message):
-        arms.reset(seed=0, options={"learned_torque": learned_torque})
-
-
-def test_single_arms_take_no_learned_torque():
-    with pytest.raises(InputError, match=r"reset got the options .*: it knows none"):
-        ArmEnv(AGAIN).reset(seed=0, options={"learned_torque": np.zeros((1, 401, 4))})
-
-
-def test_the_old_name_of_the_learned_torque_is_answered():
-    with pytest.raises(InputError, match="'taught' was a name of version"):
-        ArmVectorEnv(1, taught=True)

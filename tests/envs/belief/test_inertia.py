@@ -4,7 +4,6 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
-from activesuit.envs.belief.trigonometric import Trigonometric
 from activesuit.envs.plant import Plant
 
 POSES = np.random.default_rng(0).uniform(-1, 2, (6, 4))
@@ -48,24 +47,3 @@ def test_what_is_carried_and_cuffs(arm):
     assert (carried.nominal() < whole.nominal()).all()
     cuffs = Plant.of(ArmEnv(coupling="cuffs").episodes).believed()
     np.testing.assert_allclose(cuffs.inertia()(POSES), whole(POSES), atol=1e-9)
-
-
-def test_rows_are_alike(arm):
-    inertia = arm.inertia()
-    together = inertia.momentum(POSES, RATES)
-    for row in range(len(POSES)):
-        alone = inertia.momentum(POSES[[row]], RATES[[row]])
-        for one, many in zip(alone, together, strict=True):
-            np.testing.assert_array_equal(one[0], many[row])
-
-
-def test_polynomials_of_sines_are_found_without_error():
-    def function(angle):
-        return np.array([np.sin(angle[0]) ** 2 * np.cos(angle[1]), 3 + np.sin(2 * angle[1])])
-
-    def slope(angle):
-        return np.array([np.sin(2 * angle[0]) * np.cos(angle[1]), 0.0])
-
-    found, angle = Trigonometric(function, 2, 2), POSES[:, :2]
-    np.testing.assert_allclose(found(angle), [function(one) for one in angle], atol=1e-14)
-    np.testing.assert_allclose(found(angle, slope=0), [slope(one) for one in angle], atol=1e-14)

@@ -17,8 +17,7 @@ def covered(draw, *, resamples=400):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shared", [0.0, 0.5, 0.9])
-@pytest.mark.parametrize("motions", [5, MOTIONS])
+@pytest.mark.parametrize(("motions", "shared"), [(5, 0.5), (MOTIONS, 0.0), (MOTIONS, 0.9)])
 def test_other_motions(shared, motions):
     """Motion i has a share of its variance in common in all settings, as at `randomized`."""
     rng = np.random.default_rng(0)

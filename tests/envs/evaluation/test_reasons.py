@@ -89,14 +89,15 @@ def test_a_motor_that_is_hot_and_one_at_its_peak():
 
 
 def test_without_motors_none_is_hot_and_with_fatigue_strength_falls():
-    found = score("it", played("OverheadHold", "none", coupling="none")[0])
+    task = replace(TASKS["OverheadHold"], duration=DURATION)
+    found = score("it", played(task, "none", coupling="none")[0])
     assert (found.hot_from, found.saturated) == ({}, {})
-    traces, _ = played(replace(TASKS["OverheadHold"], duration=DURATION), "none")
+    traces, _ = played(task, "none")
     for trace in traces:
         assert trace.fatigue is not None
         assert trace.fatigue.shape == trace.strength.shape == (len(trace.time), 2, 4)
         assert 0 < trace.fatigue[-1].max() < 1
-    rested, _ = played(replace(TASKS["OverheadHold"], duration=DURATION), "none", fatigue=False)
+    rested, _ = played(task, "none", fatigue=False)
     assert rested[0].fatigue is None
     assert score("it", rested).fatigued == {}
     tired, fresh = score("it", traces).strength_left, score("it", rested).strength_left
@@ -120,6 +121,7 @@ def test_the_most_frequent_reason_comes_first():
     assert second.value == pytest.approx(0.4)
 
 
+@pytest.mark.slow
 def test_a_weak_wearer_oscillates_under_compensation_only():
     task = replace(TASKS["OverheadHold"], duration=30.0)
     weak = {"gravity": "moon", "wearer": {"sex": "female", "strength": 20}}

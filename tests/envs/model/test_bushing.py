@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from activesuit.envs.model.bushing import Bushing, attach_bushing, replace_bushing
 from activesuit.errors import InputError
+from helpers import assert_refused
 from mujoco.batch import Batch
 from scipy.spatial.transform import Rotation
 
@@ -67,8 +68,7 @@ def wrench(data):
     return data.sensor("cuff_force").data.copy(), data.sensor("cuff_torque").data.copy()
 
 
-@pytest.mark.parametrize("mjcf", [FREE, CHAINS])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("mjcf", "seed"), [(FREE, 0), (CHAINS, 1)])
 def test_the_force_is_the_gradient_of_the_energy(mjcf, seed):
     model, data = coupled(mjcf, Bushing(**SPRINGS))
     scatter(model, data, seed, size=0.5)
@@ -81,21 +81,6 @@ def test_the_force_is_the_gradient_of_the_energy(mjcf, seed):
             mujoco.mj_forward(model, data)
             gradient[i] += sign * data.sensor("cuff_energy").data[0] / (2 * step)
     np.testing.assert_allclose(force, -gradient, atol=1e-8 * np.abs(force).max())
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_two_free_bodies_feel_no_net_force_and_no_net_torque(seed):
-    model, data = coupled(FREE, Bushing(**SPRINGS, **DAMPERS))
-    scatter(model, data, seed)
-    limb, exo = 1, 2
-    force = data.qfrc_passive
-    scale = np.abs(force).max()
-    np.testing.assert_allclose(force[:3], -force[6:9], atol=1e-14 * scale)
-    torque = np.zeros(3)
-    for body, first in ((limb, 0), (exo, 6)):
-        torque += np.cross(data.xpos[body], force[first : first + 3])
-        torque += data.xmat[body].reshape(3, 3) @ force[first + 3 : first + 6]
-    np.testing.assert_allclose(torque, 0, atol=1e-14 * scale)
 
 
 @pytest.mark.parametrize("mjcf", [FREE, CHAINS])
@@ -118,7 +103,7 @@ def test_sensors_agree_with_the_relative_motion(mjcf):
         assert data.sensor("cuff_energy").data[0] == pytest.approx(energy, rel=1e-12)
 
 
-@pytest.mark.parametrize("axis", ["1 0 0", "0 1 0", "0 0 1", ".6 -.48 .64"])
+@pytest.mark.parametrize("axis", ["1 0 0", ".6 -.48 .64"])
 def test_the_torque_is_right_at_every_angle(axis):
     spec = mujoco.MjSpec.from_string(
         f'<mujoco><worldbody><site name="exo"/><body><joint axis="{axis}"/><geom size=".1"/>'
@@ -160,38 +145,7 @@ def test_dampers_only_take_energy(mjcf):
     assert energies[0] - energies[-1] > 1
 
 
-@pytest.mark.parametrize("axis", range(6))
-def test_static_stiffness_is_as_configured(axis):
-    spec = mujoco.MjSpec.from_string(
-        """<mujoco><option gravity="0 0 0" integrator="implicitfast" timestep=".001"/><worldbody>
-        <site name="exo" euler="20 30 40"/><body euler="20 30 40"><freejoint/>
-        <geom type="box" size=".1 .1 .1" mass="1"/><site name="limb"/></body>
-        </worldbody></mujoco>"""
-    )
-    spec.compiler.eulerseq = "xyz"
-    bushing = Bushing(
-        stiffness=(2100, 4500, 4500),
-        rotational_stiffness=(1.72, 30, 60),
-        damping=(40, 60, 60),
-        rotational_damping=(0.1, 0.4, 0.5),
-    )
-    attach_bushing(spec, "cuff", "limb", "exo", bushing)
-    model = spec.compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    axes = data.site("exo").xmat.reshape(3, 3).copy()
-    amount = 50.0 if axis < 3 else 0.5
-    data.xfrc_applied[1, axis - axis % 3 :][:3] = amount * axes[:, axis % 3]
-    mujoco.mj_step(model, data, nstep=5000)
-    turn = axes.T @ data.site("limb").xmat.reshape(3, 3)
-    pose = np.concatenate([axes.T @ data.site("limb").xpos, Rotation.from_matrix(turn).as_rotvec()])
-    expected = np.zeros(6)
-    expected[axis] = amount / (bushing.stiffness + bushing.rotational_stiffness)[axis]
-    np.testing.assert_allclose(pose, expected, atol=1e-9 * expected[axis])
-    np.testing.assert_allclose(np.concatenate(wrench(data))[axis], -amount, rtol=1e-9)
-
-
-@pytest.mark.parametrize("integrator", ["IMPLICITFAST", "EULER", "RK4"])
+@pytest.mark.parametrize("integrator", ["IMPLICITFAST", "RK4"])
 def test_every_way_of_resuming_is_bit_identical(integrator):
     model, data = coupled(CHAINS, Bushing(**SPRINGS, **DAMPERS))
     model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator}")
@@ -243,18 +197,14 @@ def test_two_bushings_and_a_site_on_the_world():
     assert model.nsensor == 3
 
 
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
+def test_numbers_that_are_no_bushing_are_refused():
+    rows = [
         ({"stiffness": (4500, -1, 0)}, "stiffness of a bushing is .* of at least 0"),
         ({"rotational_damping": (0, 0, np.inf)}, "rotational_damping of a bushing is .* finite"),
         ({"damping": 3.0}, "damping of a bushing is 3.0: give three"),
         ({"offset": (0, 0, 0.11)}, "offset of a bushing is .* from -0.1 to 0.1 m"),
-    ],
-)
-def test_numbers_that_are_no_bushing_are_refused(change, sentence):
-    with pytest.raises(InputError, match=sentence):
-        Bushing(**change)
+    ]
+    assert_refused(lambda change: Bushing(**change), rows)
 
 
 def test_wrong_names_are_refused():
@@ -294,25 +244,22 @@ def test_plain_mjcf_works():
     )
 
 
-@pytest.mark.parametrize(
-    ("config", "sensor", "sentence"),
-    [
+def test_mistakes_in_mjcf_get_one_sentence():
+    rows = [
         ({"limb": "limb"}, "a_force", "of limb site 'limb': exo is '': the model has no such site"),
-        (ENDS | {"limb": "leg"}, "a_force", "of limb site 'leg': the model has no such site"),
         (ENDS | {"exo": "limb"}, "a_force", "same body"),
         (ENDS | {"stiffness": "1 2"}, "a_force", "stiffness is '1 2': give three finite numbers"),
         (ENDS | {"damping": "1 -2 3"}, "a_force", "damping is '1 -2 3': .* at least 0"),
-        (ENDS | {"offset": "0 0 1"}, "a_force", "offset is '0 0 1': .* from -0.1 to 0.1 m"),
         (ENDS, "a_pressure", "must end in force, torque or energy"),
-    ],
+    ]
+    for config, sensor, sentence in rows:
+        with pytest.raises(ValueError, match=sentence):
+            mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
+
+
+@pytest.mark.parametrize(
+    ("integrator", "ratio"), [("implicitfast", 0.0), ("implicitfast", 1.0), ("Euler", 0.5)]
 )
-def test_mistakes_in_mjcf_get_one_sentence(config, sensor, sentence):
-    with pytest.raises(ValueError, match=sentence):
-        mujoco.MjModel.from_xml_string(plain_mjcf(config, sensor))
-
-
-@pytest.mark.parametrize("ratio", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("integrator", ["implicitfast", "Euler"])
 def test_the_largest_stable_step_is_as_documented(integrator, ratio):
     mass, stiffness = 0.6, 4500.0
     rate = np.sqrt(stiffness / mass)

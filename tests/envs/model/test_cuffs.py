@@ -33,34 +33,7 @@ def cuff_forces(data):
     return np.array([data.sensor(f"cuff_{segment}_force").data for segment in SEGMENTS])
 
 
-def total_energy(data):
-    mujoco.mj_forward(data.model, data)
-    stored = sum(data.sensor(f"cuff_{segment}_energy").data[0] for segment in SEGMENTS)
-    return data.energy.sum() + stored
-
-
-def test_the_names_that_others_look_up():
-    model, _ = cuffed()
-    names = [model.joint(i).name for i in range(model.njnt)]
-    assert names == [*JOINTS, *(f"exo_{joint}" for joint in JOINTS)]
-    rigid = rigid_spec().compile()
-    for kind in ("body", "actuator", "site"):
-        counts = {"body": rigid.nbody, "actuator": rigid.nu, "site": rigid.nsite}
-        for i in range(counts[kind]):
-            getattr(model, kind)(mujoco.mj_id2name(rigid, _object(kind), i) or 0)
-    for joint in JOINTS:
-        encoder = model.sensor(f"encoder_{joint}").id
-        assert model.joint(model.sensor_objid[encoder]).name == f"exo_{joint}"
-    for joint in ("shoulder_flexion", "elbow_flexion"):
-        driven = model.actuator(f"assist_{joint}").trnid[0]
-        assert model.joint(driven).name == f"exo_{joint}"
-
-
-def _object(kind):
-    return getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
-
-
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_moving_as_one_it_is_the_rigid_mechanism(seed):
     rigid = rigid_spec().compile()
     model, data = cuffed()
@@ -132,35 +105,6 @@ def test_a_misalignment_loads_the_cuffs_only_away_from_where_they_were_strapped_
     mujoco.mj_forward(model, data)
     loaded = np.linalg.norm(cuff_forces(data), axis=1).min() > 5
     assert loaded == (axis != 1)  # a shift along the axis of flexion does not matter to it
-
-
-@pytest.mark.parametrize("misalignment", [(0, 0, 0), (0.02, 0.01, 0.02)])
-@pytest.mark.slow
-def test_left_alone_for_a_minute_it_only_loses_energy(misalignment):
-    model, data = cuffed(misalignment)
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION
-    energies = [total_energy(data)]
-    for _ in range(600):
-        mujoco.mj_step(model, data, nstep=100)
-        energies.append(total_energy(data))
-    assert np.diff(energies).max() <= 1e-7
-    assert energies[0] - energies[-1] > 1
-    assert np.abs(data.qvel).max() < 1e-4
-    assert not any(warning.number for warning in data.warning)
-
-
-@pytest.mark.parametrize("timestep", [0.001, 0.002])
-def test_it_bears_any_control(timestep):
-    model, data = cuffed((0.02, 0.02, 0.02))
-    model.opt.timestep = timestep
-    rng = np.random.default_rng(0)
-    low, high = model.actuator_ctrlrange[-2:].T
-    for _ in range(200):
-        data.ctrl[-2:] = rng.uniform(low, high)
-        data.ctrl[:12:3] = rng.uniform(*model.jnt_range[:4].T)
-        mujoco.mj_step(model, data, nstep=int(0.05 / timestep))
-    assert not any(warning.number for warning in data.warning)
-    assert np.abs(data.qpos[:4] - data.qpos[4:]).max() < 0.5
 
 
 def test_hard_cuffs_approach_the_rigid_exoskeleton():

@@ -8,9 +8,7 @@ from activesuit.envs.model import ArmConfig, bare_arm, compose
 from activesuit.envs.person import Person, isometric_strength, range_of_motion, segments
 
 PEOPLE = {
-    "default": Person(),
     "small": Person.percentile("female", 5),
-    "tall": Person.percentile("male", 95),
     "long and thin": Person(stature=2.1, mass=60.0),
     "short and strong": Person(stature=1.4, mass=90.0, sex="female", strength=95.0),
 }

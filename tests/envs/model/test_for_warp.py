@@ -53,6 +53,7 @@ def test_cuffs_are_refused_in_one_sentence():
         for_warp(ArmConfig(coupling="cuffs"))
 
 
+@pytest.mark.slow
 def test_the_suited_arm_in_mujoco_warp():
     wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-all")
     mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")

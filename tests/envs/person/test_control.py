@@ -1,8 +1,6 @@
 """The wearer's control of the arm: impedance, reflex, correction, noise and learning."""
 
-import json
 from collections import deque
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -21,6 +19,7 @@ from activesuit.envs.simulation.wearer_control import vary
 from activesuit.envs.tasks import RandomMoves
 from activesuit.errors import InputError
 from arms import addresses, physics, state
+from helpers import assert_refused
 
 DT = 0.01
 VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
@@ -197,8 +196,9 @@ def test_corrections_remove_a_steady_error(correction, remains):
     assert low * largest <= error[-1] <= high * largest
 
 
-@pytest.mark.parametrize("load", [0.0, 5.0])
-@pytest.mark.parametrize(("joint", "push"), [("shoulder_flexion", 4.0), ("elbow_flexion", 3.0)])
+@pytest.mark.parametrize(
+    ("joint", "push", "load"), [("shoulder_flexion", 4.0, 5.0), ("elbow_flexion", 3.0, 0.0)]
+)
 def test_a_pushed_arm_is_back_within_a_second(joint, push, load):
     """People begin to correct after 100 to 150 ms, and are at the target after 0.5 to 1 s."""
     options = BARE | {"payload": {"mass": load}, "gravity": "earth" if load else "microgravity"}
@@ -216,7 +216,7 @@ def test_a_pushed_arm_is_back_within_a_second(joint, push, load):
 
 
 def test_noise_and_tremor_have_the_stated_spectra():
-    count, periods = 500, 400
+    count, periods = 100, 400
     rng, found = np.random.default_rng(2), []
     noise = MuscleNoise(
         muscle_noise=np.zeros((count, 3, 4)),
@@ -261,40 +261,19 @@ def test_noise_varies_the_torque_in_proportion():
     assert np.ptp(np.array(torque)[:, 1]) < 0.25 * np.abs(torque)[:, 1].mean()
 
 
-def test_settings_convert_to_json_and_back():
-    settings = VoluntaryControl(contraction=0.3, noise=1)
-    assert VoluntaryControl(**json.loads(json.dumps(asdict(settings)))) == settings
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
+def test_mistakes_are_named():
+    rows = [
         ({"adaptation": 1.1}, "control.adaptation is 1.1: use a number from 0 to 1"),
-        ({"adaptation": -0.1}, "adaptation is -0.1"),
         ({"adaptation": True}, "adaptation is True"),
         ({"stiffness": 0.1}, "control.stiffness is 0.1: use a number from 0.25 to 4 times a"),
-        ({"damping": 0}, "control.damping is 0: use a number from 0.03 to 0.3 s"),
-        ({"contraction": 5}, "control.contraction is 5: use a number from 0 to 4 times a"),
-        ({"correction": 3}, "control.correction is 3: use a number from 0 to 1"),
-        ({"delay": -0.01}, "control.delay is -0.01: use a number from 0 to 0.5 s"),
         ({"delay": 50}, "control.delay is 50: use a number from 0 to 0.5 s"),
-        ({"reflex": 2}, "control.reflex is 2: use a number from 0 to 1"),
         ({"noise": float("nan")}, "noise is nan"),
         ({"tremor": "0.1"}, "control.tremor is '0.1': use a number from"),
         ({"stiff": 1}, "stiff is 1: use True or False"),
-    ],
-)
-def test_mistakes_are_named(settings, message):
-    with pytest.raises(InputError, match=message) as raised:
-        VoluntaryControl(**settings)
-    assert len(str(raised.value).splitlines()) == 1
+    ]
+    assert_refused(lambda settings: VoluntaryControl(**settings), rows)
 
 
 def test_a_delay_between_two_control_periods_is_refused():
     with pytest.raises(InputError, match=r"delay is 0.055 s.*0.01 s, such as 0.06 s"):
         VoluntaryControl(delay=0.055).periods(DT)
-
-
-def test_nobody_is_without_strength():
-    with pytest.raises(InputError, match="strength is 0"):
-        ArmEnv(wearer={"strength": 0})

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs.person.fatigue import PROVENANCE, endurance_time, fatigue_step, muscle_load
-from activesuit.errors import InputError
+from helpers import assert_refused
 
 REGIONS = {
     "shoulder_abduction": "shoulder",
@@ -53,9 +53,8 @@ def test_endurance_is_infinite_for_what_recovery_sustains():
         assert endurance_time(1, joint) == 0
 
 
-@pytest.mark.parametrize("dt", [0.01, 1.0])
-def test_a_simulated_hold_ends_at_the_endurance_time(dt):
-    loads = [0.5, 0.7] if dt == 0.01 else LOADS[:3]
+def test_a_simulated_hold_ends_at_the_endurance_time():
+    dt, loads = 1.0, LOADS[:3]
     load = np.broadcast_to(np.reshape(loads, (-1, 1, 1)), (len(loads), 2, 4))
     expected = np.stack([endurance_time(loads, joint) for joint in JOINTS], axis=-1)
     endured, fatigued = np.zeros(load.shape), np.zeros(load.shape)
@@ -67,7 +66,7 @@ def test_a_simulated_hold_ends_at_the_endurance_time(dt):
 
 
 def test_it_is_the_original_model_without_the_controllers_lag():
-    dt = 0.01
+    dt = 0.02
     time = np.arange(0, 300, dt)
     load = np.where(time % 20 < 10, 0.5 + 0.4 * np.sin(time / 40), 0.0)
     load[time > 200] = 0.15
@@ -126,14 +125,6 @@ def test_recovery_is_faster_only_at_rest():
     assert (loaded > 0.4 * np.exp(-30 * recovery)).all()
 
 
-def test_many_wearers_at_once_are_those_one_by_one_bit_for_bit():
-    rng = np.random.default_rng(2)
-    fatigued, load = rng.uniform(0, 0.9, (64, 2, 4)), rng.uniform(0, 1, (64, 2, 4))
-    together = fatigue_step(fatigued, load, 5.0)
-    for i in range(64):
-        np.testing.assert_array_equal(fatigue_step(fatigued[i], load[i], 5.0), together[i])
-
-
 def test_load_is_the_share_of_strength_in_the_direction_of_the_torque():
     torque = np.array([[10.0, -10, 0, 3], [0, 0, -5, 5]])
     low, high = np.array([-20.0, -40, -10, 0]), np.array([50.0, 20, 10, 0])
@@ -147,14 +138,10 @@ def test_load_is_the_share_of_strength_in_the_direction_of_the_torque():
     np.testing.assert_array_equal(many, np.stack([one] * 3))
 
 
-@pytest.mark.parametrize(
-    ("load", "joint", "message"),
-    [
+def test_mistakes_are_named():
+    rows = [
         (0.3, "elbow", "unknown joint 'elbow'.*elbow_flexion"),
         (30, "elbow_flexion", "load is 30.*from 0 to 1"),
         ([0.1, np.nan], "elbow_flexion", "load is .*nan.*from 0 to 1"),
-    ],
-)
-def test_mistakes_are_named(load, joint, message):
-    with pytest.raises(InputError, match=message):
-        endurance_time(load, joint)
+    ]
+    assert_refused(endurance_time, rows)

@@ -73,9 +73,10 @@ CASES = {
     **{name: (name, {}) for name in ("transparent", "gravity", "feedforward", "complement")},
     "compensation": ("compensation:lead=0.03,friction=0.5,wearer.mass=65", {}),
     "compensation, moon, load": ("compensation", {"gravity": "moon", "payload": {"mass": 3.0}}),
-    "compensation, weightless": ("compensation", {"gravity": "microgravity"}),
-    "compensation, no suit": ("compensation", {"suit": "none"}),
-    "compensation, cuffs, left": ("compensation", {"coupling": "cuffs", "side": "left"}),
+    "compensation, cuffs, left": (
+        "compensation",
+        {"coupling": "cuffs", "side": "left", "suit": "none"},
+    ),
     "compensation, play and damping": ("compensation", {"suit": rich_suit()}),
 }
 
@@ -107,21 +108,7 @@ def test_c_computes_what_the_policy_computes(name, tmp_path):
         assert size == part.state
 
 
-def test_an_angle_that_is_not_finite_gives_no_torque(tmp_path):
-    policy = make_policy("compensation", ArmVectorEnv(1))
-    (tmp_path / "policy.h").write_text(policy_header("compensation", policy, "policy")[0])
-    angle, rate = observations(40)
-    angle[20], rate[30, 2] = np.nan, np.inf
-    *torque, _ = answers(compiled(tmp_path, PROGRAM), np.hstack([angle, rate]))
-    torque = np.reshape(torque, (-1, 2))
-    assert np.isfinite(torque).all()
-    assert (torque[20] == 0).all()
-    assert torque[30, 1] == 0
-    assert (torque[[19, 21, 31]] != 0).all()
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf])
-@pytest.mark.parametrize("at", [0, 20])
+@pytest.mark.parametrize(("at", "bad"), [(0, np.nan), (20, np.inf)])
 def test_an_angle_that_is_not_finite_is_forgotten(tmp_path, at, bad):
     spec = "compensation"
     policy = make_policy(spec, ArmVectorEnv(1, gravity="earth", suit=rich_suit()))
@@ -131,7 +118,7 @@ def test_an_angle_that_is_not_finite_is_forgotten(tmp_path, at, bad):
     angle[at - 1 if at else 0 :] = angle[at]  # the arm rests, so that one reading is no motion
     program = compiled(tmp_path, PROGRAM)
     expected = np.reshape(answers(program, np.hstack([angle, rate]))[:-1], (-1, 2))
-    angle[at, 2] = bad
+    angle[at, 2] = bad  # gives no torque, and leaves nothing behind
     torque = np.reshape(answers(program, np.hstack([angle, rate]))[:-1], (-1, 2))
     assert (torque[at] == 0).all()
     assert (expected[at + 1 :] != 0).all()

@@ -33,17 +33,6 @@ def test_no_cycle_gains_energy():
     assert (np.sum(gained, axis=0) <= RESERVE + stored + 1e-6).all()
 
 
-def test_what_is_lessened_does_no_work():
-    rng = np.random.default_rng(0)
-    rate, wanted = rng.normal(0, 1, (100, 2)), rng.normal(0, 20, (100, 2))
-    found, lessened = lessen(wanted, np.zeros((100, 2)), rate, np.zeros(100), DT)
-    power = (found * rate).sum(axis=1)
-    assert lessened.any()
-    assert power.max() < 1e-9
-    np.testing.assert_array_equal(found[~lessened], wanted[~lessened])
-    assert np.abs(power[lessened]).max() < 1e-9
-
-
 def test_it_leaves_the_right_compensation_alone():
     arms = ArmEnv("ArmTracking").rows(2, max_episode_steps=400)
     bare, guarded = make_policy("compensation", arms), make_policy("compensation:guard=true", arms)

@@ -1,12 +1,8 @@
 """Impedance: springs and dampers to the intention, and how they follow from the rule."""
 
 import numpy as np
-import pytest
 from activesuit.envs.plant import Plant
-from activesuit.envs.policies import make_policy
-from activesuit.envs.policies.intention import intended
 from activesuit.envs.simulation.simulation import PREVIEW
-from activesuit.errors import InputError
 from shown import asked, made
 
 PLACE = {"gravity": "microgravity", "suit": "none"}
@@ -29,18 +25,3 @@ def test_springs_give_the_believed_arm_its_bandwidth():
     pole = 2 * np.pi * 1.5
     np.testing.assert_allclose(policy.stiffness / inertia, pole**2)
     np.testing.assert_allclose(policy.damping / inertia, 2 * 0.7 * pole)
-
-
-def test_the_intended_rate_is_that_of_a_parabola():
-    time = np.array(PREVIEW)
-    target = np.stack([1 + 2 * time + 3 * time**2, -time], axis=1).reshape(1, 6)
-    angle, rate = intended(target)
-    np.testing.assert_allclose(angle, [[1 + 2 * 0.02 + 3 * 0.02**2, -0.02]])
-    np.testing.assert_allclose(rate, [[2 + 6 * 0.02, -1]])
-
-
-@pytest.mark.parametrize("option", ["bandwidth=4", "damping_ratio=-1"])
-def test_options_out_of_range(option):
-    _, env = made("impedance")
-    with pytest.raises(InputError, match="use a number from 0 to 3"):
-        make_policy(f"impedance:{option}", env)

@@ -8,13 +8,10 @@ import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.plant import Plant
-from activesuit.envs.policies import make_policy
 from activesuit.envs.policies.momentum_observer import MomentumObserver
-from activesuit.errors import InputError
-from shown import made
 
 
-@pytest.mark.parametrize("bandwidth", [2.0, 10.0, 30.0])
+@pytest.mark.parametrize("bandwidth", [2.0, 30.0])
 def test_the_residual_of_a_step_is_exponential(bandwidth):
     observer, unknown = MomentumObserver(bandwidth, 0.01), np.array([[3.0, -1.0]])
     observer.begin(np.zeros((1, 2)))
@@ -59,9 +56,3 @@ def test_it_needs_no_model_of_the_suit():
     off, observer, compensation = (scores[name].torque["elbow_flexion"][0] for name in policies)
     assert observer < 0.3 * off
     assert observer < 0.5 * compensation
-
-
-def test_options_out_of_range():
-    _, env = made("observer")
-    with pytest.raises(InputError, match=r"bandwidth is 30.0: use a number from 0.1 to 20 rad/s"):
-        make_policy("observer:bandwidth=30", env)

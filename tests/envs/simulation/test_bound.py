@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import activesuit
+import pytest
 from activesuit.envs.simulation.compiling import ALONE
 
 ROOT = Path(activesuit.__file__).parent.parent
@@ -23,6 +24,7 @@ print(*(len(kernel.overloads) for kernel in (before, after, judge)))
 """
 
 
+@pytest.mark.slow
 def test_arms_without_a_suit_or_an_exoskeleton_need_no_kernels_of_their_own():
     environment = {**os.environ, ALONE: "1", "PYTHONPATH": str(ROOT)}
     found = subprocess.run(

@@ -58,20 +58,3 @@ def test_a_cached_kernel_needs_none_until_its_source_changes(begun, tmp_path):
     os.utime(tmp_path / "cycle.py", (2e9, 2e9))
     compiling.begin(own)
     assert len(begun) == 1
-
-
-@pytest.mark.parametrize("reason", ["one core", "forbidden", "no interpreter", "no cache"])
-def test_no_process_is_begun_where_it_is_of_no_use(begun, tmp_path, monkeypatch, reason):
-    own = kernel(tmp_path, compiled=False)
-    if reason == "one core":
-        monkeypatch.setattr(compiling, "_cores", lambda: 1)
-    elif reason == "forbidden":
-        monkeypatch.setenv(compiling.ALONE, "yes")
-    elif reason == "no interpreter":
-        monkeypatch.setattr(compiling.sys, "executable", "")
-    else:
-        own.stats.cache_path = None
-    compiling.begin(own)
-    compiling.wait()
-    assert not begun
-    assert first_use.listener.expected == first_use.WHOLE

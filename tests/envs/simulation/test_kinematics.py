@@ -7,11 +7,9 @@ from activesuit.envs.model import ArmConfig, bare_arm, compose
 from activesuit.envs.person import Person
 from activesuit.envs.simulation.kinematics import Arm, through_places
 from activesuit.errors import InputError
+from helpers import one_sentence
 
 ARMS = {
-    "right": {},
-    "left": {"side": "left"},
-    "small": {"wearer": Person.percentile("female", 5)},
     "tilted": {"tilt": (0.5, -0.2)},
     "left, tilted, small": {
         "side": "left",
@@ -59,6 +57,8 @@ def test_places_are_those_of_mujoco(made):
         np.testing.assert_allclose(there, hand, atol=1e-12)
         np.testing.assert_allclose(place, to_torso(model, data, hand - shoulder), atol=1e-12)
     straight = in_mujoco(model, np.zeros(4))
+    down = to_torso(model, straight, model.opt.gravity)
+    np.testing.assert_allclose(arm.gravity, down, atol=1e-12)
     reach = straight.site("hand_grip").xpos - straight.body("shoulder").xpos
     assert arm.length == pytest.approx(np.linalg.norm(reach), rel=1e-12)
 
@@ -82,12 +82,6 @@ def test_forces_are_withstood_by_minus_their_jacobian(made):
         mujoco.mj_jacSite(model, data, jacobian, None, hand.id)
         turned = data.body("torso").xmat.reshape(3, 3) @ (force * [1, outward, 1])
         np.testing.assert_allclose(torque, -jacobian.T[:4] @ turned, rtol=1e-9, atol=1e-10)
-
-
-def test_gravity_is_down(made):
-    arm, model = made
-    data = in_mujoco(model, np.zeros(4))
-    np.testing.assert_allclose(arm.gravity, to_torso(model, data, model.opt.gravity), atol=1e-12)
 
 
 def test_postures_are_the_inverse_of_places(made):
@@ -116,11 +110,6 @@ def test_a_motion_through_places_has_the_derivatives_of_its_angles(made):
     slope = np.gradient(rate, dt, axis=0)
     np.testing.assert_allclose(slope[inside], acceleration[inside], atol=0.05)
     assert np.abs(rate).max() > 0.1
-
-
-def one_sentence(error):
-    text = str(error.value)
-    return "\n" not in text and text.count(": ") == 1 and not text.endswith(".")
 
 
 def test_what_no_posture_reaches_is_refused():

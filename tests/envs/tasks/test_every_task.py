@@ -1,28 +1,62 @@
 """What every task can do on every coupling and level, with loads and tools in the hand too."""
 
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 
+import gymnasium
 import numpy as np
 import pytest
 from activesuit.envs import ArmEnv
+from activesuit.envs.levels import LEVELS
+from activesuit.envs.model.config import COUPLINGS
 from activesuit.envs.tasks import TASKS
-from arms import state
+from arms import assert_same_states, state
 from gymnasium.utils.env_checker import check_env
 from scipy.stats import qmc
 
-EDITED = [name for name, task in TASKS.items() if task.edits]
-USUAL = [("rigid", "shift"), ("cuffs", "randomized")]
-OTHERS = [("cuffs", "nominal"), ("rigid", "randomized"), ("cuffs", "shift"), ("none", "randomized")]
-# Tasks of one arm stand together: those without parts of their own share its compiled model. Models
-# with them take half a second each.
+# What learners meet: representative couplings, levels and observations.
+LEARNED = [
+    ("ArmTracking", {"level": "shift", "history": 3}),
+    ("ElbowFlexion", {"sensors": ["encoders", "preview", "privileged"], "normalize": True}),
+    ("Scoop", {"coupling": "cuffs", "level": "randomized", "sensors": ["encoders", "cuffs"]}),
+    ("Handrail", {"sensors": ["encoders", "interaction", "emg"], "level": "faults"}),
+    ("Hammer", {"exo": {"encoder_delay": 0.02}, "fatigue": True}),
+    ("Ratchet", {"control": {"noise": 1.0, "tremor": 0.05, "contraction": 2.0}}),
+]
+OTHERS = [("rigid", "shift"), ("none", "randomized"), ("cuffs", "nominal"), ("rigid", "faults")]
+# Cuffs at the level "randomized" have all parts that can go wrong. The other arms take turns.
 COMBINATIONS = [
-    pytest.param((name, *arm), marks=pytest.mark.slow if name in EDITED and arm in OTHERS else ())
-    for arm in (*USUAL, *OTHERS)
-    for name in TASKS
+    *((name, "cuffs", "randomized") for name in TASKS),
+    *(
+        pytest.param((name, *OTHERS[i % len(OTHERS)]), marks=pytest.mark.slow)
+        for i, name in enumerate(TASKS)
+    ),
 ]
 DURATION = 5.0  # s
 ROWS = 3
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", TASKS)
+def test_gymnasium_accepts_it(name):
+    check_env(gymnasium.make(f"ActiveSuit/{name}-v0").unwrapped, skip_render_check=True)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("name", "options"), LEARNED, ids=[name for name, _ in LEARNED])
+def test_both_checkers_accept_what_learners_meet(name, options):
+    checker = pytest.importorskip("stable_baselines3.common.env_checker")
+    env = ArmEnv(name, **options)
+    checker.check_env(env, warn=True, skip_render_check=True)
+    check_env(env, skip_render_check=True)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("error")
+def test_gymnasium_accepts_every_coupling_and_level():
+    for coupling, level in product(COUPLINGS, LEVELS):
+        check_env(ArmEnv("Scoop", coupling=coupling, level=level), skip_render_check=True)
 
 
 @pytest.fixture(scope="module", params=COMBINATIONS, ids=str)
@@ -33,19 +67,6 @@ def made(request):
     arms = env.rows(ROWS, threads=1)
     env.reset(seed=0)
     return SimpleNamespace(env=env, arms=arms)
-
-
-@pytest.mark.filterwarnings("error")
-def test_checkers(made):
-    check_env(made.env, skip_render_check=True)
-
-
-@pytest.mark.filterwarnings("error")
-def test_stable_baselines3_checker(made):
-    checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    if not made.env.action_space.shape[0]:
-        pytest.skip("learners need motors")
-    checker.check_env(made.env, warn=True, skip_render_check=True)
 
 
 def test_noise_breaks_nothing(made):
@@ -59,14 +80,6 @@ def test_noise_breaks_nothing(made):
     assert env.episodes.truncated.all()
     assert np.isfinite(rewards).all()
     assert np.isfinite(state(env).measured).all()
-
-
-def assert_same(state, other):
-    """Compares everything that lives from step to step; the rows of states of one row."""
-    assert state.keys() == other.keys()
-    for name in state.keys() - {"config"}:
-        np.testing.assert_array_equal(state[name], other[name], name)
-    assert state["config"] == other["config"]
 
 
 def until_loaded(env, arms, rng):
@@ -83,23 +96,15 @@ def until_loaded(env, arms, rng):
     return answers
 
 
-def test_a_row_is_the_single_environment(made):
-    env, arms = made.env, made.arms
-    rng = np.random.default_rng(3)
-    env.reset(seed=21)
-    arms.reset(seed=20)
-    one, rows = until_loaded(env, arms, rng)
-    for alone, row in zip(one[:4], rows[:4], strict=True):
-        np.testing.assert_array_equal(alone, row[1])
-    assert_same(env.get_state(), arms.get_state(rows=[1]))
-
-
-def test_states_in_mid_task_go_on_alike(made):
+def test_a_row_is_the_single_environment_and_states_in_mid_task_go_on_alike(made):
     env, arms, rng = made.env, made.arms, np.random.default_rng(4)
     env.reset(seed=31)
     arms.reset(seed=30)
-    until_loaded(env, arms, rng)
+    one, rows = until_loaded(env, arms, rng)
+    for alone, row in zip(one[:4], rows[:4], strict=True):
+        np.testing.assert_array_equal(alone, row[1])
     state = env.get_state()
+    assert_same_states(state, arms.get_state(rows=[1]))
     if env.episodes.task.carries:
         assert state["load"][0] > 0
     actions = rng.uniform(-0.3, 0.3, (30, *env.action_space.shape))
@@ -109,9 +114,9 @@ def test_states_in_mid_task_go_on_alike(made):
     env.set_state(state)
     again = [env.step(action)[0] for action in actions]
     np.testing.assert_array_equal(again, first)
-    assert_same(env.get_state(), after)
+    assert_same_states(env.get_state(), after)
     arms.reset(seed=2)
     arms.set_state(state, rows=[2])  # another environment, and another row
     third = [arms.step(np.tile(action, (ROWS, 1)))[0][2] for action in actions]
     np.testing.assert_array_equal(third, first)
-    assert_same(arms.get_state(rows=[2]), after)
+    assert_same_states(arms.get_state(rows=[2]), after)

@@ -7,10 +7,10 @@ import pytest
 from activesuit.envs import ArmEnv
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Task
-from arms import state
+from arms import assert_same_states, state
 
 POSTURE = np.array([0.0, 0.7, 1.0, 0.0])
-PERIODS = 200  # two seconds: from the first load to after its release
+PERIODS = 60
 
 
 class Juggle(Task):
@@ -26,10 +26,8 @@ class Juggle(Task):
 
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs"])
-@pytest.mark.parametrize("task", [Juggle(name="Juggle", duration=2.0), "Scoop"], ids=str)
-def test_rows_are_single_environments_through_pick_up_and_release(task, coupling):
-    if task == "Scoop":
-        task = replace(TASKS["Scoop"], duration=PERIODS / 100)
+def test_rows_are_single_environments_through_pick_up_and_release(coupling):
+    task = Juggle(name="Juggle", duration=PERIODS / 100)
     single = ArmEnv(task, coupling=coupling, level="randomized")
     arms = single.rows(2, threads=1, autoreset_mode="SameStep")
     single.reset(seed=6)
@@ -49,9 +47,7 @@ def test_rows_are_single_environments_through_pick_up_and_release(task, coupling
     loaded = alone[:PERIODS] > 0
     assert loaded.any()
     assert np.diff(loaded.astype(int)).min() == -1  # put down within the episode
-    one, other = single.get_state(), arms.get_state(rows=[1])
-    for name in one.keys() - {"config"}:
-        np.testing.assert_array_equal(one[name], other[name], name)
+    assert_same_states(single.get_state(), arms.get_state(rows=[1]))
 
 
 def test_loads_are_those_of_the_plan():
@@ -65,7 +61,7 @@ def test_loads_are_those_of_the_plan():
     assert np.ptp(carried) > 1
 
 
-@pytest.mark.parametrize("name", ["ObjectRelocation", "Scoop", "OverheadHold", "Handrail"])
+@pytest.mark.parametrize("name", ["Scoop", "Handrail"])
 def test_randomize_load_multiplies_masses_and_pushes(name):
     task = replace(TASKS[name], duration=1.0)
     plain, drawn = (ArmEnv(task, coupling="none", randomize={"load": share}) for share in (0, 0.5))

@@ -9,7 +9,6 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation.core import reference_options
 from activesuit.envs.model import ArmConfig, Payload, compose
-from activesuit.envs.model.workplace import PUSHES
 from activesuit.envs.simulation.plan import Plan
 from activesuit.envs.tasks import TASKS, Hammer, Ratchet, Task
 from activesuit.envs.tasks.hammer import HANDLE, IMPACT, RAISED, THROUGH
@@ -21,10 +20,7 @@ G = 9.81
 POSTURE = np.array([0.0, 0.9, 0.6, 0.0])
 ARMS = {
     "right": {},
-    "left": {"side": "left"},
-    "tilted": {"tilt": (0.4, 0.2)},
     "left, tilted": {"side": "left", "tilt": (0.4, 0.2)},
-    "cuffs": {"coupling": "cuffs"},
     "left, cuffs, tilted": {"coupling": "cuffs", "side": "left", "tilt": (-0.3, 0.1)},
     "bare": {"coupling": "none", "suit": "none"},
 }
@@ -131,18 +127,9 @@ def test_a_push_acts_as_a_force_on_the_grip(options):
     assert (on_arm == 0) == (options.get("coupling") == "cuffs")
 
 
-def test_the_push_of_a_control_period_is_that_of_the_plan():
-    env = ArmEnv(replace(TASKS["Handrail"], duration=1.0))
-    env.reset(seed=2)
-    for period in range(50):
-        env.step(np.zeros(2))
-        now = physics(env, "ctrl")[addresses(env).pushes]
-        np.testing.assert_array_equal(now, state(env).push[0, period])
-    assert [env.model.actuator(name).name for name in PUSHES] == list(PUSHES)
-
-
-@pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
-@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize(
+    ("side", "coupling"), [("right", "rigid"), ("left", "cuffs"), ("left", "none")]
+)
 def test_a_ratchet_never_drives(coupling, side):
     limit = 25.0
     task = Ratchet(name="Ratchet", duration=1.6, reaction=limit)
@@ -217,7 +204,7 @@ def blow(model, push):
     raise AssertionError(f"the hammer did not {'leave' if met else 'meet'} the anvil")
 
 
-@pytest.mark.parametrize(("rebound", "mass"), [(0.2, 1.0), (0.4, 2.0), (0.7, 0.6)])
+@pytest.mark.parametrize(("rebound", "mass"), [(0.2, 1.0), (0.7, 0.6)])
 def test_a_hammer_leaves_the_anvil_with_its_share_of_the_speed(rebound, mass):
     """The closed form is of continuous time, and the usual step an eighth of the contact.
 
@@ -246,14 +233,6 @@ def test_the_hammers_head_meets_the_middle_of_the_anvil(side):
     assert np.linalg.norm(data.geom("hammer_head").xpos - data.site("hand_grip").xpos) == (
         pytest.approx(HANDLE)
     )
-
-
-def test_all_blows_are_alike():
-    plan = TASKS["Hammer"].plan(np.random.default_rng(0), 2501, 0.01, None)
-    period = 125  # samples
-    for part in plan.motion:
-        blows = part[:2500].reshape(-1, period, 4)
-        np.testing.assert_allclose(blows, np.broadcast_to(blows[0], blows.shape), atol=1e-6)
 
 
 @pytest.mark.parametrize("reference", ["unsuited", "suited"])

@@ -1,0 +1,201 @@
+"""Options and calls of environments that cannot be: one sentence for each, and nothing changes."""
+
+import gymnasium
+import numpy as np
+import pytest
+from activesuit.assets import load_suit
+from activesuit.envs import ArmEnv
+from activesuit.envs.evaluation import evaluate
+from activesuit.envs.tasks import RandomMoves
+from activesuit.envs.vector_env import ArmVectorEnv
+from activesuit.errors import InputError
+from helpers import assert_refused
+
+ELBOW = "ActiveSuit/ElbowFlexion-v0"
+BELIEF = ["encoders", "belief"]
+SHORT = RandomMoves(name="Short", span={"elbow_flexion": (0.5, 1.2)}, duration=0.1)
+OPTIONS = [
+    ({"suit": "nun"}, "unknown suit 'nun'"),
+    ({"gravty": "moon"}, "unknown option 'gravty'.*did you mean 'gravity'"),
+    ({"wearer": {"stature": 178}}, "stature is 178: use meters from 1.4 to 2.1"),
+    ({"control": {"nose": 1}}, "unknown field of control 'nose'.*did you mean 'noise'"),
+    ({"control": {"delay": 0.015}}, "delay is 0.015 s: give it as a multiple of the control"),
+    ({"render_mode": "ascii"}, "render_mode is 'ascii'"),
+    ({"width": 64.5}, "picture size is 64.5 x 480: use whole numbers"),
+    ({"render_quality": "best"}, "unknown render_quality 'best': use one of fast, fine"),
+    ({"render_quality": []}, "unknown render_quality"),
+    ({"picture_dt": -1}, "picture_dt is -1: use a number from 0 to 10 s"),
+    ({"sim_dt": 0.5}, "sim_dt is 0.5: use a number from 1e-05 to 0.01 s"),
+    ({"control_dt": 0.003}, "control_dt must be a multiple"),
+    ({"control_dt": np.nan}, "control_dt is nan: use a number from 0 to 0.02 s"),
+    ({"control_dt": 0.008}, "control_dt is 0.008: it must divide 0.02 s"),
+    ({"control_dt": 0.0}, "control_dt must be a multiple"),
+    ({"fatigue": "no"}, "fatigue is 'no': use True or False"),
+    # What is observed.
+    ({"sensors": ["all"]}, "unknown sensor suite 'all': use one of belief, cuffs, emg"),
+    ({"sensors": [["encoders"]]}, "unknown sensor suite"),
+    ({"sensors": "encoders"}, "sensors is 'encoders': give a list of suites"),
+    ({"sensors": []}, "sensors is empty: name at least one of encoders"),
+    ({"sensors": ["encoders", "encoders"]}, "sensors has 'encoders' twice"),
+    ({"sensors": ["cuffs"]}, "sensors has 'cuffs', and this coupling has none"),
+    ({"normalize": 1}, "normalize is 1: use True or False"),
+    ({"history": 0}, "history is 0: use a whole number from 1 to 1000"),
+    ({"sensing": {"emg_noise": 2}}, "sensing.emg_noise is 2: use a number from 0 to 1"),
+    ({"sensing": {"encoder_noise": 0.01}}, "sensing 'encoder_noise': .* 'exo.encoder_bits'"),
+    ({"belief": {}}, r"belief is \{\}, and sensors is \['encoders'\]: add 'belief' to them"),
+    ({"sensors": BELIEF, "belief": {"suite": 1}}, "unknown field of belief 'suite'"),
+    ({"sensors": BELIEF, "belief": 3}, r"belief is 3: give ArmConfig\(...\) or a dict"),
+    # What differs between episodes.
+    ({"level": "randomised"}, "unknown level .*: use one of faults, nominal, ran"),
+    ({"level": ["shift"]}, "unknown level"),
+    ({"level": "shift", "randomize": 3}, "randomize is 3: give Randomization"),
+    ({"randomize": {"size": 2}}, "unknown field of randomize 'size'"),
+    ({"randomize": {"gravity": ["sun"]}}, "unknown place in randomize.gravity 'sun'"),
+    ({"randomize": {"gravity": "moon"}}, "randomize.gravity is 'moon': give a list"),
+    ({"randomize": {"payload": 3}}, "randomize.payload is 3: give the least and the greatest"),
+    ({"randomize": {"payload": [3, 1]}}, r"payload is \[3, 1\]: give the smaller number first"),
+    ({"randomize": {"payload": [0, 99]}}, "payload is 99: use a number from 0 to 60 kg"),
+    ({"randomize": {"pressure": "much"}}, "randomize.pressure is 'much'"),
+    ({"randomize": {"load": 0.6}}, "randomize.load is 0.6: use a number from 0 to 0.5"),
+    ({"randomize": {"suit": "any"}}, "unknown choice of randomize.suit 'any': use one of"),
+    ({"randomize": {"suit": "samples"}}, "'samples', and the suit has none"),
+    ({"randomize": {"pressure": 0.1}, "suit": "none"}, "and suit is 'none': name a suit"),
+    ({"randomize": {"suits": "emu-like"}}, "suits is 'emu-like': give a list of suits"),
+    ({"randomize": {"suits": ["none"]}}, "suits has 'none': give names or files of suits"),
+    ({"randomize": {"cycles": [0, 4]}}, "cycles is .*, and no joint"),
+    ({"randomize": {"wearers": [{"size": 2}]}}, r"unknown field of randomize.wearers\[0\]"),
+    ({"randomize": {"wearers": {"sex": "male"}}}, "wearers is .*: give a list of persons"),
+    ({"randomize": {"misalignment": 0.01}}, "only coupling='cuffs' lets exoskeleton and arm"),
+    # What fails.
+    ({"faults": {"torque_bias": 80}}, "faults.torque_bias is 80: use a number from -50 to 50 N·m"),
+    ({"faults": {"since": np.nan}}, "faults.since is nan"),
+    ({"faults": {"stuck": "elbow_flexion"}}, "faults.stuck is 'elbow_flexion': give a list"),
+    ({"faults": {"stopped": ["wrist_flexion"]}}, "unknown joint of faults.stopped 'wrist_fl"),
+    ({"faults": {"stopped": ["elbow_flexion"] * 2}}, "faults.stopped are .*: name each one once"),
+    ({"faults": {"broken": 1}}, "unknown field of faults 'broken'"),
+    ({"faults": 3}, "faults is 3"),
+    ({"coupling": "none", "faults": {"stopped": ["elbow_flexion"]}}, "where there are no motors"),
+]
+ROWS = [
+    ({"num_envs": 0}, "num_envs is 0: use at least 1"),
+    ({"num_envs": 2.5}, "num_envs is 2.5"),
+    ({"threads": -1}, "threads is -1: use at least 0"),
+    ({"threads": 10**12}, "threads is 10.*: use at most 1,024"),
+    ({"autoreset_mode": "Later"}, "unknown autoreset_mode 'Later': use one of"),
+    ({"info": "some"}, "unknown info 'some': use one of full, metrics, none"),
+    ({"stagger": 1}, "stagger is 1: use True or False"),
+    ({"max_episode_steps": 0}, "max_episode_steps is 0: use at least 1"),
+    ({"level": 3}, "unknown level"),
+    ({"render_mode": "human"}, "render_mode is 'human': use None or 'rgb_array'"),
+    ({"speed": 1}, "unknown option 'speed'"),
+    ({"taught": True}, "'taught' was a name of version"),
+]
+
+
+def test_options():
+    rows = [*((ArmEnv, *row) for row in OPTIONS), *((ArmVectorEnv, *row) for row in ROWS)]
+    assert_refused(lambda kind, options: kind(**options), rows)
+
+
+@pytest.fixture(scope="module")
+def env():
+    return ArmEnv(SHORT)
+
+
+@pytest.fixture(scope="module")
+def arms():
+    return ArmVectorEnv(3, SHORT, autoreset_mode="Disabled", learned_torque=True)
+
+
+def test_what_is_no_action_is_refused_and_changes_nothing(env):
+    actions = [
+        *(["0.5", "-0.5"], "00", [None, None], [True, False], [[0.1], [0.1, 0.2]]),
+        *([0.1 + 0j, 0.2], {"elbow": 1}, np.array([b"1", b"0"]), ["x" * 1000, 0]),
+    ]
+    env.reset(seed=0)
+    env.step(np.full(2, 0.2))
+    before = env.get_state()["physics"]
+    message = r"^action is .{1,280}: give 2 numbers from -1 to 1$"
+    assert_refused(env.step, [(action, message) for action in actions])
+    np.testing.assert_array_equal(env.get_state()["physics"], before)
+
+
+def test_resets_that_cannot_be_change_nothing(env, arms):
+    env.reset(seed=0)
+    state = env.get_state()
+    known = r"reset got the options .*: it knows none; leave"
+    junk = [(5, known), ({"seed": 1}, known), ({"x": [0] * 5000}, known), ({"mask": 1}, known)]
+    assert_refused(lambda options: env.reset(seed=5, options=options), junk)
+    again = env.get_state()
+    np.testing.assert_array_equal(again["physics"], state["physics"])
+    assert (again["seed"], again["episode"]) == (state["seed"], state["episode"])
+    env.reset(options={})
+    with pytest.raises(InputError, match="render_mode is None"):
+        env.render()
+    learned = np.zeros((3, 11, 4))
+    rows = [
+        ([], r"the options \[\]: give a dict"),
+        ({"mask": None}, r"reset got the options \['mask'\]: it knows 'reset_mask'"),
+        ({"reset_mask": [True] * 3}, "reset_mask is .*: give an array of 3 booleans"),
+        ({"reset_mask": np.ones(2, bool)}, "reset_mask is .*: give an array of 3 booleans"),
+        ({"reset_mask": np.zeros(3, bool)}, "reset_mask names no row: set at least one"),
+        ({"learned_torque": learned[:, 1:]}, r"shape \(3, 10, 4\): .* \(3, 11, 4\)"),
+        ({"learned_torque": learned + np.nan}, "learned_torque has .*: give finite numbers"),
+    ]
+    assert_refused(lambda options: arms.reset(seed=0, options=options), rows)
+    other = ArmVectorEnv(3, SHORT)
+    with pytest.raises(InputError, match="make the environment with learned_torque=True"):
+        other.reset(seed=0, options={"learned_torque": learned})
+    other.reset(seed=0)
+    rows = [
+        ([1, 2], "seed has 2 numbers: give one for each of 3 rows"),
+        (-1, "seed is -1: use 0 to"),
+        ("one", "seed is 'one': give a whole number"),
+        *((seed, "seed") for seed in (2**63 - 1, np.array(3), b"ab", [1, True, 2])),
+    ]
+    assert_refused(lambda seed: other.reset(seed=seed), rows)
+    other.step(np.zeros((3, 2)))
+
+
+def test_steps_and_states_of_rows_that_cannot_be():
+    arms = ArmVectorEnv(3, SHORT, autoreset_mode="Disabled", max_episode_steps=2)
+    with pytest.raises(InputError, match="step before the first reset: call reset"):
+        arms.step(np.zeros((3, 2)))
+    arms.reset(seed=0)
+    before = arms.get_state()["physics"]
+    rows = [
+        (np.zeros((2, 2)), r"action has shape \(2, 2\): give \(3, 2\)"),
+        ([[0, 0], [0, np.nan], [0, 0]], r"action of row 1 is \[0.0, nan\]: give finite numbers"),
+        ("push", "action is 'push': give 2 numbers"),
+    ]
+    assert_refused(arms.step, rows)
+    np.testing.assert_array_equal(arms.get_state()["physics"], before)
+    with pytest.raises(InputError, match="the state is of 2 rows, and 3 are to be restored"):
+        arms.set_state(arms.get_state(rows=[0, 1]))
+    for rows in ([3], [0, 0], [0.5], [[1]], [[0], [1, 2]], "all"):
+        assert_refused(arms.get_state, [(rows, "rows is .*: give different whole")])
+    for _ in range(2):
+        arms.step(np.zeros((3, 2)))
+    with pytest.raises(InputError, match=r"the episodes of rows \[0, 1, 2\] are over: reset them"):
+        arms.step(np.zeros((3, 2)))
+
+
+def test_calls():
+    rows = [
+        (lambda: evaluate(ELBOW, 3), "policies is 3: give a list of names"),
+        (lambda: evaluate("ActiveSuit/Knee-v0", ["none"]), "unknown environment 'ActiveSuit/Knee"),
+        (lambda: evaluate("CartPole-v1", ["none"]), "'CartPole-v1' is no arm of ActiveSuit"),
+        (lambda: evaluate(3, ["none"]), "env_id is 3: give the id of an environment"),
+        (lambda: evaluate(ELBOW, ["none"], stagger=True), "whole episodes need 'NextStep' with"),
+        (lambda: evaluate(ELBOW, ["none"], autoreset_mode="SameStep"), "whole episodes need 'Ne"),
+        (lambda: vec_env()(gymnasium.make(ELBOW)), r"arms is .*: give an ArmVectorEnv"),
+        (lambda: ArmEnv(suit=load_suit("mock-suit"), randomize={"cycles": [4, 0]}), "cycles"),
+    ]
+    assert_refused(lambda call: call(), rows)
+
+
+def vec_env():
+    pytest.importorskip("stable_baselines3")
+    from activesuit.envs.sb3 import ArmVecEnv
+
+    return ArmVecEnv
