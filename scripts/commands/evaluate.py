@@ -33,7 +33,7 @@ from ..options import (
     TaskName,
     Trust,
 )
-from ..output import RunFolder, conclude, progress
+from ..output import RunFolder, progress
 from ..reports.motions import (
     agreement,
     cuff_remarks,
