@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 from ..errors import InputError, unknown_name
 
@@ -40,16 +40,6 @@ class Scored(NamedTuple):
     facts: dict[str, float | dict[str, float]]
 
 
-class Scorer(Protocol):
-    """Function that scores the motions of one policy."""
-
-    def __call__(
-        self, motions: "Sequence[Trace]", *, threads: int, on_motion: Callable[[], None]
-    ) -> Scored:
-        """Returns what motions cost; `on_motion` is called after each, and 0 threads are all."""
-        ...
-
-
 @dataclass(frozen=True, kw_only=True)
 class Score:
     """A score of motions beside effort.
@@ -57,7 +47,8 @@ class Score:
     Attributes:
         check: Function that raises InputError where the extra is not complete, or motions of a
             simulated arm cannot be scored.
-        scored: Function that scores the motions of one policy.
+        scored: Function of the motions of one policy, a sequence of `Trace`, with the keywords
+            `threads`, where 0 is all cores, and `on_motion`, a function to call after each motion.
         least: Least cost of a suit for relief to have a meaning, by the name of a cost.
         units: Units of costs and facts by name, "1" for a ratio.
         text: Explanation of the costs and facts, in Markdown.
@@ -67,7 +58,7 @@ class Score:
     """
 
     check: "Callable[[Simulation], None]"
-    scored: Scorer
+    scored: Callable[..., Scored]
     least: Mapping[str, float]
     units: Mapping[str, str]
     text: str

@@ -97,8 +97,8 @@ class Result:
         said, motions = values["protocol"].get("episodes"), len(values["effort"])
         if said not in (None, motions):
             raise InputError(f"{name} has {motions} motions and says {shown(said)}: delete it")
-        for score, one in found.extra.items():
-            for cost, series in one.costs.items():
+        for score, kept in found.extra.items():
+            for cost, series in kept.costs.items():
                 if STANDARD not in series or any(len(one) != motions for one in series.values()):
                     raise InputError(
                         f"{name} has not {motions} values of {score}.{cost} under {STANDARD!r} and "
@@ -116,7 +116,7 @@ class _SavedScore(BaseModel):
     costs: dict[Name, dict[Name, list[Size | None]]] = {}
     facts: dict[Name, Size | dict[Name, Size]] = {}
     packages: dict[Name, Name] = {}
-    reason: Name | None = None
+    reason: str | None = None
 
 
 class _Saved(BaseModel):

@@ -87,8 +87,9 @@ def _evaluate(folder: Path, contents: Contents) -> Iterator[Section]:
             layout=layout,
         )
         yield Section(title="Relief", blocks=[chart])
-    pictures = [Picture(name=path.name, title=path.stem) for path in folder.glob(f"{SCORE}*.png")]
-    yield Section(title="Scores of extras", blocks=sorted(pictures, key=lambda one: one.name))
+    drawn = sorted(path.name for path in folder.glob(f"{SCORE}*.png"))
+    pictures = [Picture(name=one, title=one.removesuffix(".png")) for one in drawn]
+    yield Section(title="Scores of extras", blocks=pictures)
     yield from _motions(folder, contents)
 
 

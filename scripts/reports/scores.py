@@ -120,7 +120,8 @@ def _cells(cost: Cost | None) -> list[str]:
 
 def _greatest(facts: Sequence[Facts], name: str, count: int) -> str:
     """Returns the greatest numbers of a fact by name, each the greatest of all settings."""
-    pairs = [pair for one in facts for pair in one.get(name, {}).items()]
+    named = [one[name] for one in facts if isinstance(one.get(name), dict)]
+    pairs = [pair for one in named for pair in one.items()]
     most = dict(sorted(pairs, key=lambda pair: pair[1]))
     order = sorted(most, key=lambda label: -most[label])[:count]
     return "\n".join(f"{label} {most[label]:.2g}" for label in order) or "-"
@@ -142,16 +143,16 @@ def _gaps(name: str, results: Sequence[Result]) -> Iterator[str]:
     without = sum(name not in one.extra and not one.failed for one in results)
     if without:
         yield f"note: {without} of {len(results)} trials were run without --score {name}"
-    reasons = {one.task: one.extra.get(name, {}).get("reason") for one in results}
-    for task, reason in reasons.items():
-        if reason:
-            yield f"note: {name} cannot be scored in {task}: {reason}"
+    kept = [(one.task, one.extra.get(name, {})) for one in results]
+    for task, reason in {task: one["reason"] for task, one in kept if "reason" in one}.items():
+        yield f"note: {name} cannot be scored in {task}: {reason}"
 
 
 def _limits(score: Score, facts: Mapping[str, Facts]) -> Iterator[str]:
     """Yields sentences: what limits the numbers, where most, and in how many scores."""
     for limit, (least, sentence) in score.limits.items():
-        found = {place: one[limit] for place, one in facts.items() if one.get(limit, 0) > least}
+        known = {place: one.get(limit) for place, one in facts.items()}
+        found = {p: one for p, one in known.items() if isinstance(one, float) and one > least}
         if found:
             worst = max(found, key=lambda place: found[place])
             most = sentence.format(found[worst])

@@ -112,10 +112,12 @@ def test_the_benchmark_keeps_a_registered_score(capsys, tmp_path):
         assert "toys do not tire" in fails(
             capsys, *tiring, "--score", "toy", "--out", tmp_path / "n"
         )
-    del kept["extra"]
-    (tmp_path / "bare.jsonl").write_text(json.dumps(kept | {"policy": "mine"}) + "\n")
-    said = run(capsys, "benchmark", "table", folder, tmp_path / "bare.jsonl")
-    assert "note: 1 of 5 trials were run without --score toy" in said
+    others = [kept | {"policy": "mine", "extra": {}}, kept | {"policy": "odd"}]
+    others[1]["extra"]["toy"]["facts"] = {"loud": {"parts": 1.0}, "parts": 3.0}
+    (tmp_path / "more.jsonl").write_text("".join(json.dumps(one) + "\n" for one in others))
+    said = run(capsys, "benchmark", "table", folder, tmp_path / "more.jsonl")
+    assert "note: 1 of 6 trials were run without --score toy" in said
+    assert "it is 2 loud; scores are limited so in 4 of 5 cases" in said
 
 
 @pytest.mark.render
