@@ -63,12 +63,6 @@ def test_the_observer_finds_what_the_shipped_one_finds(folder):
     assert np.abs(actions("my_policies:Observed") - actions("gravity")).max() > 0.05
 
 
-def test_one_arm_acts_as_a_row(folder):
-    alone = actions("my_policies:PDPlusSuit", rows=1)
-    assert alone.shape == (40, 1, 2)
-    np.testing.assert_array_equal(alone[:, 0], actions("my_policies:PDPlusSuit")[:, 0])
-
-
 def test_from_the_file_to_a_score(folder, capsys):
     few = ["evaluate", "--task", "ElbowFlexion", "--episodes", "8", "--unadapted", "--json"]
     main([*few, "--policies", "my_policies:PDPlusSuit:kp=5"])

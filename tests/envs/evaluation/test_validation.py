@@ -122,7 +122,7 @@ def test_every_torque_error_has_its_interval(six):
 
 
 def test_relief_is_compared_motion_by_motion(monkeypatch):
-    shorten_tasks(monkeypatch, 1.5)
+    shorten_tasks(monkeypatch, 1.0)
     believed = {"exact": "emu-like", "other": "mock-suit"}
     found, validations = validate(ENV, believed, episodes=8, suit="emu-like", **WEIGHTLESS)
     exact, other = (validations[name] for name in believed)

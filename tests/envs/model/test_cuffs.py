@@ -59,20 +59,6 @@ def test_moving_as_one_it_is_the_rigid_mechanism(seed):
     np.testing.assert_allclose(cuff_forces(data), 0, atol=1e-9)
 
 
-def test_keyframes_put_both_chains_into_one_pose():
-    rigid, (model, data) = rigid_spec().compile(), cuffed()
-    assert model.nkey == rigid.nkey
-    np.testing.assert_array_equal(model.key_qpos, np.tile(rigid.key_qpos, 2))
-    np.testing.assert_array_equal(model.key_ctrl, rigid.key_ctrl)
-    mujoco.mj_forward(model, data)
-    for segment, site in zip(
-        SEGMENTS, ("cuff_upper_arm", "cuff_forearm", "attachment_ring"), strict=True
-    ):
-        np.testing.assert_allclose(
-            data.site(f"limb_{segment}").xpos, data.site(site).xpos, atol=1e-12
-        )
-
-
 def test_the_torque_of_a_motor_reaches_the_wearer_through_the_cuffs():
     model, data = cuffed()
     model.opt.gravity[:] = 0

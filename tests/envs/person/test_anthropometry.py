@@ -36,9 +36,9 @@ def test_a_woman_has_the_female_table():
     assert radii == pytest.approx([0.531, 0.454, 0.335])
 
 
-def test_segments_scale_with_stature_and_mass(sex="female"):
-    small = segments(Person(sex=sex, stature=1.5, mass=50))
-    large = segments(Person(sex=sex, stature=1.8, mass=100))
+def test_segments_scale_with_stature_and_mass():
+    small = segments(Person(sex="female", stature=1.5, mass=50))
+    large = segments(Person(sex="female", stature=1.8, mass=100))
     for name in small:
         assert large[name].length == pytest.approx(1.2 * small[name].length)
         assert large[name].mass == pytest.approx(2 * small[name].mass)

@@ -12,7 +12,7 @@ from activesuit.envs.person import (
 from activesuit.envs.person.strength import DIRECTIONS, PROVENANCE
 
 VALUE = {quantity.name: quantity.value for quantity in PROVENANCE}
-GROUPS = [(0, 0), (1, 1), (1, 2), (0, 3)]  # directions and joints
+GROUPS = [(i, j) for i in range(2) for j in range(4)]  # directions and joints
 STILL = np.zeros(4)
 RANGES = np.array([range_of_motion(joint) for joint in JOINTS])
 
@@ -47,31 +47,31 @@ def test_the_reference_man_has_the_tabled_peaks():
     np.testing.assert_array_equal(isometric_strength(Person()), expected)
 
 
-@pytest.mark.parametrize(("direction", "joint"), GROUPS)
-def test_tabled_points_are_met(direction, joint):
-    peak, fastest, best, width, eccentric, half_speed = (
-        tabled(direction, joint, column)
-        for column in ("peak", "fastest", "best_angle", "width", "eccentric", "half_speed")
-    )
-    torque = [
-        torque_of(direction, joint, angle, speed)
-        for angle, speed in [
-            (best, 0),
-            (best + width, 0),
-            (best - width, 0),
-            (best, fastest / 2),
-            (best, fastest),
-            (best, -fastest),
+def test_tabled_points_are_met():
+    for direction, joint in GROUPS:
+        peak, fastest, best, width, eccentric, half_speed = (
+            tabled(direction, joint, column)
+            for column in ("peak", "fastest", "best_angle", "width", "eccentric", "half_speed")
+        )
+        torque = [
+            torque_of(direction, joint, angle, speed)
+            for angle, speed in [
+                (best, 0),
+                (best + width, 0),
+                (best - width, 0),
+                (best, fastest / 2),
+                (best, fastest),
+                (best, -fastest),
+            ]
         ]
-    ]
-    drop = np.exp(-0.5)
-    expected = [peak, drop * peak, drop * peak, half_speed * peak, 0, eccentric * peak]
-    np.testing.assert_allclose(torque, expected, rtol=1e-12, atol=1e-12)
+        drop = np.exp(-0.5)
+        expected = [peak, drop * peak, drop * peak, half_speed * peak, 0, eccentric * peak]
+        np.testing.assert_allclose(torque, expected, rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize(
     ("degrees", "speed", "published", "tolerance"),
-    [(0, 0, 89.9, 0.03), (45, 50, 46.9, 0.005), (45, -50, 75.3, 0.005)],
+    [(0, 0, 89.9, 0.03), (45, 0, 68.6, 0.03), (45, 50, 46.9, 0.005), (45, -50, 75.3, 0.005)],
 )
 def test_shoulder_flexors_are_those_of_the_26_men(degrees, speed, published, tolerance):
     # McGill et al. 1994. The standard error of their means is 3.7 % at the spread of the model.
@@ -96,22 +96,22 @@ def test_elbow_flexors_are_strongest_at_a_right_angle_and_half_as_strong_straigh
     assert 0.37 < torque[0] / torque_of(1, 2, np.pi / 2) < 0.56
 
 
-@pytest.mark.parametrize(("direction", "joint"), GROUPS)
-def test_torque_falls_smoothly_with_the_speed_of_shortening(direction, joint):
-    fastest = tabled(direction, joint, "fastest")
-    speed = np.linspace(-1.2 * fastest, 1.2 * fastest, 24_001)
-    angles, rates = np.zeros((speed.size, 4)), np.zeros((speed.size, 4))
-    rates[:, joint] = speed * (-1, 1)[direction]
-    limits = strength_limits(isometric_strength(Person()), angles, rates)[direction][:, joint]
-    torque = np.abs(limits) / torque_of(direction, joint, 0)
-    slope = np.diff(torque) / np.diff(speed / fastest)
-    moving = np.abs(speed[:-1]) < 0.999 * fastest
-    assert (slope[moving] < 0).all()
-    assert (slope[~moving] <= 0).all()
-    assert torque.max() <= tabled(direction, joint, "eccentric") * (1 + 1e-12)
-    assert torque.min() == 0
-    here = speed.size // 2  # the two hyperbolas join there
-    assert slope[here - 1] == pytest.approx(slope[here], rel=0.03)
+def test_torque_falls_smoothly_with_the_speed_of_shortening():
+    for direction, joint in GROUPS:
+        fastest = tabled(direction, joint, "fastest")
+        speed = np.linspace(-1.2 * fastest, 1.2 * fastest, 24_001)
+        angles, rates = np.zeros((speed.size, 4)), np.zeros((speed.size, 4))
+        rates[:, joint] = speed * (-1, 1)[direction]
+        limits = strength_limits(isometric_strength(Person()), angles, rates)[direction][:, joint]
+        torque = np.abs(limits) / torque_of(direction, joint, 0)
+        slope = np.diff(torque) / np.diff(speed / fastest)
+        moving = np.abs(speed[:-1]) < 0.999 * fastest
+        assert (slope[moving] < 0).all()
+        assert (slope[~moving] <= 0).all()
+        assert torque.max() <= tabled(direction, joint, "eccentric") * (1 + 1e-12)
+        assert torque.min() == 0
+        here = speed.size // 2  # the two hyperbolas join there
+        assert slope[here - 1] == pytest.approx(slope[here], rel=0.03)
 
 
 def test_limits_keep_their_signs_and_bounds_everywhere():
@@ -160,17 +160,17 @@ def test_many_wearers_at_once_are_those_one_by_one_bit_for_bit():
     assert alone.shape == (37, 4)
 
 
-@pytest.mark.parametrize(("direction", "joint"), GROUPS)
-def test_passive_torque_pulls_back_from_the_end_of_the_range(direction, joint):
-    strength = isometric_strength(Person())
-    begin, full = (tabled(direction, joint, c) for c in ("passive_from", "passive_peak"))
-    angles = np.zeros((3, 4))
-    angles[:, joint] = begin, (begin + full) / 2, full
-    torque = passive_torque(strength, angles, STILL)[:, joint]
-    spring = 1.1 * (1.274 - angles[:, joint]) * (joint == 2)
-    pull = (torque - spring) * (-1, 1)[direction]
-    peak = tabled(direction, joint, "peak")
-    np.testing.assert_allclose(pull, [0, peak / 4, peak], rtol=1e-12, atol=1e-12)
+def test_passive_torque_pulls_back_from_the_end_of_the_range():
+    for direction, joint in GROUPS:
+        strength = isometric_strength(Person())
+        begin, full = (tabled(direction, joint, c) for c in ("passive_from", "passive_peak"))
+        angles = np.zeros((3, 4))
+        angles[:, joint] = begin, (begin + full) / 2, full
+        torque = passive_torque(strength, angles, STILL)[:, joint]
+        spring = 1.1 * (1.274 - angles[:, joint]) * (joint == 2)
+        pull = (torque - spring) * (-1, 1)[direction]
+        peak = tabled(direction, joint, "peak")
+        np.testing.assert_allclose(pull, [0, peak / 4, peak], rtol=1e-12, atol=1e-12)
 
 
 def test_passive_torque_never_feeds_energy_into_a_cycle():

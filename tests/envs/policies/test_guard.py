@@ -10,8 +10,8 @@ DT = 0.01
 
 
 def test_no_cycle_gains_energy():
-    """10,000 random policies in random cycles, against a belief that stores and dissipates."""
-    rng, n, periods, cycles = np.random.default_rng(0), 10_000, 100, 6
+    """3,000 random policies in random cycles, against a belief that stores and dissipates."""
+    rng, n, periods, cycles = np.random.default_rng(0), 3_000, 100, 6
     phase = 2 * np.pi * np.arange(periods) / periods
     size, shift = rng.uniform(0.2, 1, (n, 2)), rng.uniform(0, 2 * np.pi, (n, 2))
     stiffness, friction = rng.uniform(0, 10, (n, 2)), rng.uniform(0, 5, (n, 2))
