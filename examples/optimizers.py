@@ -55,7 +55,7 @@ WORST = 1e100  # what a library gets instead of infinity, which breaks its arith
 CMA_STEP, SIMPLEX = 0.25, 0.1  # first step and edge of the first simplex, over the box
 
 
-class Spent(Exception):  # noqa: N818
+class Spent(Exception):
     """All model runs are used up."""
 
 
