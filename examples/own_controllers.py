@@ -22,8 +22,8 @@ the shipped `none`, motors off, and `compensation`, which knows the suit and all
 back to an adapted wearer, over eight motions: 0 is the suit without an exoskeleton, 1 is no suit.
 The task is arm tracking, but for *a rhythm*, which is `Scoop`, a lift every three seconds. At
 *wrong belief* the wearer has the EMU-like suit at 40 kPa on Mars, and controllers believe in the
-mock suit. *A rhythm* and *on cuffs* are weightless in the EMU-like suit, the latter with an exoskeleton
-whose cuffs yield. The error is that of tracking.
+mock suit. *A rhythm* and *on cuffs* are weightless in the EMU-like suit, the latter with an
+exoskeleton whose cuffs yield. The error is that of tracking.
 
 **What was found.** None of the first four comes near compensation with the right belief. With a
 wrong one `amplification`, which believes in no suit, is as good. `oscillators` find no rhythm in
