@@ -1,6 +1,5 @@
 """Success, accuracy and speed of each method that fits the shipped curves from random starts."""
 
-import importlib.util
 import statistics
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,11 +11,11 @@ from ..identification import load_curves
 from ..identification.study.summary import Summary, summarize
 from ..identification.study.trial import StudyConfig, run_trial
 from ..scripts.backends import run_all
-from ..scripts.output import Rows, messages, progress
+from ..scripts.output import Rows, progress
 from .timing import seconds
 
 STARTS, STARTS_PER_REPEAT = 200, 25  # most starts; a hurried benchmark has fewer
-STARTED_METHODS = ("certified", "cma-es", "de", "sa-pso", "mpso")
+STARTED_METHODS = ("certified", "sa-pso", "mpso")
 # Of a certified fit: model runs and milliseconds at most, share of successful starts at least.
 RUNS_LIMIT, TIME_LIMIT, SUCCESS_LIMIT = 200, 50.0, 0.95
 
@@ -58,16 +57,12 @@ class Starts:
 def random_starts(repeats: int) -> list[Starts]:
     """Runs every method from random starts, in parallel; `repeats` of them are timed, one by one.
 
-    There are 25 starts per repeat, and 200 at most. The swarms and the other libraries' optimizers
-    get the paper's budget of 50 x 101 model runs.
+    There are 25 starts per repeat, and 200 at most. The swarms get the paper's budget of 50 x 101
+    model runs.
     """
-    methods = STARTED_METHODS
-    if importlib.util.find_spec("cma") is None:
-        messages.print("CMA-ES is left out: the package cma is not installed")
-        methods = tuple(method for method in STARTED_METHODS if method != "cma-es")
     families = {name: load_curves(curves_path(name)) for name in CURVES}
     config = StudyConfig(
-        methods=methods,
+        methods=STARTED_METHODS,
         joints=dict.fromkeys(families, ""),
         trials=min(STARTS, STARTS_PER_REPEAT * repeats),
     )

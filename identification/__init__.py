@@ -24,7 +24,7 @@ from .objective import CurveObjective
 from .optimizers.mpso import MPSO, mpso
 from .optimizers.pso import KAO_FUNG, PSO, pso
 from .optimizers.rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
-from .optimizers.registry import LIBRARIES, OPTIMIZERS, SWARMS
+from .optimizers.registry import OPTIMIZERS, SWARMS, register_optimizer
 from .optimizers.sa_pso import SAPSO, sa_pso
 from .remarks import Remark
 from .selection import Selection, select
@@ -32,12 +32,8 @@ from .synthetic import first_order_motions, measure, multi_order_motion
 from .trials import Trial
 from .uncertainty.uncertainty import Uncertainty, uncertainty
 
-BASELINES = LIBRARIES  # the name of version 0.1
-
 __all__ = [
-    "BASELINES",
     "KAO_FUNG",
-    "LIBRARIES",
     "MPSO",
     "OPTIMIZERS",
     "PSO",
@@ -85,6 +81,7 @@ __all__ = [
     "pso",
     "rank_distance_mpso",
     "register_fit",
+    "register_optimizer",
     "sa_pso",
     "save_curves",
     "save_motion",

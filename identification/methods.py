@@ -1,7 +1,7 @@
 """The methods of `identify`: the certified fit, searches by optimizers, and that of magnetics."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, ClassVar, cast
@@ -17,7 +17,7 @@ from .optimizers.registry import OPTIMIZERS, SWARMS
 from .optimizers.swarm import SwarmOptions
 
 DEFAULT_MODEL = JilesAtherton.name  # the only model that every method can identify
-METHODS = ("certified", "magnetic", *OPTIMIZERS)
+EXAMPLES = ("de", "dual-annealing", "nelder-mead", "ga", "cma-es")  # methods of version 0.2
 SET_BY_IDENTIFY = ("curves", "objective", "bounds", "rng", "callback", "initial_torque")
 TRIALS = 30  # number of runs of an optimizer, as in Li et al. 2022
 
@@ -63,15 +63,13 @@ class Search:
     """A search of the Jiles-Atherton parameters in the bounds of Table 1 of Li et al. 2022.
 
     Attributes:
-        name: Swarm as published, "pso", "sa-pso", "mpso" or "rank-distance-mpso"; or an optimizer
-            of another library, "de", "dual-annealing", "nelder-mead", "ga" or "cma-es" (the last
-            two need the extra `compare`).
+        name: Swarm as published, "pso", "sa-pso", "mpso" or "rank-distance-mpso"; or the name of
+            an optimizer that `register_optimizer` made known.
         objective: Loss of `CurveObjective` that it minimizes.
         normalize: Whether the objective divides errors by the largest torque of the "family" or of
             each "curve".
         trials: Number of runs from different random numbers.
-        options: Options of the swarm or optimizer (`swarm_size`, `temperature`,
-            `max_evaluations`, ...).
+        options: Options of the swarm or optimizer (`swarm_size`, `temperature`, ...).
     """
 
     name: str
@@ -91,7 +89,7 @@ class Search:
     ) -> None:
         at_least("trials", trials, 1)
         if name not in OPTIMIZERS:
-            raise unknown_name("method", name, OPTIMIZERS)
+            raise _unknown_method(name, OPTIMIZERS)
         for field_name, value in (
             ("name", name),
             ("objective", objective),
@@ -143,6 +141,19 @@ class Magnetic:
 Method = Certified | Search | Magnetic
 
 
+def method_names() -> list[str]:
+    """Returns the names of the methods that there are, registered optimizers included."""
+    return ["certified", "magnetic", *OPTIMIZERS]
+
+
+def _unknown_method(name: str, known: Iterable[str]) -> InputError:
+    if name in EXAMPLES:
+        return InputError(
+            f"method {name!r} is an example since version 0.3: examples/optimizers.py registers it"
+        )
+    return unknown_name("method", name, known)
+
+
 def method_of(
     given: str | Method,
     *,
@@ -159,8 +170,8 @@ def method_of(
         return given
     if given == "auto":
         refuse_old_names([given], {"auto": "select(curves)"})
-    if given not in METHODS:
-        raise unknown_name("method", given, METHODS)
+    if given not in method_names():
+        raise _unknown_method(given, method_names())
     runs: dict[str, Any] = {} if trials is None else {"trials": trials}
     goal = {"objective": objective, "normalize": normalize}
     goal = {name: value for name, value in goal.items() if value is not None}

@@ -14,10 +14,8 @@ from .fits.beginning import paper_model
 from .fits.magnetic import FORMS, magnetic_fit
 from .fits.registry import Fitted, fit_model
 from .objective import CurveObjective, InitialTorque
-from .optimizers.registry import LIBRARIES, OPTIMIZERS
+from .optimizers.registry import OPTIMIZERS
 from .prediction import nrmse, torque_errors
-
-LIBRARY_EVALUATIONS = 5000  # default budget of a library's optimizer, that of the paper's swarms
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,8 +34,7 @@ class Trial:
         agreed: How many runs from different starts of a certified fit ended at this model; None
             where it has one start.
         starts: How many runs there were; None likewise.
-        history: The smallest objective so far, per iteration of a swarm or of a library's
-            optimizer.
+        history: The smallest objective so far, as the optimizer tells it; per iteration of a swarm.
     """
 
     index: int
@@ -118,8 +115,7 @@ class OptimizerRun(NamedTuple):
     Attributes:
         row: The best parameters, as `CurveObjective` takes them.
         loss: The loss of these parameters.
-        history: The smallest loss so far, per iteration of a swarm or evaluation of a library's
-            optimizer.
+        history: The smallest loss so far, as the optimizer tells it; per iteration of a swarm.
         improvements: (evaluations, best loss) whenever the best loss improved.
     """
 
@@ -136,8 +132,6 @@ def run_optimizer(
     bounds = LI_BOUNDS
     if objective.initial_torque == "identified":
         bounds = (*bounds, (-objective.peak, objective.peak))
-    if method in LIBRARIES:
-        options = {"max_evaluations": LIBRARY_EVALUATIONS, **options}
     recorded = _Recorded(objective)
     found = OPTIMIZERS[method](recorded, bounds, rng=rng, **options)
     history = tuple(map(float, found.history))

@@ -190,10 +190,10 @@ def test_choices_of_the_command_line_come_from_registries():
     from activesuit.envs.model.config import GRAVITY
     from activesuit.envs.policies import POLICIES
     from activesuit.hysteresis import MODELS
-    from activesuit.identification.methods import METHODS
+    from activesuit.identification.methods import method_names
 
     environments = [name for name in gymnasium.registry if name.startswith("ActiveSuit/")]
-    known = {*MODELS, *METHODS, *POLICIES, *environments, *suit_names(), *GRAVITY, *JOINTS}
+    known = {*MODELS, *method_names(), *POLICIES, *environments, *suit_names(), *GRAVITY, *JOINTS}
     for name, path in sources().items():
         if name[0] != "scripts":
             continue

@@ -31,20 +31,13 @@ KEPT = {  # fields of a score that pages may report
 }
 TOLERANCE = 0.01  # greatest difference from a kept number, relative to it if it is above 1
 
-_LAWS = (
-    "compensation impedance observer disturbance-observer amplification proportional oscillators "
-    "radial-basis"
-)
-_MISLED = " ".join(
-    law if law in ("amplification", "proportional") else f"{law}:suit=mock-suit"
-    for law in _LAWS.split()
-)
+_LAWS = "compensation impedance observer disturbance-observer"
+_MISLED = " ".join(f"{law}:suit=mock-suit" for law in _LAWS.split())
 _ALONE = "train --task ArmTracking --gravity microgravity --seeds 0-2 --steps 600000"
 _SMALL = "--history 5 --hyperparameters small_exploration.yml"
 _OF_MUSCLES = (
     "none transparent gravity feedforward complement compensation adaptive iterative impedance "
-    "amplification observer disturbance-observer proportional oscillators radial-basis oracle "
-    "best-known-plan"
+    "observer disturbance-observer oracle best-known-plan"
 )
 MUSCLE_SETTINGS = {
     f"muscles-{suit.partition('-')[0]}-{place}": (suit, place)
@@ -65,14 +58,14 @@ EXPERIMENTS = {
         f"evaluate --episodes 8 --suit emu-like --gravity microgravity --policies {_LAWS}"
     ),
     "laws-shift": f"evaluate --episodes 8 --level shift --policies {_MISLED}",
-    "cuffs-earth": "evaluate --episodes 8 --coupling cuffs --policies compensation admittance",
+    "cuffs-earth": "evaluate --episodes 8 --coupling cuffs --policies compensation corrected",
     "cuffs-weightless": (
         "evaluate --episodes 8 --coupling cuffs --suit emu-like --gravity microgravity "
-        "--policies compensation corrected admittance"
+        "--policies compensation corrected"
     ),
     "cuffs-shift": (
         "evaluate --episodes 8 --coupling cuffs --level shift "
-        "--policies compensation:suit=mock-suit admittance:suit=mock-suit"
+        "--policies compensation:suit=mock-suit corrected:suit=mock-suit"
     ),
     "branch": (
         "evaluate branch --suit emu-like --gravity microgravity --policies none transparent "

@@ -247,13 +247,13 @@ def laws() -> str:
     rows = []
     for coupling, names in (
         ("laws", kept("laws-earth")["result"]["scores"]),
-        ("cuffs", {"compensation": 0, "admittance": 0}),
+        ("cuffs", kept("cuffs-earth")["result"]["scores"]),
     ):
         places = [kept(f"{coupling}-{where}")["result"] for where in ("earth", "weightless")]
         shift = kept(f"{coupling}-shift")["result"]["scores"]
         for name in names:
             if name not in REFERENCES:
-                misled = shift.get(f"{name}:suit=mock-suit") or shift[name]
+                misled = shift[f"{name}:suit=mock-suit"]
                 found = [*(place["scores"][name] for place in places), misled]
                 title = f"`{name}`" + (", cuffs" if coupling == "cuffs" else "")
                 rows.append([title, *(signed(one["relief"]["value"]) for one in found)])

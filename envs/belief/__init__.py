@@ -1,6 +1,7 @@
 """What a controller believes of the arm: the suit's torque, weight, inertia and levers."""
 
 from .arm import Belief, BelievedArm
+from .cuff_levers import CuffLevers
 from .torque import LEAD, BelievedSuit, BelievedWeight, JointBelief, belief_of, count_of
 
 __all__ = [
@@ -9,6 +10,7 @@ __all__ = [
     "BelievedArm",
     "BelievedSuit",
     "BelievedWeight",
+    "CuffLevers",
     "JointBelief",
     "belief_of",
     "count_of",

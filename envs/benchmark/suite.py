@@ -235,11 +235,9 @@ def task_of_suite(name: str) -> Task:
 _TASKS = {
     name: replace(task, duration=DURATIONS.get(name, task.duration)) for name, task in TASKS.items()
 }
-_NEED_CUFFS = ("corrected", "admittance")
-_ON_CUFFS = ("none", "transparent", "compensation", *_NEED_CUFFS)
-# Parts of `compensation`, and trackers that find no error to follow, are in tables of their own.
-_LEFT_OUT = ("transparent", "gravity", "complement", "proportional", "oscillators", "radial-basis")
-_OTHERS = ("oracle", *_NEED_CUFFS, *_LEFT_OUT)
+_ON_CUFFS = ("none", "transparent", "compensation", "corrected")
+# `corrected` needs cuffs; parts of `compensation` are in tables of their own.
+_OTHERS = ("oracle", "corrected", "transparent", "gravity", "complement")
 _ALL = (*(name for name in POLICIES if name not in _OTHERS), *shipped_policies())
 _QUICK = ("none", "compensation")
 

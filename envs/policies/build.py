@@ -20,8 +20,6 @@ from ..plant import Plant
 from ..setup import USUAL
 from ..vector_env import ArmVectorEnv
 from .adaptive import Adaptive
-from .admittance import Admittance
-from .amplification import ForceAmplification
 from .base import Policy
 from .compensation import Compensation, Complement
 from .corrected import CorrectedCompensation
@@ -35,11 +33,8 @@ from .momentum_observer import ObserverAssist
 from .network import Card, Network, Residual, read_card, read_network
 from .no_assist import NoAssist
 from .oracle import Oracle
-from .oscillators import AdaptiveOscillators
 from .outside import own_policy
 from .predictive import PredictiveSampling
-from .proportional import ProportionalAssist
-from .radial_basis import RadialBasisTracker
 from .residual import LEAST_SCALE, MOST_SCALE, ResidualPolicy
 from .trained import (
     OBSERVATION,
@@ -63,15 +58,17 @@ POLICIES: dict[str, Callable[..., Policy]] = {
     "iterative": IterativeLearning,
     "predictive": PredictiveSampling,
     "impedance": Impedance,
-    "admittance": Admittance,
     "corrected": CorrectedCompensation,
-    "amplification": ForceAmplification,
     "observer": ObserverAssist,
     "disturbance-observer": DisturbanceObserver,
-    "proportional": ProportionalAssist,
-    "oscillators": AdaptiveOscillators,
-    "radial-basis": RadialBasisTracker,
     "oracle": Oracle,
+}
+_EXAMPLES = {  # policies of version 0.2 that are examples of a class of one's own
+    "admittance": "admittance:Admittance",
+    "amplification": "amplification:ForceAmplification",
+    "oscillators": "oscillators:AdaptiveOscillators",
+    "proportional": "proportional:ProportionalAssist",
+    "radial-basis": "radial_basis:RadialBasisTracker",
 }
 _FIXES: dict[Any, str] = {
     int: "give a whole number",
@@ -166,6 +163,11 @@ def maker_of(name: str, beside: Sequence[str] = ()) -> Callable[..., Policy] | N
     if folder_of(name):
         return None
     module, _, attribute = name.partition(":")
+    if name in _EXAMPLES:
+        raise InputError(
+            f"policy {name!r} is an example since version 0.3: name it "
+            f"examples.controllers.{_EXAMPLES[name]} in a clone of the source repository"
+        )
     if not attribute:  # a name may be too long for a path
         known = (
             *POLICIES,

@@ -6,8 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...arrays import Array
-from ..belief import LEAD, Belief
-from ..belief.cuff_levers import CuffLevers
+from ..belief import LEAD, Belief, CuffLevers
 from ..model.cuffs import CUFFS
 from ..plant import Plant
 from .base import Seen

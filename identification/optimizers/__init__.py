@@ -1,15 +1,9 @@
-"""Optimizers of any function of a few bounded parameters: the published swarms, and libraries'."""
+"""Optimizers of any function of a few bounded parameters: the published swarms."""
 
-from .libraries import (
-    cma_es,
-    differential_evolution,
-    dual_annealing,
-    genetic_algorithm,
-    nelder_mead,
-)
 from .mpso import MPSO, mpso
 from .pso import KAO_FUNG, PSO, pso
 from .rank_distance_mpso import RankDistanceMPSO, rank_distance_mpso
+from .registry import register_optimizer
 from .sa_pso import SAPSO, sa_pso
 
 __all__ = [
@@ -18,13 +12,9 @@ __all__ = [
     "PSO",
     "SAPSO",
     "RankDistanceMPSO",
-    "cma_es",
-    "differential_evolution",
-    "dual_annealing",
-    "genetic_algorithm",
     "mpso",
-    "nelder_mead",
     "pso",
     "rank_distance_mpso",
+    "register_optimizer",
     "sa_pso",
 ]

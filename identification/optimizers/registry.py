@@ -1,16 +1,10 @@
-"""The optimizers by name: the papers' swarms, and those of other libraries."""
+"""The optimizers by name: the papers' swarms, and those that are registered."""
 
 from collections.abc import Callable
 
 from scipy.optimize import OptimizeResult
 
-from .libraries import (
-    cma_es,
-    differential_evolution,
-    dual_annealing,
-    genetic_algorithm,
-    nelder_mead,
-)
+from ...errors import InputError
 from .mpso import mpso
 from .pso import pso
 from .rank_distance_mpso import rank_distance_mpso
@@ -24,14 +18,29 @@ SWARMS: dict[str, Optimizer] = {
     "mpso": mpso,
     "rank-distance-mpso": rank_distance_mpso,
 }
-LIBRARIES: dict[str, Optimizer] = {
-    "de": differential_evolution,
-    "dual-annealing": dual_annealing,
-    "nelder-mead": nelder_mead,
-    "ga": genetic_algorithm,
-    "cma-es": cma_es,
-}
-OPTIMIZERS: dict[str, Optimizer] = {**SWARMS, **LIBRARIES}
+OPTIMIZERS: dict[str, Optimizer] = dict(SWARMS)
+NO_SEARCHES = ("auto", "certified", "magnetic")  # methods of `identify` that no optimizer may hide
 
 # The two that Kao and Fung 2009 compare, in both of their benchmarks.
 KAO_FUNG_SWARMS = {name: SWARMS[name] for name in ("pso", "rank-distance-mpso")}
+
+
+def register_optimizer(name: str, minimize: Optimizer) -> None:
+    """Makes an optimizer known to `identify`, as a method of `Search` and of the command line.
+
+    It is called as `minimize(objective, bounds, rng=generator, **options)`. The objective maps
+    positions (n, d) to values (n,), infinite where there is none, and bounds are d pairs. The
+    options are the further arguments of `minimize`. Trials run at once in threads, so that
+    `minimize` keeps nothing between calls.
+
+    Args:
+        name: Name of the method.
+        minimize: Function whose result has `x`, `fun` and `history`, as that of `pso`.
+
+    Raises:
+        InputError: The name is taken by another method, or `minimize` is no function.
+    """
+    if not callable(minimize):
+        raise InputError(f"optimizer {name!r} is {minimize!r}: give a function that minimizes")
+    if name in NO_SEARCHES or OPTIMIZERS.setdefault(name, minimize) is not minimize:
+        raise InputError(f"there is another method {name!r}: choose another name")

@@ -22,12 +22,12 @@ from ...json_files import parse_json
 from ..curves import Curve, Curves
 from ..fits.certified import certified_fit
 from ..objective import FEWEST_SAMPLES, CurveObjective
-from ..optimizers.registry import LIBRARIES, SWARMS
+from ..optimizers.registry import SWARMS
 from ..trials import run_optimizer
 
 Count = Annotated[int, Field(ge=0, le=10**15)]
 Error = Annotated[FiniteFloat, Field(ge=0)]
-STUDY_METHODS = (*SWARMS, "certified", *LIBRARIES)
+STUDY_METHODS = (*SWARMS, "certified")
 CONVERGED = 1.01  # ratio to the final fitness at convergence
 
 
@@ -104,8 +104,6 @@ class StudyConfig:
 
     def options_of(self, method: str) -> dict[str, int]:
         """Returns the options of an optimizer, with which it evaluates as often as a swarm."""
-        if method in LIBRARIES:
-            return {"max_evaluations": self.evaluations}
         return {"swarm_size": self.swarm_size, "max_iterations": self.iterations}
 
     def to_dict(self) -> dict[str, Any]:
@@ -282,8 +280,6 @@ def check(config: StudyConfig, families: Mapping[str, Sequence[Curve]]) -> None:
                 f"the fitted curves of {joint} have {samples} samples in all: give at least "
                 f"{FEWEST_SAMPLES}"
             )
-    for method in set(config.methods) & set(LIBRARIES):
-        LIBRARIES[method](lambda x: np.square(x).sum(axis=1), [(-1.0, 1.0)] * 2, 2, 0)
 
 
 def _prediction(curve: Curve, parameters: NDArray[np.float64], peak: float) -> Prediction:

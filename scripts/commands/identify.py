@@ -19,7 +19,7 @@ from ...identification.figures import loops_figure
 from ...identification.fits.registry import FITS
 from ...identification.identify import NONE
 from ...identification.left_out import questions
-from ...identification.methods import DEFAULT_MODEL, METHODS, Magnetic, method_of
+from ...identification.methods import DEFAULT_MODEL, Magnetic, method_names, method_of
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.residual.verdict import NOT, NOT_BEYOND, UNKNOWN
 from ...identification.uncertainty.uncertainty import Uncertainty, kind_of
@@ -59,7 +59,7 @@ _METHOD = (
     "Method of the fit: certified finds a model that is safe to simulate; auto finds the simplest "
     "of all models that predicts curves left out of its fit; magnetic finds the form of "
     "Jiles-Atherton for magnetization over a field; the others are the papers' swarms and "
-    "optimizers of other libraries (ga and cma-es need the extra `compare`)."
+    "optimizers of extensions."
 )
 
 
@@ -74,7 +74,11 @@ def identify(
     model: Annotated[str | None, choice(lambda: FITS)] = None,
     method: Annotated[
         str | None,
-        choice(lambda: [*METHODS, AUTO], _METHOD, "auto for one long record, otherwise certified"),
+        choice(
+            lambda: [*method_names(), AUTO],
+            _METHOD,
+            "auto for one long record, otherwise certified",
+        ),
     ] = None,
     objective: Annotated[Loss | None, choice(lambda: get_args(Loss))] = None,
     normalize: Annotated[Normalize | None, choice(lambda: get_args(Normalize))] = None,

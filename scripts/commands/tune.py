@@ -1,5 +1,6 @@
 """`activesuit benchmark tune`: finds the options of a policy within a given budget."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,8 @@ from ...arrays import Array
 from ...checks import at_least, check_seed
 from ...envs.benchmark.tuning import tunable, tuning_cost
 from ...envs.policies import PolicySpec, policy_spec
-from ...errors import InputError
+from ...errors import InputError, install_line
 from ...files import check_target, replacing
-from ...identification.optimizers.libraries import cma_es
 from ..backends import check_backend, run_all
 from ..conclusion import conclude
 from ..options import Force, Json, PolicyName, Seed, Trust
@@ -19,6 +19,7 @@ from ..output import progress, say, to_json
 
 BUDGET = 200  # evaluations
 DIGITS = 4
+STEP = 0.25  # first step size, relative to the box, as pycma advises
 
 
 def tune(
@@ -63,8 +64,8 @@ def tune(
             return found
 
         # CMA-ES needs two parameters: one that means nothing is beside a single one.
-        best = cma_es(cost, [(0.0, 1.0)] * max(2, len(ranges)), evaluations, seed)
-    spec, after = _with(given, ranges, best.x), float(best.fun)
+        best, after = _least(cost, max(2, len(ranges)), evaluations, seed)
+    spec = _with(given, ranges, best)
     if after >= before:
         spec, after = given, before
     if out:
@@ -81,6 +82,42 @@ def tune(
     conclude(result, tables, [remark], folder=None, json=json)
     if out:
         say(f"wrote {out}")
+
+
+def _least(
+    cost: Callable[[Array], Array], dimensions: int, evaluations: int, seed: int
+) -> tuple[Array, float]:
+    """Returns the best point of the unit box, and its cost, by CMA-ES within the budget.
+
+    Each restart has twice the population of the one before.
+    """
+    try:
+        import cma
+    except ImportError as error:
+        raise InputError(
+            f"CMA-ES needs the package cma, which is not installed: run {install_line('tune')} in "
+            "the clone of the repository"
+        ) from error
+    rng = np.random.default_rng(seed)
+    options: dict[str, Any] = {
+        "bounds": [0.0, 1.0],
+        "verbose": -9,
+        "randn": lambda *shape: rng.standard_normal(shape),
+        "seed": np.nan,  # NaN leaves NumPy's global generator alone
+    }
+    best, least = np.zeros(dimensions), np.inf
+    while evaluations:
+        strategy = cma.CMAEvolutionStrategy(rng.random(dimensions), STEP, options)
+        while evaluations and not strategy.stop():
+            asked = np.clip(strategy.ask(), 0, 1)
+            values = cost(asked[:evaluations])
+            evaluations -= len(values)
+            if values.min() < least:
+                best, least = asked[values.argmin()], float(values.min())
+            if len(values) == len(asked):
+                strategy.tell(asked, values)
+        options["popsize"] = 2 * strategy.popsize
+    return best, least
 
 
 def _with(given: PolicySpec, ranges: dict[str, tuple[float, float]], point: Array) -> PolicySpec:

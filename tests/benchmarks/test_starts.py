@@ -11,7 +11,6 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.slow
 def test_certified_fits_keep_their_limits(monkeypatch):
-    pytest.importorskip("cma")
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 2)
     monkeypatch.setattr(starts, "run_all", in_this_process)
     short = partial(starts.StudyConfig, swarm_size=20, iterations=9)

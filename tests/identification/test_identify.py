@@ -19,13 +19,17 @@ from activesuit.identification import (
     identify,
     load_curves,
     register_fit,
+    register_optimizer,
     save_curves,
     select,
 )
 from activesuit.identification.curves import noise_floor
 from activesuit.identification.fits.registry import FITS
+from activesuit.identification.methods import method_names, method_of
+from activesuit.identification.optimizers.registry import OPTIMIZERS
 from activesuit.published import LI_BOUNDS
 from helpers import TABLE_2, sweep
+from scipy.optimize import OptimizeResult
 
 
 def published_nrmse(name, curves):
@@ -196,9 +200,7 @@ def test_every_model_is_identified_safely(small_family, model):
     assert identify(loaded, model=model, workers=1, **option) == fit
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"method": Search("nelder-mead", trials=2, max_evaluations=3000)}]
-)
+@pytest.mark.parametrize("options", [{}, {"method": Search("mpso", trials=2)}])
 def test_the_beginning_of_the_curves(elbow, options):
     rng = np.random.default_rng(0)
     angles = [sweep(0.52, turn, 0.52, samples=60) for turn in (0.87, 1.22, 1.57)]
@@ -308,3 +310,35 @@ def test_a_fit_from_outside_the_package(small_family, monkeypatch):
         register_fit("bouc-wen", soft)
     with pytest.raises(InputError, match="fit of 'hard' is 3: give a function"):
         register_fit("hard", 3)
+
+
+def test_an_optimizer_from_outside_the_package(small_family, monkeypatch):
+    monkeypatch.setitem(OPTIMIZERS, "drawn", None)  # monkeypatch removes the name after the test
+    del OPTIMIZERS["drawn"]
+
+    def drawn(objective, bounds, rng, count: int = 200):
+        low, high = np.array(bounds).T
+        points = rng.uniform(low, high, (count, len(low)))
+        values = objective(points)
+        best = np.minimum.accumulate(values)
+        return OptimizeResult(x=points[values.argmin()], fun=values.min(), history=best)
+
+    register_optimizer("drawn", drawn)
+    register_optimizer("drawn", drawn)
+    assert "drawn" in method_names()
+    fit = identify(small_family, method=Search("drawn", trials=2, count=300))
+    assert (fit.trials[0].evaluations, len(fit.trials[0].history)) == (300, 300)
+    assert fit.trials[0].loss != fit.trials[1].loss
+    with pytest.raises(InputError, match="unknown drawn option 'size': use one of count"):
+        identify(small_family, method=Search("drawn", size=2))
+    for name in ("mpso", "certified"):
+        with pytest.raises(InputError, match=f"there is another method '{name}'"):
+            register_optimizer(name, drawn)
+    with pytest.raises(InputError, match="optimizer 'hard' is 3: give a function"):
+        register_optimizer("hard", 3)
+
+
+def test_an_optimizer_of_another_library_is_an_example():
+    for made in (Search, method_of):
+        with pytest.raises(InputError, match=r"method 'ga' is an example since version 0.3: exam"):
+            made("ga")

@@ -328,7 +328,7 @@ MISTAKES = [
     (["suits", "nope"], "unknown suit 'nope'"),
     (["bench", "--repeats", "0"], "repeats is 0"),
     (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
-    (["identify", ELBOW, "--model", "preisach", "--method", "de"], "has the method 'certified'"),
+    (["identify", ELBOW, "--model", "preisach", "--method", "pso"], "has the method 'certified'"),
     (["identify", ELBOW, "--objective", "sse"], "objective is 'sse': method 'certified' always"),
     (["identify", ELBOW, "--samples", "-1"], "samples is -1"),
     (["identify", ELBOW, "--workers", "0"], "workers is 0"),
@@ -483,12 +483,12 @@ def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):
 
 
 def test_options_reach_the_fit(capsys):
-    options = ["--method", "de", "--trials", "1", "--objective", "robust", "--json"]
+    options = ["--method", "pso", "--trials", "1", "--objective", "robust", "--json"]
     options += ["--normalize", "curve", "--initial-torque", "identified"]
     result = json.loads(identified(capsys, ELBOW, *options))
     expected = identify(
         load_curves(ELBOW),
-        method=Search("de", trials=1, objective="robust", normalize="curve"),
+        method=Search("pso", trials=1, objective="robust", normalize="curve"),
         initial_torque="identified",
     )
     assert result["initial_torque"] == expected.initial_torque

@@ -54,7 +54,7 @@ def test_the_full_suite_has_everything():
     assert (
         known > set(full.policies) > {*shipped_policies(), "compensation", "adaptive", "predictive"}
     )
-    assert not {"oracle", "admittance", "corrected"} & set(full.policies)
+    assert not {"oracle", "corrected"} & set(full.policies)
     assert all(task_of_suite(name).duration <= task.duration for name, task in TASKS.items())
     names = [trial.file_name for trial in full.trials]
     assert len(set(names)) == len(names)
@@ -69,7 +69,7 @@ def test_the_full_suite_has_everything():
 
 
 def test_results_on_cuffs_are_not_merged_with_others():
-    assert set(SUITES["cuffs"].policies) > {"admittance", "corrected"}
+    assert set(SUITES["cuffs"].policies) > {"compensation", "corrected"}
     assert SUITES["cuffs"].contract != SUITES["full"].contract == SUITES["quick"].contract
 
 
@@ -247,12 +247,12 @@ def test_there_must_be_results(tmp_path):
 
 def test_a_policy_that_cannot_act_fails_and_the_run_goes_on(small):
     (trial,) = [one for one in small.trials if one.label == "none"]
-    found = run_trial(small, trial._replace(policy=PolicySpec("admittance"), label="admittance"))
+    found = run_trial(small, trial._replace(policy=PolicySpec("corrected"), label="corrected"))
     assert "cuffs" in found.failed
     assert found.success == (False,) * MOTIONS
     assert json.loads(found.to_json())["effort"] == [None] * MOTIONS
     standings = Standings([*[run_trial(small, one) for one in small.trials[:2]], found])
-    assert standings.standing("admittance", standings.settings).failed == 1
+    assert standings.standing("corrected", standings.settings).failed == 1
 
 
 def test_mistakes():

@@ -109,7 +109,7 @@ def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("policy", "message"),
-    [("compensation:load=99", "the believed load is 99"), ("admittance", "cuffs")],
+    [("compensation:load=99", "the believed load is 99"), ("corrected", "cuffs")],
 )
 def test_what_cannot_act_is_refused_before_anything_runs(capsys, tmp_path, policy, message):
     wrong = [policy if one == "compensation" else one for one in SMALL]

@@ -164,7 +164,7 @@ def test_csv_files_without_held_out_curves(capsys, tmp_path):
     text = curves_path("elbow").read_text()
     kept = [line for line in text.splitlines() if ",predict," not in line]
     (tmp_path / "knee.csv").write_text("\n".join(kept))
-    options = ("--joints", tmp_path / "knee.csv", "--methods", "mpso", "certified", "nelder-mead")
+    options = ("--joints", tmp_path / "knee.csv", "--methods", "mpso", "certified")
     study(tmp_path / "out", *options)
     assert "knee" in capsys.readouterr().out
     assert (tmp_path / "out" / "loops.png").exists()

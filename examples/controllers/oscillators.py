@@ -4,14 +4,10 @@ import math
 from typing import ClassVar
 
 import numpy as np
-
-from ...arrays import Array
-from ...checks import within
-from ..belief import Belief
-from ..plant import Plant
-from .base import Seen
-from .compensation import Compensation
-from .transparent import Transparent
+from activesuit.arrays import Array
+from activesuit.checks import within
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import Belief, Compensation, Seen, Transparent
 
 HARMONICS = 3  # the fundamental and two more, which tell fast ends of a motion from slow ones
 FIRST = 0.5  # [Hz], limit of slow and fast repeated motions of an arm

@@ -1,15 +1,13 @@
 """Admittance: the exoskeleton moves as a light mass would that the wearer pushes by the cuffs."""
 
 import numpy as np
+from activesuit.arrays import Array
+from activesuit.checks import within
+from activesuit.envs.belief import LEAD, CuffLevers
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import Belief, ModelBased, Seen
 
-from ...arrays import Array
-from ...checks import within
-from ..belief import LEAD, Belief
-from ..belief.cuff_levers import CuffLevers
-from ..plant import Plant
-from .base import Seen
-from .model_based import SHARE, ModelBased
-
+FRICTION = 0.8  # share of the motors' friction that is cancelled; with all of it the arm drifts
 VELOCITY_BANDWIDTH = 10.0  # rad/s, a third of the inverse of the lag of motors and rates, 0.03 s
 RELIEVED = 0.7  # share of the suit's torque; with all of it an arm in a stiff suit oscillates
 DAMPING = 1.0  # 1/s, so that a push of noise dies away within a second
@@ -52,7 +50,9 @@ class Admittance(ModelBased):
         lead: float = LEAD,
     ) -> None:
         arm = plant.believed(belief)
-        super().__init__(plant, weight=arm.exo_weight(), suit=arm.suit(), friction=SHARE, lead=lead)
+        super().__init__(
+            plant, weight=arm.exo_weight(), suit=arm.suit(), friction=FRICTION, lead=lead
+        )
         within("rho", rho, 0, 1)
         within("mass", mass, 0.5, 5)
         within("damping", damping, 0, 10, " 1/s")

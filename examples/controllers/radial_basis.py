@@ -4,15 +4,13 @@ import math
 from typing import ClassVar
 
 import numpy as np
+from activesuit.arrays import Array
+from activesuit.checks import within
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import Belief, Seen, TorquePolicy
+from activesuit.envs.policies.intention import intended
 
-from ...arrays import Array
-from ...checks import within
-from ..belief import Belief
-from ..plant import Plant
-from .base import Seen, TorquePolicy
-from .impedance import BANDWIDTH
-from .intention import intended
-
+BANDWIDTH = 1.0  # Hz, a fifth of what the lag of motors and rates, 0.03 s, would let oscillate
 CENTERS = (0.0, 0.6, 1.2, 1.8)  # [rad], each angle's, over the reach of shoulder and elbow
 RATES = (-1.5, 0.0, 1.5)  # [rad/s], each rate's, over the motions of daily work
 FORGETTING = 0.05  # 1/s, so that weights decay where nothing is to be learned

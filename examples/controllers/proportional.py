@@ -2,11 +2,10 @@
 
 from typing import ClassVar
 
-from ...arrays import Array
-from ...checks import within
-from ..plant import Plant
-from .base import Seen
-from .transparent import Transparent
+from activesuit.arrays import Array
+from activesuit.checks import within
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import Seen, Transparent
 
 GAIN = 0.5  # half of the gain at which learning no longer settles (see the rule)
 

@@ -3,12 +3,11 @@
 import math
 from typing import ClassVar
 
-from ...arrays import Array
-from ...checks import within
-from ..plant import Plant
-from .base import Seen
-from .filters import LowPass
-from .transparent import Transparent
+from activesuit.arrays import Array
+from activesuit.checks import within
+from activesuit.envs.plant import Plant
+from activesuit.envs.policies import Seen, Transparent
+from scipy.optimize import root_scalar
 
 CUTOFF = 1.0  # [Hz], faster than most of the wearer's motion
 LATE = 0.08  # s: age of the interaction torque, 0.05, the motors' lag, 0.016, and a period
@@ -41,17 +40,18 @@ class ForceAmplification(Transparent):
         super().__init__(plant)
         within("cutoff", cutoff, 0.1, 5, " Hz")
         within("alpha", alpha, 1, greatest_amplification(cutoff))
-        self._gain, self._low = alpha - 1, LowPass(cutoff, self.dt)
+        self._gain, self._share = alpha - 1, -math.expm1(-math.tau * cutoff * self.dt)
 
     def begin(self, seen: Seen) -> None:
         """Begins the low-pass at the first torque."""
         super().begin(seen)
-        self._low.begin(seen["interaction_torque"][:, self.assisted])
+        self._person = seen["interaction_torque"][:, self.assisted]
 
     def torque(self, seen: Seen) -> Array:
         """Returns transparency and the amplified torque of the person [N·m], shape (n, 2)."""
-        person = self._low.step(seen["interaction_torque"][:, self.assisted])
-        return super().torque(seen) + self._gain * person
+        measured = seen["interaction_torque"][:, self.assisted]
+        self._person = self._person + self._share * (measured - self._person)
+        return super().torque(seen) + self._gain * self._person
 
 
 def greatest_amplification(cutoff: float) -> float:
@@ -60,7 +60,6 @@ def greatest_amplification(cutoff: float) -> float:
     Args:
         cutoff: Cutoff of the low-pass [Hz].
     """
-    from scipy.optimize import root_scalar  # slow to import
 
     def beyond(speed: float) -> float:
         """Returns the phase lag of low-pass and delay beyond half a turn [rad]."""
