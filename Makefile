@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: demo train test test-gpu check docs bench clean
+.PHONY: demo train test test-gpu check docs bench reproduce clean
 
 # `pip install .` in .venv would put a copy of the tree there, which hides it: then install again.
 ifeq (,$(wildcard .venv/lib/python3*/site-packages/__editable__.activesuit-*))
@@ -36,6 +36,12 @@ docs: .venv/docs
 
 bench: .venv/core
 	$(BIN)/activesuit bench
+
+# Few trials; without these options each program repeats its paper whole.
+reproduce: .venv/core
+	$(BIN)/python -m activesuit.reproductions.li_2022 --trials 10
+	$(BIN)/python -m activesuit.reproductions.kao_fung_2009 --trials 10 --population 2000
+	$(BIN)/python -m activesuit.reproductions.noel_schoukens_2016
 
 clean:
 	rm -rf build dist site *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -32,6 +32,3 @@ LIBRARIES: dict[str, Optimizer] = {
     "cma-es": cma_es,
 }
 OPTIMIZERS: dict[str, Optimizer] = {**SWARMS, **LIBRARIES}
-
-# The two that Kao and Fung 2009 compare, in both of their benchmarks.
-KAO_FUNG_SWARMS = {name: SWARMS[name] for name in ("pso", "rank-distance-mpso")}
