@@ -43,8 +43,8 @@ def test_literal_equation_is_dimensionally_wrong():
     literal = BoucWen.from_kao_fung(
         k=1.0, d_e=TRUTH[3], alpha=TRUTH[4], beta=TRUTH[5], gamma=TRUTH[6], literal=True
     )
-    x = literal.response(mechanism.voltage(np.linspace(0, 8, 8001)))
-    assert np.ptp(x[-125:]) == pytest.approx(6.9, abs=0.1)  # meters
+    x = literal.response(mechanism.voltage(np.linspace(0, 0.5, 501)))
+    assert np.ptp(x) > 1  # meters
 
 
 def test_converged_at_one_millisecond():
