@@ -6,7 +6,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 
 PYTEST := $(BIN)/python -m pytest -q --numprocesses 2 --dist worksteal
 
-.PHONY: demo train test test-all demo-check wheel check docs bench clean
+.PHONY: demo train test test-all demo-check wheel check docs bench reproduce clean
 
 # `pip install .` in .venv would put a copy of the tree there, which hides it: then install again.
 ifeq (,$(wildcard .venv/lib/python3*/site-packages/__editable__.activesuit-*))
@@ -50,6 +50,12 @@ docs: .venv/docs
 
 bench: .venv/core
 	$(BIN)/python -m activesuit.benchmarks $(TOPIC)
+
+# Few trials; without these options each program repeats its paper whole.
+reproduce: .venv/core
+	$(BIN)/python -m activesuit.reproductions.li_2022 --trials 10
+	$(BIN)/python -m activesuit.reproductions.kao_fung_2009 --trials 10 --population 2000
+	$(BIN)/python -m activesuit.reproductions.noel_schoukens_2016
 
 clean:
 	rm -rf build dist site *.egg-info .pytest_cache .ruff_cache .hypothesis

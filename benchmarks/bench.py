@@ -2,7 +2,6 @@
 
 import platform
 from collections.abc import Callable, Sequence
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -113,7 +112,6 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
     # Not needed by other commands, and slow to import.
     import mujoco
 
-    from ..scripts.commands.li_2022 import li_2022
     from . import (
         device,
         effort,
@@ -142,7 +140,7 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
         "engine": engine.rows,
         "model": model.rows,
         "env": env.rows,
-        "identify": partial(identify.rows, study=li_2022),
+        "identify": identify.rows,
     }
     rows = [row for name, run in topics.items() if topic in (name, "all") for row in run(repeats)]
     learners = []

@@ -2,11 +2,9 @@
 
 import contextlib
 import importlib.util
-import io
 import statistics
 import tempfile
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,15 +31,13 @@ DIMENSIONS, POPULATION, ITERATIONS = 5, 50, 100
 BOUNDS = [(-5.12, 5.12)] * DIMENSIONS
 EVALUATIONS = POPULATION * (ITERATIONS + 1)
 OVERHEAD_LIMIT = 1.0  # us per evaluation
-STUDY_LIMIT = 20.0  # s
 
 
-def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
-    """Times the identification of the elbow, the whole study, and the optimizers' own work.
+def rows(repeats: int) -> list[Row]:
+    """Times the identification of the elbow, and the optimizers' own work.
 
     Args:
         repeats: Number of pairs of measurements of each row.
-        study: Command that runs the whole study and writes its report into a folder.
     """
     curves = load_curves(curves_path("elbow")).fitted()
     return [
@@ -54,7 +50,7 @@ def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
             unit="ms",
         ),
         compare(
-            "one SA-PSO trial of the study, elbow",
+            "one SA-PSO trial of Li et al. 2022, elbow",
             lambda: sa_pso(CurveObjective(curves, loss="paper"), LI_BOUNDS, rng=0),
             "with the usual RK4 loop",
             lambda: sa_pso(_by_rk4(curves), LI_BOUNDS, rng=0),
@@ -62,24 +58,8 @@ def rows(repeats: int, study: Callable[[Path], None]) -> list[Row]:
             unit="ms",
             target=8.0,
         ),
-        Row(
-            what="the whole study, 2 joints x 2 methods x 30 trials, its report included",
-            unit="s",
-            ours=statistics.median(
-                seconds(lambda: _quietly(study)) for _ in range(min(repeats, 3))
-            ),
-            limit=STUDY_LIMIT,
-        ),
         *swarm_rows(repeats),
     ]
-
-
-def _quietly(study: Callable[[Path], None]) -> None:
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        contextlib.redirect_stdout(io.StringIO()),
-    ):
-        study(Path(folder))
 
 
 def _by_rk4(curves: list[Curve]) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:

@@ -1,15 +1,18 @@
 """Success, accuracy and speed of each method that fits the shipped curves from random starts."""
 
 import statistics
+import zlib
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..assets import CURVES, curves_path
-from ..identification import load_curves
-from ..identification.study.summary import Summary, summarize
-from ..identification.study.trial import StudyConfig, run_trial
+from ..identification import SWARMS, CurveObjective, Curves, certified_fit, load_curves
+from ..identification.curves import noise_floor
+from ..published import LI_BOUNDS
 from ..scripts.backends import run_all
 from ..scripts.output import Rows, progress
 from .timing import seconds
@@ -18,6 +21,31 @@ STARTS, STARTS_PER_REPEAT = 200, 25  # most starts; a hurried benchmark has fewe
 STARTED_METHODS = ("certified", "sa-pso", "mpso")
 # Of a certified fit: model runs and milliseconds at most, share of successful starts at least.
 RUNS_LIMIT, TIME_LIMIT, SUCCESS_LIMIT = 200, 50.0, 0.95
+SUCCESS = 1.05  # largest ratio of a successful NRMSE to the noise floor
+SWARM_SIZE, ITERATIONS = 50, 100  # of a swarm, as in Li et al. 2022
+
+
+class Start(NamedTuple):
+    """One start of a method."""
+
+    key: tuple[str, str, int]  # joint, method, number
+    nrmse: float
+    evaluations: int  # model runs on all curves
+    history: list[tuple[int, float]]  # evaluations so far, and the best NRMSE until then
+
+
+def run_start(curves: Curves, joint: str, method: str, number: int) -> Start:
+    """Fits curves once, from the random numbers of that start."""
+    rng = np.random.default_rng([zlib.crc32(f"{joint} {method}".encode()), number])
+    if method == "certified":
+        fit = certified_fit(curves, rng=rng)
+        return Start((joint, method, number), fit.nrmse, fit.evaluations, list(fit.history))
+    objective = CurveObjective(curves)
+    found = SWARMS[method](
+        objective, LI_BOUNDS, rng=rng, swarm_size=SWARM_SIZE, max_iterations=ITERATIONS
+    )
+    history = [(SWARM_SIZE * (i + 1), float(best)) for i, best in enumerate(found.history)]
+    return Start((joint, method, number), float(found.fun), objective.evaluations, history)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +60,8 @@ class Starts:
         over_floor: Median NRMSE, divided by the noise floor.
         evaluations: Median number of model runs on all curves.
         most_evaluations: Largest number of model runs on all curves.
-        to_target: Median number of model runs until a start was within 5 % of the noise floor;
-            infinite if most starts never were.
+        to_target: Median number of model runs until a start was within 5 % of the noise floor, of
+            a swarm until the end of that iteration; infinite if most starts never were.
         milliseconds: Median time of one start, alone on the machine.
         met: Whether the limits are met; None for a method that has none.
     """
@@ -60,24 +88,28 @@ def random_starts(repeats: int) -> list[Starts]:
     There are 25 starts per repeat, and 200 at most. The swarms get the paper's budget of 50 x 101
     model runs.
     """
-    families = {name: load_curves(curves_path(name)) for name in CURVES}
-    config = StudyConfig(
-        methods=STARTED_METHODS,
-        joints=dict.fromkeys(families, ""),
-        trials=min(STARTS, STARTS_PER_REPEAT * repeats),
-    )
-    trials = []
-    with progress("random starts", len(config.keys)) as bar:
-        calls = [(config, key, families[key.joint]) for key in config.keys]
-        for trial in run_all(run_trial, calls, "loky", -1):
-            trials.append(trial)
+    families = {name: load_curves(curves_path(name)).fitted() for name in CURVES}
+    numbers = range(min(STARTS, STARTS_PER_REPEAT * repeats))
+    calls = [
+        (curves, joint, method, number)
+        for joint, curves in families.items()
+        for method in STARTED_METHODS
+        for number in numbers
+    ]
+    done = []
+    with progress("random starts", len(calls)) as bar:
+        for start in run_all(run_start, calls, "loky", -1):
+            done.append(start)
             bar.advance()
     found = []
-    for summary in summarize(config, families, trials):
-        keys = [trial.key for trial in summary.trials[:repeats]]
-        work = [lambda key=key: run_trial(config, key, families[key.joint]) for key in keys]
-        work[0]()
-        found.append(_starts(summary, 1e3 * statistics.median(map(seconds, work))))
+    for joint, curves in families.items():
+        floor = noise_floor(curves) / curves.peak
+        for method in STARTED_METHODS:
+            work = [partial(run_start, curves, joint, method, i) for i in range(repeats)]
+            work[0]()
+            milliseconds = 1e3 * statistics.median(map(seconds, work))
+            starts = [one for one in done if one.key[:2] == (joint, method)]
+            found.append(_starts(starts, floor, milliseconds))
     return found
 
 
@@ -102,22 +134,28 @@ def starts_table(found: list[Starts]) -> Rows:
     return header, rows
 
 
-def _starts(summary: Summary, milliseconds: float) -> Starts:
-    evaluations = [trial.evaluations for trial in summary.trials]
+def _starts(starts: Sequence[Start], floor: float, milliseconds: float) -> Starts:
+    (joint, method, _), *_ = (one.key for one in starts)
+    evaluations = [one.evaluations for one in starts]
+    reached = [
+        next((spent for spent, best in one.history if best <= SUCCESS * floor), np.inf)
+        for one in starts
+    ]
+    success_rate = float(np.mean([one.nrmse <= SUCCESS * floor for one in starts]))
     met = (
         max(evaluations) <= RUNS_LIMIT
         and milliseconds <= TIME_LIMIT
-        and summary.success_rate >= SUCCESS_LIMIT
+        and success_rate >= SUCCESS_LIMIT
     )
     return Starts(
-        joint=summary.joint,
-        method=summary.method,
-        starts=len(summary.trials),
-        success_rate=summary.success_rate,
-        over_floor=float(summary.nrmse[1] / summary.noise),
+        joint=joint,
+        method=method,
+        starts=len(starts),
+        success_rate=success_rate,
+        over_floor=float(np.median([one.nrmse for one in starts]) / floor),
         evaluations=float(np.median(evaluations)),
         most_evaluations=max(evaluations),
-        to_target=float(summary.to_target[1]),
+        to_target=float(np.quantile(reached, 0.5, method="higher")),
         milliseconds=milliseconds,
-        met=met if summary.method == "certified" else None,
+        met=met if method == "certified" else None,
     )

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from scipy.optimize import OptimizeResult
 
-from ..arrays import Array
 from ..hysteresis.protocol import HysteresisModel
 from ..published import LI_BOUNDS
 from .curves import Curve
@@ -96,61 +96,24 @@ def optimizer_trial(
     """Runs an optimizer once on the Jiles-Atherton parameters; `goal` is for `CurveObjective`."""
     objective = CurveObjective(curves, **goal)
     run = run_optimizer(objective, method, np.random.default_rng(seed), options)
-    model, start = paper_model(run.row[:5]), objective.initial_torque
-    start = float(run.row[5]) if start == "identified" else start
+    model, start = paper_model(run.x[:5]), objective.initial_torque
+    start = float(run.x[5]) if start == "identified" else start
     return Trial(
         index=index,
         model=model,
         initial_torque=start,
         nrmse=nrmse(torque_errors(model, start, curves), curves),
-        loss=run.loss,
+        loss=float(run.fun),
         evaluations=objective.evaluations,
-        history=run.history,
+        history=tuple(map(float, run.history)),
     )
-
-
-class OptimizerRun(NamedTuple):
-    """Result of one run of an optimizer.
-
-    Attributes:
-        row: The best parameters, as `CurveObjective` takes them.
-        loss: The loss of these parameters.
-        history: The smallest loss so far, as the optimizer tells it; per iteration of a swarm.
-        improvements: (evaluations, best loss) whenever the best loss improved.
-    """
-
-    row: Array
-    loss: float
-    history: tuple[float, ...]
-    improvements: tuple[tuple[int, float], ...]
 
 
 def run_optimizer(
     objective: CurveObjective, method: str, rng: np.random.Generator, options: dict[str, Any]
-) -> OptimizerRun:
+) -> OptimizeResult:
     """Minimizes the objective in the paper's search bounds by the optimizer `method`."""
     bounds = LI_BOUNDS
     if objective.initial_torque == "identified":
         bounds = (*bounds, (-objective.peak, objective.peak))
-    recorded = _Recorded(objective)
-    found = OPTIMIZERS[method](recorded, bounds, rng=rng, **options)
-    history = tuple(map(float, found.history))
-    return OptimizerRun(found.x, float(found.fun), history, tuple(recorded.improvements))
-
-
-class _Recorded:
-    """An objective that records when its best value improved."""
-
-    def __init__(self, objective: CurveObjective) -> None:
-        self.objective = objective
-        self.improvements: list[tuple[int, float]] = []
-        self._best = np.inf
-
-    def __call__(self, parameters: Array) -> Array:
-        before = self.objective.evaluations
-        values = self.objective(parameters)
-        for i in np.flatnonzero(values < self._best):
-            if values[i] < self._best:
-                self._best = float(values[i])
-                self.improvements.append((before + int(i) + 1, self._best))
-        return values
+    return OPTIMIZERS[method](objective, bounds, rng=rng, **options)

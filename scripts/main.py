@@ -56,10 +56,6 @@ GROUPS = {
         "benchmark learning": "Compare ways of training over tasks, levels and seeds.",
         "benchmark tune": "Tune the options of a policy within a budget, the same for all.",
     },
-    "Reproduce a paper": {
-        "reproduce li-2022": "Compare identification methods by many trials, and judge the claims.",
-        "reproduce kao-fung-2009": "Repeat the cost benchmark and the piezo mechanism.",
-    },
 }
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
 MAIN_COMMANDS = sorted({name.split()[0] for name in COMMANDS})
@@ -78,8 +74,16 @@ RENAMED = {
     "branch": "evaluate branch",
     "envelope": "evaluate envelope",
     "tune": "benchmark tune",
-    "study": "reproduce li-2022",
-    "kao-fung": "reproduce kao-fung-2009",
+}
+_PAPERS = {
+    name: f"python -m activesuit.reproductions.{name} of the source repository (make reproduce)"
+    for name in ("li_2022", "kao_fung_2009")
+}
+MOVED = {  # commands of 0.2 that are programs of the source repository now
+    "reproduce li-2022": _PAPERS["li_2022"],
+    "reproduce kao-fung-2009": _PAPERS["kao_fung_2009"],
+    "study": _PAPERS["li_2022"],
+    "kao-fung": _PAPERS["kao_fung_2009"],
 }
 OLD_OPTIONS = {"--naive": "--unadapted"}
 

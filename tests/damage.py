@@ -3,7 +3,7 @@
     python tests/damage.py --count 1000 --seed 0
 
 A kind of damage spoils one input of a command that is whole otherwise: a curve file, a suit file,
-the folder of a trained run or of a study, or an option. The command runs in this process. Damage
+the folder of a trained run, or an option. The command runs in this process. Damage
 that is refused must end with exit code 2, one sentence on stderr and no other change on disk;
 damage that is harmless (`HARMLESS`) must end with success; some may do either (`EITHER`).
 """
@@ -24,7 +24,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
@@ -72,7 +71,7 @@ def curve_lines() -> list[str]:
 
 
 def make_inputs(folder: Path, *, trained: bool) -> None:
-    """Makes a folder of whole inputs: elbow.csv, suit.json, run/ and study/."""
+    """Makes a folder of whole inputs: elbow.csv, suit.json and run/."""
     from activesuit.assets import load_suit
 
     (folder / "elbow.csv").write_text("\n".join(curve_lines()) + "\n")
@@ -80,19 +79,10 @@ def make_inputs(folder: Path, *, trained: bool) -> None:
     load_suit("mock-suit").save(folder / "suit.json")
     shutil.copy(folder / "suit.json", folder / "whole.json")
     shutil.copy(folder / "elbow.csv", folder / "whole.csv")
-    with inside(folder), mock.patch("matplotlib.figure.Figure.savefig"):  # drawing takes long
-        code, text, _ = call(["reproduce", "li-2022", *STUDY])
-        assert code == 0, text
     if trained:
         from trained_runs import make_run
 
         make_run(folder / "run")
-
-
-STUDY = [
-    *("--out", "study", "--joints", "whole.csv", "--methods", "mpso", "--trials", "1"),
-    *("--swarm-size", "2", "--iterations", "1"),
-]
 
 
 # --- Curve files ----------------------------------------------------------------------------
@@ -105,8 +95,6 @@ def curves(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
         path = folder / "elbow.csv"
         content = change(path.read_text().splitlines(), rng)
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        if rng.random() < 0.2:
-            return ["reproduce", "li-2022", "--joints", "elbow.csv", *STUDY[4:], "--out", "out"]
         return ["identify", "elbow.csv", "--out", "out", *_some(rng, ["--model", "preisach"])]
 
     return damage
@@ -560,60 +548,6 @@ RUNS = [
 ]
 
 
-# --- Study folders ----------------------------------------------------------------------------
-
-
-def study_file(name: str, change: Callable[[str, Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites a file of the study, "config" or "trial", from its text."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        trial = next((folder / "study" / "trials").glob("*.json"))
-        path = trial if name == "trial" else folder / "study" / "config.json"
-        write(path, change(path.read_text(), rng))
-        return ["reproduce", "li-2022", *STUDY]
-
-    return damage
-
-
-def study_option(change: dict[str, Any], name: str = "config") -> Damage:
-    """Returns damage that gives a field of a file of the study some value."""
-    field_name, values = next(iter(change.items()))
-    return study_file(
-        name,
-        lambda text, rng: json.dumps(
-            {**json.loads(text), field_name: values[rng.integers(len(values))]}
-        ),
-    )
-
-
-STUDIES = [
-    *(
-        Kind(f"study: config {name}", study_file("config", change))
-        for name, change in BROKEN.items()
-    ),
-    *(Kind(f"study: trial {name}", study_file("trial", change)) for name, change in BROKEN.items()),
-    Kind("study: other trials", study_option({"trials": [2, "1", None, {}]})),
-    Kind("study: other joints", study_option({"joints": [{}, [], 3, {"knee": "x"}]})),
-    Kind("study: other version", study_option({"version": ["0.0.1", None, 3, "x" * 3000]})),
-    Kind(
-        "study: trial key",
-        study_option({"key": [["a", "b", 0], [], 3, ["whole", "mpso", 1]]}, "trial"),
-    ),
-    Kind(
-        "study: trial numbers",
-        study_option({"parameters": [[], [1], ["x"] * 5, None, [1e400] * 5]}, "trial"),
-    ),
-    Kind(
-        "study: trial history",
-        study_option({"improvements": [[], [[1]], 3, [[1, "x"]], [[True, 1.0]]]}, "trial"),
-    ),
-    Kind(
-        "study: trial errors",
-        study_option({"predictions": [{}, [], {"1.05": [1]}, {"x": [1.0, 1.0]}]}, "trial"),
-    ),
-]
-
-
 # --- Options --------------------------------------------------------------------------------
 
 IDENTIFY = ("identify", "whole.csv", "--out", "out", "--joint", "elbow_flexion")
@@ -655,13 +589,6 @@ OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "train": (
         ("train", "--out", "out"),
         {"--env": "name", "--algo": "name", "--steps": "int", "--seed": "int", "--suit": "name"},
-    ),
-    "study": (
-        ("reproduce", "li-2022", "--out", "out"),
-        {
-            "--methods": "name", "--joints": "name", "--trials": "int", "--seed": "int",
-            "--swarm-size": "int", "--iterations": "int", "--workers": "int", "--backend": "name",
-        },
     ),
     "rig": (
         ("measure", "rig", "--out", "out"),
@@ -767,7 +694,7 @@ OPTION_KINDS = [
     Kind("options: a place that is taken", foreign_out),
 ]
 
-KINDS = [*CURVES, *MOTIONS, *SUITS, *RUNS, *STUDIES, *OPTION_KINDS]
+KINDS = [*CURVES, *MOTIONS, *SUITS, *RUNS, *OPTION_KINDS]
 
 
 # --- Running --------------------------------------------------------------------------------

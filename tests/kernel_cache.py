@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parent.parent
 STORE = ROOT / ".pytest_cache" / "kernels"
 KEPT = 24 * 3600.0  # [s], age at which an unused cache is removed
-PARTS = ("envs", "hysteresis", "identification")  # kernels of scripts are not cached
+PARTS = ("envs", "hysteresis", "identification", "reproductions")  # those of scripts are not
 
 
 def choose() -> None:

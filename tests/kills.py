@@ -28,7 +28,7 @@ from helpers import PATIENCE
 PROGRAM = (sys.executable, "-m", "activesuit.scripts.main")
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
-SMALL = ["--trials", "3", "--swarm-size", "10", "--iterations", "8", "--workers", "1"]
+SMALL = ["--policies", "none", "--levels", "nominal", "--episodes", "8", "--workers", "1"]
 TRAIN = ["train", "--algo", "ppo"]
 
 
@@ -54,7 +54,7 @@ def same(*arguments: str) -> Command:
 
 COMMANDS = {
     "identify": same("identify", str(curves_path("elbow")), *SWARM),
-    "study": same("reproduce", "li-2022", *SMALL),
+    "benchmark": same("benchmark", "run", *SMALL),
     "demo": same("demo", "--trials", "2", "--episodes", "8"),
     "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
     "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),

@@ -24,11 +24,12 @@ ALLOWED = {
     "envs": {"hysteresis", "assets"},
     "scripts": {"assets", "hysteresis", "identification", "envs"},
     "benchmarks": {"assets", "hysteresis", "identification", "envs", "scripts"},
+    "reproductions": {"assets", "hysteresis", "identification"},
     "tools": {"assets", "benchmarks", "hysteresis", "identification", "envs", "scripts"},
 }
-# Folders of the source repository that are not installed: speed and honesty, programs for
-# developers, and the readable models that kernels are compared with.
-NOT_INSTALLED = {("benchmarks",), ("tools",), ("hysteresis", "references")}
+# Folders of the source repository that are not installed: speed and honesty, repeated papers,
+# programs for developers, and the readable models that kernels are compared with.
+NOT_INSTALLED = {("benchmarks",), ("reproductions",), ("tools",), ("hysteresis", "references")}
 ROOT_MODULES = {
     "arrays",
     "checks",

@@ -30,7 +30,6 @@ ELSEWHERE = {  # how examples begin that are not run here, and why
 }
 SMALL = (  # command, further words of an example, and options beside its own or instead of them
     ("identify", "auto", ["--samples", "2"]),
-    ("reproduce li-2022", "", ["--trials", "2"]),
     ("evaluate", "", ["--episodes", "8"]),
     ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
     ("tasks", "--table", ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
@@ -44,7 +43,6 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
     ("animate", "--quality", ["--fps", "5", "--width", "320", "--height", "240"]),
-    ("reproduce kao-fung-2009", "", ["--trials", "1", "--iterations", "20"]),
 )
 SECONDS = 600  # longest time of an example
 

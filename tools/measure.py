@@ -88,8 +88,6 @@ EXPERIMENTS = {
         "residual-drawn --seeds 0-4 --steps 200000"
     ),
     **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
-    "study": "reproduce li-2022",
-    "kao-fung": "reproduce kao-fung-2009",
     "bench-muscles": "bench muscles",
     **{
         name: (

@@ -328,35 +328,6 @@ def training() -> str:
     return markdown_table([*header, *found[0]["shares"], "a million steps"], rows)
 
 
-# The papers.
-
-
-def claims() -> str:
-    """Returns the table of the first paper's claims."""
-    titles = {"convergence": "fewer iterations", "fitness": "lower fitness"}
-    rows = []
-    for one in kept("study")["result"]["claims"]:
-        claim = one["claim"]
-        title = titles.get(claim["quantity"], "better prediction")
-        printed = percent(claim["advantage"], 2) if claim["advantage"] else "-"
-        ends = " to ".join(f"{100 * end:+.0f}" for end in one["interval"])
-        ours = f"{100 * one['advantage']:+.1f} % ({ends})"
-        rows.append([f"{claim['joint']}, {title}", printed, ours, one["verdict"]])
-    return markdown_table(["claim of the paper for SA-PSO", "printed", "ours", "verdict"], rows)
-
-
-def dispatch() -> str:
-    """Returns the table of the second paper's cost benchmark."""
-    header = ["limit of unit 2", "method", "optimum", "best", "average", "worst", "optimum found"]
-    rows = []
-    for one in kept("kao-fung")["result"]["cost"]:
-        costs = (f"{one[name]:,.2f}" for name in ("optimum", "best", "average", "worst"))
-        limit = "ignored" if one["relax_slack_bound"] else "kept"
-        reached = f"{one['reached']} of {one['trials']}"
-        rows.append([limit, f"`{one['method']}`", *costs, reached])
-    return markdown_table(header, rows)
-
-
 # Faults, knowledge, assumed numbers, and changes of the bound.
 
 
@@ -621,7 +592,7 @@ def warp_worlds() -> str:
 
 RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "../README.md": {"results": door},
-    "reproduction.md": {"fits": demo_fits, "claims": claims, "dispatch": dispatch},
+    "reproduction.md": {"fits": demo_fits},
     "controllers.md": {
         "laws": laws,
         "branch": branch,

@@ -21,9 +21,6 @@ SWARMS: dict[str, Optimizer] = {
 OPTIMIZERS: dict[str, Optimizer] = dict(SWARMS)
 NO_SEARCHES = ("auto", "certified", "magnetic")  # methods of `identify` that no optimizer may hide
 
-# The two that Kao and Fung 2009 compare, in both of their benchmarks.
-KAO_FUNG_SWARMS = {name: SWARMS[name] for name in ("pso", "rank-distance-mpso")}
-
 
 def register_optimizer(name: str, minimize: Optimizer) -> None:
     """Makes an optimizer known to `identify`, as a method of `Search` and of the command line.

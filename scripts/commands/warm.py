@@ -19,9 +19,6 @@ from ...envs.simulation.compiling import ALONE
 from ...hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
 from ...hysteresis.engine.native import compile_plugin
 from ...identification import Certified, Curve, identify
-from ...identification.benchmarks.bouc_wen import Oscillator
-from ...identification.benchmarks.scott_russell import simulate
-from ...identification.benchmarks.scott_russell_fit import TRUTH
 from ...identification.fits.registry import FITS, fit_model
 from ..output import progress, say
 
@@ -37,7 +34,7 @@ def warm() -> None:
     are there already, it takes some seconds.
     """
     with progress("compiling kernels", first_use.ALL) as bar, _counted(bar.advance) as compiled:
-        for use in (_plugins, _arms, _models, _fit, _envelope, _benchmarks):
+        for use in (_plugins, _arms, _models, _fit, _envelope):
             use()
     if not compiled:
         say("all kernels are compiled already")
@@ -132,10 +129,3 @@ def _record() -> Curve:
 
 def _envelope() -> None:
     work_envelope(ArmConfig(), spacing=0.1, wrist_angles=3)
-
-
-def _benchmarks() -> None:
-    """The published benchmarks: a mechanism with both of its equations, and an oscillator."""
-    for power in (1.0, 1.5):
-        simulate([[*TRUTH[:7], power]], duration=0.01)
-    Oscillator().displacement(np.zeros(10))

@@ -15,8 +15,7 @@ from activesuit.benchmarks import identify as identify_bench
 from activesuit.benchmarks import starts
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import Search, identify, load_curves
-from activesuit.scripts.commands import li_2022
-from activesuit.scripts.main import COMMANDS, main
+from activesuit.scripts.main import COMMANDS, MOVED, main
 from helpers import in_this_process, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
@@ -262,8 +261,7 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
 def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
     monkeypatch.setattr(starts, "run_all", in_this_process)
-    monkeypatch.setattr(starts, "StudyConfig", partial(starts.StudyConfig, iterations=5))
-    monkeypatch.setattr(li_2022, "li_2022", partial(li_2022.li_2022, trials=2, backend="threading"))
+    monkeypatch.setattr(starts, "ITERATIONS", 5)
     monkeypatch.setattr(identify_bench, "sa_pso", partial(identify_bench.sa_pso, max_iterations=5))
     for name, few in (("STEPS", 100), ("CALLBACK_STEPS", 50), ("SIMULATIONS", 64)):
         monkeypatch.setattr(engine_bench, name, few)
@@ -375,11 +373,17 @@ def test_unknown_and_missing_command(capsys):
     unknown = fails(capsys, "--fly", "suits")
     assert "unknown command '--fly': use one of animate, benchmark, demo" in unknown
     assert "give a command: animate, benchmark" in fails(capsys)
-    assert "unknown part of reproduce 'li': use one of kao-fung-2009, li-2022" in fails(
-        capsys, "reproduce", "li"
+    assert "unknown part of measure 'suit': use one of design, rig" in fails(
+        capsys, "measure", "suit"
     )
-    old = "'study' was a name of version 0.2: write 'reproduce li-2022' instead"
-    assert old in fails(capsys, "study", "--trials", 3)
+    old = "'tune' was a name of version 0.2: write 'benchmark tune' instead"
+    assert old in fails(capsys, "tune", "--evaluations", 3)
+
+
+@pytest.mark.parametrize("old", MOVED)
+def test_a_command_that_moved_is_answered_with_its_place(capsys, old):
+    message = fails(capsys, *old.split(), "--trials", 3)
+    assert f"{old!r} is no command since version 0.3: run {MOVED[old]}" in message
 
 
 def test_help_lists_every_command_as_its_own_help_begins(capsys):

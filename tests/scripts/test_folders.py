@@ -15,19 +15,8 @@ ELBOW = str(curves_path("elbow"))
 WRITERS = {
     "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
     "rig": ["measure", "rig"],
-    "study": ["reproduce", "li-2022", "--trials", "1", "--swarm-size", "4", "--iterations", "1"],
     "demo": ["demo", "--trials", "1", "--episodes", "8"],
     "suits": ["suits", "mock-suit"],
-    "kao-fung": [
-        "reproduce",
-        "kao-fung-2009",
-        "--population",
-        "9",
-        "--iterations",
-        "1",
-        "--trials",
-        "1",
-    ],
     "evaluate": ["evaluate", "--episodes", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit", "--plant", "mock-suit"],
@@ -204,7 +193,7 @@ def test_files_move_in_together_or_not_at_all(tmp_path):
 
 
 def test_scratch_of_a_killed_run_goes_with_the_next(tmp_path):
-    folder = RunFolder(tmp_path, "study")
+    folder = RunFolder(tmp_path, "benchmark")
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     prefix, _, _ = scratch_prefix().rpartition(f"{folder_process()}-")
@@ -216,7 +205,7 @@ def test_scratch_of_a_killed_run_goes_with_the_next(tmp_path):
         path.touch()
     (tmp_path / f"{prefix}{dead.pid}-abcdefgh").mkdir()
     close_folders()
-    RunFolder(tmp_path, "study").subfolder("trials")
+    RunFolder(tmp_path, "benchmark").subfolder("trials")
     assert {path.name for path in tmp_path.rglob("*")} == {".activesuit", "trials"}
 
 

@@ -9,7 +9,7 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import Suit, load_suit, save_suit
+from activesuit.assets import Suit, curves_path, load_suit, save_suit
 from activesuit.scripts import main as main_module
 from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
@@ -25,7 +25,6 @@ SLOW = (
     "from activesuit.scripts.main import main\n"
     "main(sys.argv[1:])\n"
 )
-STUDY = ["--trials", "9", "--swarm-size", "10", "--iterations", "5", "--workers", "1"]
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
@@ -34,14 +33,8 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     signal.signal(signal.SIGINT, signal.default_int_handler)
     process = subprocess.Popen(
         [
-            sys.executable,
-            "-c",
-            SLOW,
-            "reproduce",
-            "li-2022",
-            "--out",
-            str(tmp_path / "out"),
-            *STUDY,
+            *(sys.executable, "-c", SLOW),
+            *("demo", "--trials", "9", "--out", str(tmp_path / "out")),
         ],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -53,7 +46,7 @@ def test_a_signal_ends_with_a_sentence(tmp_path, sign):
     _, message = process.communicate(timeout=PATIENCE)
     assert process.returncode == 2
     assert "Traceback" not in message
-    assert "interrupted: the finished trials (" in message.splitlines()[-1]
+    assert "interrupted: the finished fits (" in message.splitlines()[-1]
 
 
 @pytest.mark.parametrize("sign", [signal.SIGTERM, signal.SIGINT])
@@ -198,13 +191,10 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("workers", ["-7", "0"])
-@pytest.mark.parametrize("command", ["reproduce li-2022", "identify"])
+@pytest.mark.parametrize("command", ["benchmark run", f"identify {curves_path('elbow')}"])
 def test_workers(capsys, tmp_path, command, workers):
-    from activesuit.assets import curves_path
-
-    more = [str(curves_path("elbow"))] if command == "identify" else []
     with pytest.raises(SystemExit):
-        main([*command.split(), *more, "--workers", workers, "--out", str(tmp_path / "out")])
+        main([*command.split(), "--workers", workers, "--out", str(tmp_path / "out")])
     message = capsys.readouterr().err
     assert f"workers is {workers}: use 1 or more, or -1 for all cores" in message
     assert not list(tmp_path.iterdir())

@@ -1,1 +1,0 @@
-"""Studies of the papers' kind: methods compared on joints by many trials."""
