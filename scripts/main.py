@@ -40,9 +40,6 @@ GROUPS = {
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
-        "evaluate knowledge": "Measure how much a hysteresis model improves assistance.",
-        "evaluate faults": "Measure what policies do when a sensor or a motor fails.",
-        "evaluate branch": "Show the next second of a motion under each of some policies.",
         "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",
         "policies": "List the policies, with the sensors that they need and their options.",
@@ -71,12 +68,17 @@ PARTS = {  # commands that are nothing without one of these words
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
-    "knowledge": "evaluate knowledge",
-    "branch": "evaluate branch",
     "envelope": "evaluate envelope",
     "tune": "benchmark tune",
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
+}
+MOVED = {  # commands of 0.2 that are programs of the source repository now
+    "knowledge": "python examples/knowledge.py of the source repository",
+    "branch": "python examples/branch.py of the source repository",
+    "evaluate knowledge": "python examples/knowledge.py of the source repository",
+    "evaluate faults": "python examples/faults.py of the source repository",
+    "evaluate branch": "python examples/branch.py of the source repository",
 }
 OLD_OPTIONS = {"--naive": "--unadapted"}
 
@@ -152,6 +154,9 @@ def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequ
     Raises:
         InputError: There is no such command.
     """
+    for old, new in MOVED.items():
+        if list(arguments[: old.count(" ") + 1]) == old.split():
+            raise InputError(f"{old!r} is no command since version 0.3: run {new}")
     name, *rest = arguments
     if name == "bench":
         return name, _bench(), rest
