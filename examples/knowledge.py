@@ -15,7 +15,8 @@ Preisach that is fitted to its records, so that no class of belief is favored.
 Relief is the share of the suit's cost that the compensation gives back to adapted wearers, with its
 95 % interval over the motions. The next column has the difference from the best belief without
 memory, motion by motion: where its interval is above 0, memory helps. The error is the root mean
-square of the believed less the true torque along the motions that happened.
+square of the believed less the true torque along the motions that happened. In the figure, beliefs
+without memory are blue.
 
 In this suit memory pays, whatever the class of the true model. One state is enough where the true
 model has one; a suit of Preisach wants the belief of Preisach. Two branches do harm, although they
