@@ -15,8 +15,12 @@ motion and for a guided wearer, not of the state in which it takes over, so that
 0 where the state is far from it. The error is the root mean square of the actual less the intended
 angles.
 
-The figure shows the first of the motions, and the regret in all. [Controllers and
-scores](../controllers.md) explains policies, effort and the best known plan.
+A model of the suit is what helps in the next second, too. Feed-forward and compensation have one,
+and leave little regret; motors that are off, or hide only the exoskeleton's own weight and
+friction, leave the suit to the wearer. The figure shows the first of the motions, and the regret in
+all.
+
+[Controllers and scores](../controllers.md) explains policies, effort and the best known plan.
 """
 
 from collections.abc import Sequence

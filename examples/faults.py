@@ -18,7 +18,7 @@ suit's cost that the policy gives back.
   toward the intention from the angle at which the encoder stays.
 - **Errors of the pads** go straight into `observer` and into what `adaptive` learns. `compensation`
   and `impedance` have no pads.
-- **Late and lost readings** of single control periods matter to none of them.
+- **Late and lost readings** of single control periods change the relief of none of them.
 """
 
 from collections.abc import Mapping, Sequence
