@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import unknown_name
 from .suit_files import AnySuit, load_suit, save_suit, suit_names
-from .suit_joints import GRADES, JOINTS, Softening, SuitJoint
+from .suit_joints import JOINTS, Softening, SuitJoint
 from .suits import Suit
 
 FOLDER = Path(__file__).parent
@@ -28,7 +28,6 @@ def curves_path(name: str) -> Path:
 __all__ = [
     "CURVES",
     "FOLDER",
-    "GRADES",
     "JOINTS",
     "SCENE",
     "AnySuit",

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,7 +36,6 @@ JOINTS = ("shoulder_abduction", "shoulder_flexion", "elbow_flexion", "wrist_flex
 MOST_SOFTENING = 10.0  # largest ratio of two torques: far beyond any suit
 MOST_DAMPING = 1e3  # [N·m·s/rad], more resistance at usual rates than any motor's torque
 Grade = Literal["published", "identified", "assumed"]
-GRADES: tuple[str, ...] = get_args(Grade)
 
 
 def _model(given: Any) -> HysteresisModel:

@@ -5,12 +5,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from ..arrays import Array
 from ..assets import JOINTS
 from .evaluation import Trace
-from .evaluation.branching import Fork
 from .model import ASSISTED
 from .model.cuffs import FORCE_LIMITS
 
@@ -28,9 +26,7 @@ COLORS = {
     "best-known-plan": "#009e73",
 }
 OTHERS = ("#8c564b", "#9467bd", "#17becf")
-JOINT_COLORS = ("#0072b2", "#d55e00")
 HEAT = "motor load\n[% of continuous]"
-SHOWN = 0.5  # [s], time that is shown before the branches
 STYLES = {"oracle": "--", "gravity": "-.", "best-known-plan": "--", "unsuited": ":", "suited": ":"}
 
 
@@ -156,43 +152,6 @@ def strain_figure(traces: Mapping[str, Trace]) -> Figure:
             ax.set_ylim(0, 1.05 * ax.get_ylim()[1])
             ax.grid(alpha=0.25)
     return _over_time(figure, grid, len(traces))
-
-
-def branches_figure(fork: Fork) -> Figure:
-    """Draws one column per policy: angle, human and assist torque after a branch point.
-
-    The common past of all branches is gray, and so is the intended angle.
-    """
-    labels = ("angle [rad]", "human torque [N·m]", "assist torque [N·m]")
-    size = (1.4 + 2.3 * len(fork.futures), 6.2)
-    figure = Figure(figsize=size, layout="constrained")
-    grid = figure.subplots(3, len(fork.futures), sharex=True, sharey="row", squeeze=False)
-    shown = fork.past.time >= fork.at - SHOWN
-    for axes, (policy, future) in zip(grid.T, fork.futures.items(), strict=True):
-        axes[0].set_title(policy, loc="left", fontsize=10, wrap=True)
-        for stretch in (fork.past, future):
-            kept = shown if stretch is fork.past else np.full(len(stretch.time), True)
-            for i, column in enumerate(ASSISTED_COLUMNS):
-                color = "0.45" if stretch is fork.past else JOINT_COLORS[i]
-                target = stretch.target_angle[kept, column]
-                axes[0].plot(stretch.time[kept], target, color="0.8", lw=3.5)
-                series = (
-                    stretch.angle[kept, column],
-                    stretch.human_torque[kept, column],
-                    stretch.assist_torque[kept, i],
-                )
-                for ax, values in zip(axes, series, strict=True):
-                    ax.plot(stretch.time[kept], values, color=color, lw=1.4)
-        for ax in axes:
-            ax.axvline(fork.at, color="0.3", lw=0.8, ls=":")
-            ax.grid(alpha=0.25)
-        axes[-1].set_xlabel("time [s]")
-    for axes, label in zip(grid, labels, strict=True):
-        axes[0].set_ylabel(label)
-    named = zip(("intended", "past", *ASSISTED), ("0.8", "0.45", *JOINT_COLORS), strict=True)
-    lines = [Line2D([], [], color=color, label=name.replace("_", " ")) for name, color in named]
-    figure.legend(handles=lines, loc="outside upper center", ncols=len(lines), frameon=False)
-    return figure
 
 
 def cuff_forces_figure(traces: Mapping[str, Trace]) -> Figure:

@@ -63,10 +63,10 @@ def spring_with_friction(angle: Array, torque: Array) -> Branches:
     return Branches(up, down, float(angle[0]))
 
 
-def two_branches(angle: Array, torque: Array, degree: int = 3) -> Branches:
-    """Returns one polynomial for the rising and one for the falling branch of all loops."""
+def two_branches(angle: Array, torque: Array) -> Branches:
+    """Returns one cubic for the rising and one for the falling branch of all loops."""
     way = _direction(angle)
-    up, down = (poly.polyfit(angle[way == s], torque[way == s], degree) for s in (1.0, -1.0))
+    up, down = (poly.polyfit(angle[way == s], torque[way == s], 3) for s in (1.0, -1.0))
     return Branches(tuple(up.tolist()), tuple(down.tolist()), float(angle[0]))
 
 

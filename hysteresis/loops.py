@@ -1,4 +1,4 @@
-"""Splits measured angle-torque records into branches, loops and first-order families.
+"""Splits measured angle-torque records into branches, between the reversals of the angle.
 
 A record is two series in the order of measurement: angle [rad] and torque [N·m]. Time plays no
 part, but samples should follow each other evenly enough for the estimate of noise to make sense.
@@ -18,7 +18,6 @@ from .protocol import finite_series
 NOISE_DEAD_BAND = 10.0  # standard deviations: 1 in 1e4 dwells of 1e4 Gaussian samples exceeds it
 STEP_DEAD_BAND = 2.5  # readings: a coarse sensor that flickers over three readings has not turned
 LARGEST_DEAD_BAND = 0.25  # share of the angle's range, for a few samples per branch
-TOLERANCE = 0.02  # largest gap of a closed loop, relative to the angle's range
 LARGEST = 1e100  # largest measured number: squares and products stay finite
 
 
@@ -39,42 +38,6 @@ class Branch:
     stop: int
     angle: Array
     torque: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Loop:
-    """A branch and the next one, which comes back to the angle where the first began."""
-
-    outward: Branch
-    back: Branch
-
-    @property
-    def angle(self) -> Array:
-        """Angles from the start to the turn and back [rad]; the turn occurs once."""
-        return np.concatenate([self.outward.angle, self.back.angle[1:]])
-
-    @property
-    def torque(self) -> Array:
-        """Torques along `angle` [N·m]."""
-        return np.concatenate([self.outward.torque, self.back.torque[1:]])
-
-    @property
-    def turn(self) -> float:
-        """The angle of the reversal [rad]."""
-        return float(self.back.angle[0])
-
-
-@dataclass(frozen=True, eq=False)
-class FirstOrderFamily:
-    """First-order transition curves that begin and end at one angle.
-
-    Attributes:
-        base: Mean angle of the starts, theta_min of Li et al. 2022 [rad].
-        curves: Curves in the order of measurement.
-    """
-
-    base: float
-    curves: tuple[Loop, ...]
 
 
 def angle_noise(angle: ArrayLike) -> float:
@@ -167,77 +130,6 @@ def branches(angle: ArrayLike, torque: ArrayLike, dead_band: float | None = None
     ]
 
 
-def loops(
-    angle: ArrayLike,
-    torque: ArrayLike,
-    dead_band: float | None = None,
-    tolerance: float | None = None,
-) -> list[Loop]:
-    """Finds the closed loops of a record: pairs of branches that end where they began.
-
-    The first pair that closes is taken, then the first one after it, and so on: two loops share no
-    samples but their ends. An initial curve to which the motion does not come back, and swings that
-    grow or decay, are left out.
-
-    Args:
-        angle: Joint angles [rad], shape (n,), n >= 3.
-        torque: Torques [N·m], shape (n,).
-        dead_band: Dead band of `reversals` [rad].
-        tolerance: Largest distance between the two ends of a loop [rad]; None takes 2 % of the
-            angle's range, or the dead band if that is larger.
-
-    Returns:
-        The loops in the order of measurement; it can be empty.
-
-    Raises:
-        InputError: The series are not a record, or the record has no reversal.
-    """
-    pieces, tolerance = _turned(angle, torque, dead_band, tolerance)
-    return _closed_pairs(pieces, tolerance)
-
-
-def first_order_families(
-    angle: ArrayLike,
-    torque: ArrayLike,
-    dead_band: float | None = None,
-    tolerance: float | None = None,
-    direction: int = 1,
-) -> list[FirstOrderFamily]:
-    """Splits a record into first-order transition curves and groups them by their start.
-
-    Such a curve runs from theta_min up to a turn and back down to theta_min (Li et al. 2022, sec.
-    3.1). Consecutive curves belong to one family as long as they begin at the same angle.
-
-    Args:
-        angle: Joint angles [rad], shape (n,), n >= 3.
-        torque: Torques [N·m], shape (n,).
-        dead_band: Dead band of `reversals` [rad].
-        tolerance: Tolerance of `loops`, and largest distance of the starts in a family [rad].
-        direction: Sign of each curve's first branch: +1 for upwards, -1 for the mirror image that
-            is used in magnetics.
-
-    Returns:
-        The families in the order of measurement; it can be empty.
-
-    Raises:
-        InputError: The series are not a record, the record has no reversal, or the direction is
-            another number.
-    """
-    if direction not in (1, -1):
-        raise InputError(f"direction is {direction}: use 1 (up first) or -1 (down first)")
-    pieces, tolerance = _turned(angle, torque, dead_band, tolerance)
-    groups: list[list[Loop]] = []
-    for curve in _closed_pairs(pieces, tolerance, direction):
-        if groups and abs(_start(curve) - _start(groups[-1][0])) <= tolerance:
-            groups[-1].append(curve)
-        else:
-            groups.append([curve])
-    return [
-        FirstOrderFamily(float(np.mean([_start(curve) for curve in group])), tuple(group))
-        for group in groups
-    ]
-
-
 def finite_record(angle: ArrayLike, torque: ArrayLike) -> tuple[Array, Array]:
     """Returns both series as arrays, or raises an InputError that says what is wrong with them."""
     angle, torque = _measured("angle", angle, "rad"), _measured("torque", torque, "N·m")
@@ -292,38 +184,3 @@ def _turning_points(angle: Array, dead_band: float) -> tuple[list[int], int]:
                 turns.append(lowest_at)
             direction, highest, highest_at = 1, value, i
     return turns, direction
-
-
-def _turned(
-    angle: ArrayLike, torque: ArrayLike, dead_band: float | None, tolerance: float | None
-) -> tuple[list[Branch], float]:
-    """Returns the branches, at least two, and the tolerance of closure."""
-    angle, torque = finite_record(angle, torque)
-    dead_band = _dead_band(angle, dead_band)
-    pieces = branches(angle, torque, dead_band)
-    if len(pieces) == 1:
-        raise InputError(
-            f"the angle runs from {angle[0]:.3g} to {angle[-1]:.3g} rad and never comes back by "
-            f"more than the dead band of {dead_band:.3g} rad: a loop needs a reversal"
-        )
-    if tolerance is None:
-        return pieces, max(dead_band, TOLERANCE * float(np.ptp(angle)))
-    if not (math.isfinite(tolerance) and tolerance >= 0):
-        raise InputError(f"tolerance is {tolerance}: give a finite number, at least 0 (rad)")
-    return pieces, tolerance
-
-
-def _closed_pairs(
-    pieces: list[Branch], tolerance: float, direction: int | None = None
-) -> list[Loop]:
-    found: list[Loop] = []
-    for outward, back in pairwise(pieces):
-        free = not found or outward.start >= found[-1].back.stop - 1
-        closes = abs(back.angle[-1] - outward.angle[0]) <= tolerance
-        if free and closes and direction in (None, outward.direction):
-            found.append(Loop(outward, back))
-    return found
-
-
-def _start(loop: Loop) -> float:
-    return float(loop.outward.angle[0])

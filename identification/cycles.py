@@ -7,9 +7,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
-from ..hysteresis.loops import TOLERANCE, reversals
+from ..hysteresis.loops import reversals
 from .curves import Curve, Curves
 
+TOLERANCE = 0.02  # largest distance of turns that are alike, over the angle's range
 FEWEST = 2  # fewest cycles after the first of which a mean is taken
 
 

@@ -40,9 +40,6 @@ GROUPS = {
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
-        "evaluate knowledge": "Measure how much a hysteresis model improves assistance.",
-        "evaluate faults": "Measure what policies do when a sensor or a motor fails.",
-        "evaluate branch": "Show the next second of a motion under each of some policies.",
         "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",
         "policies": "List the policies, with the sensors that they need and their options.",
@@ -70,8 +67,6 @@ MOVED = {  # commands of 0.2 that are programs of the source repository now
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
-    "knowledge": "evaluate knowledge",
-    "branch": "evaluate branch",
     "envelope": "evaluate envelope",
     "tune": "benchmark tune",
 }
@@ -84,6 +79,13 @@ MOVED = {  # commands of 0.2 that are programs of the source repository now
     "reproduce kao-fung-2009": _PAPERS["kao_fung_2009"],
     "study": _PAPERS["li_2022"],
     "kao-fung": _PAPERS["kao_fung_2009"],
+}
+MOVED = {  # commands of 0.2 that are programs of the source repository now
+    "knowledge": "python examples/knowledge.py of the source repository",
+    "branch": "python examples/branch.py of the source repository",
+    "evaluate knowledge": "python examples/knowledge.py of the source repository",
+    "evaluate faults": "python examples/faults.py of the source repository",
+    "evaluate branch": "python examples/branch.py of the source repository",
 }
 OLD_OPTIONS = {"--naive": "--unadapted"}
 

@@ -70,14 +70,6 @@ def test_the_learner_in_mujoco_warp_runs(folder, capsys):
     assert re.search(r"effort with motors off \d", capsys.readouterr().out)
 
 
-def test_the_loops_page_prints_what_it_says(folder, capsys):
-    names = {}
-    for block in examples("loops.md"):
-        exec(compile(block, "loops.md", "exec"), names)
-    shown = re.search(r"```text\n(.*?)```", page("loops.md"), re.DOTALL)[1]
-    assert shown in capsys.readouterr().out
-
-
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_draw_their_pictures(name, folder):
     assert (FIGURES / f"{name}.png").exists()

@@ -38,8 +38,6 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
     ("benchmark learning", "", ["--levels", "nominal", "--seeds", "0", "--steps", "8192"]),
     ("benchmark tune", "", ["--evaluations", "2"]),
-    ("evaluate knowledge", "", ["--tasks", "ElbowFlexion", "--episodes", "8", "--classes", "own"]),
-    ("evaluate faults", "", ["--episodes", "8"]),
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
     ("animate", "--quality", ["--fps", "5", "--width", "320", "--height", "240"]),

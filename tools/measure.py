@@ -67,14 +67,8 @@ EXPERIMENTS = {
         "evaluate --episodes 8 --coupling cuffs --level shift "
         "--policies compensation:suit=mock-suit corrected:suit=mock-suit"
     ),
-    "branch": (
-        "evaluate branch --suit emu-like --gravity microgravity --policies none transparent "
-        "feedforward compensation"
-    ),
     "validate": "validate emu-like mock-suit published-2022 --plant emu-like mock-suit",
     "validate-40kpa": "validate emu-like mock-suit --plant emu-like --pressure 40",
-    "faults": "evaluate faults",
-    "knowledge": "evaluate knowledge",
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",

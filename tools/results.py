@@ -261,22 +261,6 @@ def laws() -> str:
     return markdown_table(header, rows)
 
 
-def branch() -> str:
-    """Returns the table of a branch."""
-    (fork,) = kept("branch")["result"]["forks"]
-    futures = fork["futures"]
-    best = futures["best-known-plan"]["effort"]
-    rows = []
-    for name, one in futures.items():
-        torque = one["human_torque_nm"]
-        pair = f"{torque['shoulder_flexion']:.2f}, {torque['elbow_flexion']:.2f} N·m"
-        regret = percent(one["effort"] - best)
-        error = f"{1e3 * one['tracking_rad']:.0f} mrad"
-        rows.append([f"`{name}`", percent(one["effort"]), regret, pair, error])
-    header = ["policy, after 2 s of feed-forward, for 1 s", "effort", "regret"]
-    return markdown_table([*header, "human torque: shoulder, elbow", "error"], rows)
-
-
 def validation() -> str:
     """Returns torque error, verdict and relief of believed suits in simulated ones."""
     rows = []
@@ -328,37 +312,7 @@ def training() -> str:
     return markdown_table([*header, *found[0]["shares"], "a million steps"], rows)
 
 
-# Faults, knowledge, assumed numbers, and changes of the bound.
-
-
-def faults() -> str:
-    """Returns what policies do when something fails."""
-    rows = []
-    for one in kept("faults")["result"]["surprises"]:
-        score = one["score"]
-        lost = f", {score['failures']} lost" if score.get("failures") else ""
-        success = f"{percent(score['success'], 0)}{lost}"
-        relief = "-" if one["relief"] is None else signed(one["relief"]["value"])
-        moved, loaded = f"{1e3 * one['moved']['value']:.0f}", f"{one['loaded']['value']:.1f}"
-        rows.append([f"`{one['policy']}`", one["fault"], success, relief, moved, loaded])
-    header = ["policy", "fault", "success", "relief", "moves the arm [mrad]"]
-    return markdown_table([*header, "loads the wearer [N·m]"], rows)
-
-
-def knowledge() -> str:
-    """Returns the relief of each belief in each setting."""
-    found = kept("knowledge")["result"]["settings"]
-    header = ["belief", *(f"{one['task']}, {one['suit']}" for one in found)]
-    rows = []
-    for belief in found[0]["beliefs"]:
-        cells = [belief]
-        for one in found:
-            mine, best = one["beliefs"][belief], one["best_without_memory"]
-            gain = mine["gain"]
-            more = f"<br>{interval(gain)}" if gain else "<br>best without memory" * (belief == best)
-            cells.append(f"{signed(mine['mean_relief']['value'])}{more}")
-        rows.append(cells)
-    return markdown_table(header, rows)
+# Assumed numbers, and changes of the bound.
 
 
 def sensitivity() -> str:
@@ -595,14 +549,12 @@ RESULT_TABLES: dict[str, dict[str, Callable[[], str]]] = {
     "reproduction.md": {"fits": demo_fits},
     "controllers.md": {
         "laws": laws,
-        "branch": branch,
         "validation": validation,
-        "faults": faults,
         "demo": demo_results,
         "four settings": four_settings,
     },
     "results.md": {"findings": findings, "settings": all_settings},
-    "benchmark.md": {"better": better, "cuffs": cuffs, "knowledge": knowledge, "bound": bound},
+    "benchmark.md": {"better": better, "cuffs": cuffs, "bound": bound},
     "model.md": {"sensitivity": sensitivity},
     "tasks.md": {"difficulty": difficulty, "hindered": hindered},
     "training.md": {

@@ -4,7 +4,6 @@ A test looks for each in its page; where it is missing, the result has changed, 
 must follow.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from itertools import chain, product
 from typing import Any
@@ -91,42 +90,6 @@ def _benchmark() -> Iterator[str]:
     yield f"`iterative` gives back {learned} where compensation gives {fixed}"
     gains = [one["gain"] for one in kept("bound")["result"]["attacks"] if one["gain"] is not None]
     yield f"The largest gain is {max(gains):.3f}"
-
-
-def _knowledge() -> Iterator[str]:
-    found = kept("knowledge")["result"]["settings"]
-    strong = [one for one in found if one["suit"].startswith("emu-like")]
-    gains = [one["beliefs"]["true model"]["gain"]["value"] for one in strong]
-    yield f"the true model has {min(gains):.2f} to {max(gains):.2f} more relief"
-
-    def behind(belief: str, of_preisach: bool) -> list[float]:
-        return [
-            _mean(one, "true model") - _mean(one, belief)
-            for one in strong
-            if one["suit"].endswith("preisach") == of_preisach
-        ]
-
-    yield f"comes within {_within(behind('Dahl', of_preisach=False))} of the true model"
-    less = behind("Dahl", of_preisach=True)
-    yield f"it keeps {min(less):.2f} to {max(less):.2f} less"
-    near = _within(behind("Preisach", of_preisach=True))
-    yield f"only the belief of Preisach comes within {near}"
-    weak = [one for one in found if one["suit"].startswith("mock-suit")]
-    pays = [
-        f"{one['beliefs']['true model']['gain']['value']:.2f}"
-        for one in weak
-        if one["task"] == "TransitionCurves"
-    ]
-    yield f"({' and '.join(pays)} with the true model)"
-
-
-def _within(differences: list[float]) -> str:
-    """Returns a hundredth that no difference exceeds."""
-    return f"{math.ceil(100 * max(map(abs, differences))) / 100:.2f}"
-
-
-def _mean(found: dict[str, Any], belief: str) -> float:
-    return found["beliefs"][belief]["mean_relief"]["value"]
 
 
 def _success(task: str, level: str, suit: str, policy: str) -> float:
@@ -257,7 +220,7 @@ def _learners() -> Iterator[str]:
 
 FACTS: dict[str, Callable[[], Iterator[str]]] = {
     "controllers.md": _controllers,
-    "benchmark.md": lambda: chain(_benchmark(), _knowledge()),
+    "benchmark.md": _benchmark,
     "tasks.md": _tasks,
     "model.md": _model,
     "environments.md": _environments,

@@ -2,7 +2,7 @@
 
 from .compose import arm_spec, bare_arm, compose, resisting_joints, suit_of_config
 from .config import GRAVITY, ArmConfig, Payload
-from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_clip, thermal_step
+from .exoskeleton import ASSISTED, Exo, Motor, quantize, start_encoders, thermal_step
 from .for_warp import for_warp
 from .loading import load_model
 from .mirroring import mirror
@@ -24,6 +24,5 @@ __all__ = [
     "resisting_joints",
     "start_encoders",
     "suit_of_config",
-    "thermal_clip",
     "thermal_step",
 ]

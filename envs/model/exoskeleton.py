@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...errors import InputError
 from ..elementwise import elementwise
 from ..provenance import REQUIRED, Quantity, check_settings, quantities_of, setting
-from .motor_kernels import clipped, heated
+from .motor_kernels import heated
 
 ASSISTED = ("shoulder_flexion", "elbow_flexion")  # the joints that carry a motor
 
@@ -241,28 +241,6 @@ def thermal_step(
         The mean square at the end [N²·m²].
     """
     return elementwise(heated)(mean_square, torque, time_constant, dt)
-
-
-def thermal_clip(
-    torque: ArrayLike,
-    mean_square: ArrayLike,
-    *,
-    continuous: ArrayLike,
-    time_constant: ArrayLike,
-    dt: float,
-) -> Array:
-    """Returns torques, limited so that no motor is overloaded within the next `dt` [N·m].
-
-    A motor that is driven hard ends at its continuous torque; an overloaded one cools down.
-
-    Args:
-        torque: Torque that is wanted [N·m], any shape.
-        mean_square: Mean square from `thermal_step` [N²·m²], same shape.
-        continuous: Continuous torques of the motors [N·m].
-        time_constant: Thermal time constant of the windings [s].
-        dt: Duration [s].
-    """
-    return elementwise(clipped)(torque, mean_square, continuous, time_constant, dt)
 
 
 def _set_motor(actuator: mujoco.MjsActuator, motor: Motor) -> None:

@@ -161,28 +161,6 @@ class BoucWen(HysteresisModel):
             rest_angle=rest_angle,
         )
 
-    def to_kao_fung(self) -> dict[str, float]:
-        """Returns the arguments of `from_kao_fung` that give this model.
-
-        Raises:
-            InputError: `elastic` is 0, which the form of Kao and Fung cannot describe.
-        """
-        if self.elastic == 0:
-            raise InputError(
-                "elastic is 0.0: the Kao-Fung form has d_e = 0 then and its h never "
-                "moves; give another number"
-            )
-        d_e = -self.elastic / self.hysteretic
-        return {
-            "k": -self.hysteretic,
-            "d_e": d_e,
-            "alpha": self.A / d_e,
-            "beta": self.beta,
-            "gamma": self.gamma,
-            "n": self.n,
-            "rest_angle": self.rest_angle,
-        }
-
     def normalized(self) -> "BoucWen":
         """Returns the same model with A = 1, where z is an angle of the hysteretic spring."""
         shape = self.A ** (self.n - 1)

@@ -3,23 +3,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis.loops import (
-    branches,
-    estimate_dead_band,
-    first_order_families,
-    loops,
-    reversals,
-)
+from activesuit.hysteresis.loops import branches, estimate_dead_band, reversals
 from helpers import sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 FAMILY = (0.35, 0.52, 0.35, 0.70, 0.35, 0.87, 0.35)  # Li et al. 2022, shoulder
-
-
-def friction(angle):
-    """A torque that shows the direction of every step."""
-    return np.sign(np.diff(angle, prepend=angle[0])) + angle
 
 
 def with_dwell(turns, samples, dwell):
@@ -120,45 +109,6 @@ def test_a_motion_without_noise_turns_even_at_a_dead_band_of_zero():
     assert reversals([1, 1, 1]).size == 0
 
 
-def test_loops_of_a_cyclic_record():
-    angle = sweep(0, 1, -1, 1, -1, 1, 0.3, samples=50)
-    found = loops(angle, friction(angle))
-    # The initial curve is left out, then the loops follow each other without a gap.
-    assert [(loop.outward.start, loop.back.stop) for loop in found] == [(49, 148), (147, 246)]
-    assert [loop.turn for loop in found] == [-1, -1]
-    np.testing.assert_array_equal(found[0].angle, angle[49:148])
-    np.testing.assert_array_equal(found[0].torque, friction(angle)[49:148])
-
-
-def test_tolerance_decides_what_closes():
-    angle = sweep(0, 1, 0.1, samples=50)
-    assert loops(angle, angle) == []
-    assert len(loops(angle, angle, tolerance=0.11)) == 1
-
-
-def test_first_order_families_of_a_long_record():
-    rng = np.random.default_rng(1)
-    second = (0.52, 0.87, 0.52, 1.22, 0.52, 1.57, 0.52)
-    motion = with_dwell((*FAMILY, *second), 100, 20)
-    angle = motion + 5e-4 * rng.standard_normal(motion.size)
-    # The first curve of the second family begins with the climb from 0.35 and does not close.
-    shoulder, elbow = first_order_families(angle, friction(motion))
-    assert shoulder.base == pytest.approx(0.35, abs=0.002)
-    assert elbow.base == pytest.approx(0.52, abs=0.002)
-    np.testing.assert_allclose([curve.turn for curve in shoulder.curves], FAMILY[1::2], atol=0.003)
-    np.testing.assert_allclose([curve.turn for curve in elbow.curves], second[3::2], atol=0.003)
-
-
-def test_a_family_that_begins_with_the_way_down_from_a_turn():
-    angle = sweep(0.87, *FAMILY, samples=50)
-    (family,) = first_order_families(angle, angle)
-    np.testing.assert_allclose([curve.turn for curve in family.curves], FAMILY[1::2])
-    (mirrored,) = first_order_families(-angle, angle, direction=-1)
-    np.testing.assert_allclose(
-        [curve.turn for curve in mirrored.curves], [-x for x in FAMILY[1::2]]
-    )
-
-
 up = [0.0, 0.5, 1.0]
 
 
@@ -168,18 +118,14 @@ up = [0.0, 0.5, 1.0]
         (lambda: branches([0, np.nan, 1], up), r"angle\[1\] is nan: give finite numbers \(rad\)"),
         (lambda: branches(up, [0, 1, np.inf]), r"torque\[2\] is inf: give finite numbers \(N·m\)"),
         (lambda: branches([up, up], up), r"angle has shape \(2, 3\)"),
-        (lambda: loops(up, [0, 1]), "angle has 3 samples and torque has 2"),
-        (lambda: loops([0, 1], [0, 1]), "the record has 2 samples: a reversal takes at least 3"),
-        (lambda: loops(up, up), "from 0 to 1 rad and never comes back by more than the dead band"),
-        (lambda: first_order_families(up, up), "a loop needs a reversal"),
+        (lambda: branches(up, [0, 1]), "angle has 3 samples and torque has 2"),
+        (lambda: branches([0, 1], [0, 1]), "the record has 2 samples: a reversal takes at least 3"),
         (lambda: branches([1, 1, 1], up), "the angle stays within 0 rad"),
         (lambda: branches(up, up, 2), "stays within 1 rad and the dead band is 2 rad"),
         (lambda: reversals(up, -1), "dead_band is -1: give a finite number, at least 0"),
         (lambda: reversals(up, np.nan), "dead_band is nan"),
         (lambda: reversals([0, -1e200, 0]), r"angle\[1\] is -1e\+200: give numbers of at most 1e"),
         (lambda: reversals([]), r"angle has shape \(0,\)"),
-        (lambda: loops([0, 1, 0], up, tolerance=-1), "tolerance is -1"),
-        (lambda: first_order_families([0, 1, 0], up, direction=0), "direction is 0: use 1"),
     ],
 )
 def test_bad_input(call, message):

@@ -20,7 +20,6 @@ WRITERS = {
     "evaluate": ["evaluate", "--episodes", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit", "--plant", "mock-suit"],
-    "branch": ["evaluate", "branch", "--policies", "none"],
     "train": ["train", "--steps", "1"],
 }
 

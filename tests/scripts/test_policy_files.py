@@ -24,8 +24,6 @@ class Sneaky:
 COMMANDS = [
     "simulate --out out --policy",
     "evaluate --episodes 8 --unadapted --out out --policies",
-    "evaluate branch --at 0.2 --horizon 0.1 --out out --policies",
-    "evaluate branch --at 0.2 --horizon 0.1 --out out --policies none --base",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
     "benchmark tune --evaluations 1 --out tuned.json --policy",
     "animate --out film.gif --policy",
@@ -58,7 +56,7 @@ def test_no_code_of_a_file_is_run(capsys, tmp_path, file, command):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["foreign.json", "sneaky.py"]
 
 
-@pytest.mark.parametrize("command", COMMANDS[:3])
+@pytest.mark.parametrize("command", COMMANDS[:2])
 def test_a_trusted_file_is_taken(tmp_path, file, command):
     main([*command.split(), file, "--trust"])
     assert (tmp_path / "imported").exists()

@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from activesuit.hysteresis import JilesAtherton, PoleError
-from activesuit.hysteresis.metrics import loop_metrics
 from scipy.integrate import solve_ivp
 
 COMSOL = (1.6e6, 560, 7e-4, 0.1, 1200)
@@ -145,13 +144,3 @@ def test_other_forms_step_like_they_respond_and_prove_nothing(form):
         assert torque == response[i]
     assert model.certificate().margin == -math.inf
     assert not model.certificate().dissipative
-
-
-@pytest.mark.parametrize(("parameters", "top", "form", "Mr", "Hc", "HcB", "Br", "W"), GOLDEN)
-def test_loop_metrics_read_the_same_numbers(parameters, top, form, Mr, Hc, HcB, Br, W):
-    down, falling, up, rising = third_loop(magnetic(parameters, form), top)
-    H, M = np.concatenate([down, up[1:]]), np.concatenate([falling, rising[1:]])
-    found = loop_metrics(H, M, center=0.0)
-    assert found.remanence == pytest.approx(Mr, rel=1e-4)
-    assert found.coercive_angle == pytest.approx(Hc, rel=1e-4)
-    assert MU_0 * found.area == pytest.approx(-W, rel=1e-4)  # such a loop gives energy away
