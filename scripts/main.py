@@ -43,7 +43,6 @@ GROUPS = {
         "evaluate knowledge": "Measure how much a hysteresis model improves assistance.",
         "evaluate faults": "Measure what policies do when a sensor or a motor fails.",
         "evaluate branch": "Show the next second of a motion under each of some policies.",
-        "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",
         "policies": "List the policies, with the sensors that they need and their options.",
     },
@@ -53,8 +52,6 @@ GROUPS = {
     },
     "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",
-        "benchmark learning": "Compare ways of training over tasks, levels and seeds.",
-        "benchmark tune": "Tune the options of a policy within a budget, the same for all.",
     },
     "Reproduce a paper": {
         "reproduce li-2022": "Compare identification methods by many trials, and judge the claims.",
@@ -73,10 +70,15 @@ RENAMED = {
     "rig": "measure rig",
     "knowledge": "evaluate knowledge",
     "branch": "evaluate branch",
-    "envelope": "evaluate envelope",
-    "tune": "benchmark tune",
     "study": "reproduce li-2022",
     "kao-fung": "reproduce kao-fung-2009",
+}
+MOVED = {  # commands of 0.2 that are programs of the source repository now
+    "benchmark learning": "python examples/learning.py of the source repository",
+    "benchmark tune": "python examples/tune.py of the source repository",
+    "tune": "python examples/tune.py of the source repository",
+    "evaluate envelope": "python examples/envelope.py of the source repository",
+    "envelope": "python examples/envelope.py of the source repository",
 }
 OLD_OPTIONS = {"--naive": "--unadapted"}
 
@@ -152,6 +154,9 @@ def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequ
     Raises:
         InputError: There is no such command.
     """
+    for old, new in MOVED.items():
+        if list(arguments[: old.count(" ") + 1]) == old.split():
+            raise InputError(f"{old!r} is no command since version 0.3: run {new}")
     name, *rest = arguments
     if name == "bench":
         return name, _bench(), rest

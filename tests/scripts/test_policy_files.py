@@ -27,7 +27,6 @@ COMMANDS = [
     "evaluate branch --at 0.2 --horizon 0.1 --out out --policies",
     "evaluate branch --at 0.2 --horizon 0.1 --out out --policies none --base",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
-    "benchmark tune --evaluations 1 --out tuned.json --policy",
     "animate --out film.gif --policy",
     "view --policy",
 ]
