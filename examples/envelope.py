@@ -21,6 +21,9 @@ which would help to hold, is left out.
 The suit is in the steady cycle over the range in which each joint moves. On the loading branch
 every joint comes from the lower end of its range, on the unloading branch from the upper one.
 
+The column reached has what the hand of the suited arm reaches at any effort. In the figure that is
+dark gray, and light gray is what it reaches without the suit.
+
 Positions are the centers of cubes around the shoulder, and the volume is that of the cubes whose
 centers count. The arm moves in a plane that abduction turns, so inverse kinematics has a closed
 form: two planes, 65 angles of the wrist, two ways to bend the elbow. The cubes make eight lattices
@@ -351,7 +354,7 @@ def main(
     """
     if quick:
         suits, places, spacing = suits[:1], places[:1], 0.08
-    header = f"{'litres, ' + f'{spacing} m apart':22}{'branch':10}{'reached':>9}"
+    header = f"{'litres, ' + f'{spacing} m apart':24}{'branch':10}{'reached':>9}"
     print(header + "".join(f"{one:>14}" for one in (*CONDITIONS, "lost")))
     figure, difference = None, 0.0
     for suit, place in product(suits, places):
@@ -370,7 +373,7 @@ def main(
             kept["lost"] = kept["suited"] & ~kept["assisted"]
             reached = np.isfinite(found["suited", branch]).sum() * 1e3 * spacing**3
             row = "".join(f"{litres(one, spacing):>14}" for one in kept.values())
-            print(f"{suit:10} {place:11}{branch:10}{reached:9.0f}{row}", flush=True)
+            print(f"{suit:10} {place:13}{branch:10}{reached:9.0f}{row}", flush=True)
         figure = figure or draw(found, line)
     print(f"weights differ from those of MuJoCo by at most {difference:.0e} N·m")
     if figure:
