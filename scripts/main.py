@@ -40,7 +40,6 @@ GROUPS = {
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
-        "evaluate envelope": "Measure the work envelope: unsuited, suited and assisted.",
         "validate": "Validate an identified suit model in closed loop.",
         "policies": "List the policies, with the sensors that they need and their options.",
     },
@@ -50,8 +49,6 @@ GROUPS = {
     },
     "Benchmark": {
         "benchmark": "Compare controllers over tasks, levels and suits.",
-        "benchmark learning": "Compare ways of training over tasks, levels and seeds.",
-        "benchmark tune": "Tune the options of a policy within a budget, the same for all.",
     },
 }
 COMMANDS = {name: help for commands in GROUPS.values() for name, help in commands.items()}
@@ -61,31 +58,22 @@ PARTS = {  # commands that are nothing without one of these words
     for one in MAIN_COMMANDS
     if one not in COMMANDS
 }
-MOVED = {  # commands of 0.2 that are programs of the source repository now
-    "bench": "make bench in a clone of the source repository",
-}
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
-    "envelope": "evaluate envelope",
-    "tune": "benchmark tune",
 }
-_PAPERS = {
-    name: f"python -m activesuit.reproductions.{name} of the source repository (make reproduce)"
-    for name in ("li_2022", "kao_fung_2009")
-}
+_EXAMPLE = "python examples/{}.py of the source repository"
+_PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
 MOVED = {  # commands of 0.2 that are programs of the source repository now
-    "reproduce li-2022": _PAPERS["li_2022"],
-    "reproduce kao-fung-2009": _PAPERS["kao_fung_2009"],
-    "study": _PAPERS["li_2022"],
-    "kao-fung": _PAPERS["kao_fung_2009"],
-}
-MOVED = {  # commands of 0.2 that are programs of the source repository now
-    "knowledge": "python examples/knowledge.py of the source repository",
-    "branch": "python examples/branch.py of the source repository",
-    "evaluate knowledge": "python examples/knowledge.py of the source repository",
-    "evaluate faults": "python examples/faults.py of the source repository",
-    "evaluate branch": "python examples/branch.py of the source repository",
+    "bench": "make bench in a clone of the source repository",
+    **{name: _EXAMPLE.format(name) for name in ("knowledge", "branch", "envelope", "tune")},
+    **{
+        f"evaluate {name}": _EXAMPLE.format(name)
+        for name in ("knowledge", "faults", "branch", "envelope")
+    },
+    **{f"benchmark {name}": _EXAMPLE.format(name) for name in ("learning", "tune")},
+    **dict.fromkeys(("reproduce li-2022", "study"), _PAPER.format("li_2022")),
+    **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
 }
 OLD_OPTIONS = {"--naive": "--unadapted"}
 

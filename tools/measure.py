@@ -72,15 +72,6 @@ EXPERIMENTS = {
     "sensitivity": "bench sensitivity",
     "bound": "bench bound",
     "hindered": "bench hindered",
-    "learning": "benchmark learning --ways ppo residual --seeds 0-9 --steps 200000",
-    "learning-history": "benchmark learning --ways ppo-history --seeds 0-9",
-    "learning-recurrent": "benchmark learning --ways recurrent-ppo --seeds 0-9",
-    "learning-sac": "benchmark learning --ways sac --seeds 0-9",
-    "learning-tqc": "benchmark learning --ways tqc --seeds 0-9",
-    "learning-drawn": (
-        "benchmark learning --tasks ArmTracking --levels shift --ways residual-history "
-        "residual-drawn --seeds 0-4 --steps 200000"
-    ),
     **{f"weightless-{name}": f"{_ALONE} {options}".strip() for name, options in TRAININGS.items()},
     "bench-muscles": "bench muscles",
     **{

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from ..assets import Suit, load_suit, suit_names
-from ..envs import belief, envelope, model, muscles, person, policies, rig, simulation
+from ..envs import belief, model, muscles, person, policies, rig, simulation
 from ..envs.model.drawing import drawn_quantities
 from ..envs.provenance import Quantity
 from ..files import write_text
@@ -14,7 +14,7 @@ from ..scripts.output import markdown_table
 from ..scripts.reports.parameters import parameter_table
 
 PAGE = Path(__file__).parent.parent / "docs" / "provenance.md"
-PACKAGES = (belief, person, model, rig, simulation, policies, envelope, muscles)
+PACKAGES = (belief, person, model, rig, simulation, policies, muscles)
 HEADER = ["quantity", "value", "unit", "source", "grade"]
 
 BEGINNING = """\

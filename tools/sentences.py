@@ -13,7 +13,6 @@ import numpy as np
 from ..envs.benchmark.suite import BELIEVED, Setting
 from ..envs.evaluation import REFERENCES
 from ..envs.policies.trained import shipped_policies
-from ..scripts.commands import learning
 from .learners import BESIDE, LEARNERS, kept_learner
 from .measure import kept
 from .results import (
@@ -153,11 +152,13 @@ def _training() -> Iterator[str]:
 
 
 def _learning() -> Iterator[str]:
-    compensation, adaptive, _ = learning.BESIDE
-    *unloaded, loaded = learning.TASKS
+    beside = kept("learning")["result"]["beside"]
+    compensation, adaptive, _ = dict.fromkeys(one["policy"] for one in beside)
+    tasks = tuple(dict.fromkeys(one["task"] for one in beside))
+    *unloaded, loaded = tasks
     gains = {
         (way, task): _learned(task, way)[-1]["value"] - _learned(task, compensation)[-1]["value"]
-        for way, task in product(("residual", "ppo-history"), learning.TASKS)
+        for way, task in product(("residual", "ppo-history"), tasks)
     }
     corrected = (f"{gains['residual', task]:.2f} in `{task}`" for task in unloaded)
     yield f"correction gets {' and '.join(corrected)} more relief than compensation"
@@ -167,7 +168,7 @@ def _learning() -> Iterator[str]:
     yield "succeeds in {} of the motions, and the network in {}".format(*both)
     pairs = [
         pair
-        for task in learning.TASKS
+        for task in tasks
         for pair in zip(_learned(task, "ppo"), _learned(task, "ppo-history"), strict=True)
     ]
     usual, longer = (one["value"] for one in pairs[-1])

@@ -1,6 +1,6 @@
 """One policy on the motions of one setting: its traces and its score.
 
-`evaluate`, the benchmark, tuning and validation all run policies by these functions, so
+`evaluate`, the benchmark and validation all run policies by these functions, so
 that a policy has one score.
 """
 

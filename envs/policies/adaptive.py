@@ -51,7 +51,6 @@ class Adaptive(ModelBased):
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
-    tunable: ClassVar = {"forgetting": (3.0, 100.0), "lead": (0.005, 0.06), "friction": (0.3, 1.0)}
 
     def __init__(
         self,

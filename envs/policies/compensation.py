@@ -1,7 +1,5 @@
 """Compensation: weight, suit and friction together."""
 
-from typing import ClassVar
-
 from ..belief import LEAD, Belief, BelievedArm, BelievedWeight
 from ..plant import Plant
 from .model_based import SHARE, ModelBased
@@ -18,8 +16,6 @@ class Compensation(ModelBased):
         lead: Time by which the motors answer late [s], 0 to 0.2.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
     """
-
-    tunable: ClassVar = {"lead": (0.005, 0.06), "friction": (0.3, 1.0)}
 
     def __init__(
         self,

@@ -1,7 +1,6 @@
 """Compensation on cuffs: the arm's angles are those of the exoskeleton, corrected by the cuffs."""
 
 import math
-from typing import ClassVar
 
 import numpy as np
 
@@ -39,7 +38,6 @@ class CorrectedCompensation(Compensation):
     """
 
     sensors = ("encoders", "cuffs")
-    tunable: ClassVar = {}  # nothing is tuned on cuffs
 
     def __init__(
         self,

@@ -1,7 +1,5 @@
 """Disturbance observer: cancels what the believed arm does not explain."""
 
-from typing import ClassVar
-
 from ...arrays import Array
 from ...checks import within
 from ..belief import Belief
@@ -34,7 +32,6 @@ class DisturbanceObserver(Compensation):
     """
 
     sensors = ("encoders", "interaction")
-    tunable: ClassVar = {"bandwidth": (0.3, 5.0)}
 
     def __init__(
         self, plant: Plant, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH

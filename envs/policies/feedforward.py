@@ -1,7 +1,5 @@
 """Hysteresis feed-forward: the motors cancel the suit torque that an identified model predicts."""
 
-from typing import ClassVar
-
 from ..belief import LEAD, Belief
 from ..plant import Plant
 from .model_based import ModelBased
@@ -19,8 +17,6 @@ class HysteresisFeedforward(ModelBased):
         belief: What the controller believes of the suit; a joint that it lacks gets no assist.
         lead: Time by which the motors answer late [s], 0 to 0.2.
     """
-
-    tunable: ClassVar = {"lead": (0.005, 0.06)}
 
     def __init__(self, plant: Plant, belief: Belief | None = None, *, lead: float = LEAD) -> None:
         super().__init__(plant, suit=plant.believed(belief).suit(), lead=lead)

@@ -1,7 +1,6 @@
 """Impedance: springs and dampers pull the arm along the intention."""
 
 import math
-from typing import ClassVar
 
 from ...arrays import Array
 from ...checks import within
@@ -32,7 +31,6 @@ class Impedance(Compensation):
     """
 
     sensors = ("encoders", "preview")
-    tunable: ClassVar = {"bandwidth": (0.1, 3.0), "damping_ratio": (0.3, 3.0)}
 
     def __init__(
         self,

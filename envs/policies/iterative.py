@@ -41,7 +41,6 @@ class IterativeLearning(Compensation):
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")
-    tunable: ClassVar = {"gain": (0.1, 1.0), "lead": (0.005, 0.06), "friction": (0.3, 1.0)}
 
     def __init__(
         self,

@@ -1,7 +1,6 @@
 """Momentum observer: the suit's torque is what the known torques do not explain."""
 
 import math
-from typing import ClassVar
 
 import numpy as np
 
@@ -67,7 +66,6 @@ class ObserverAssist(ModelBased):
     """
 
     sensors = ("encoders", "interaction")
-    tunable: ClassVar = {"bandwidth": (1.0, 20.0), "lead": (0.005, 0.06)}
 
     def __init__(
         self,

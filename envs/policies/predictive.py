@@ -1,7 +1,5 @@
 """Predictive sampling: the motors' torque that a believed arm says costs its wearer least."""
 
-from typing import ClassVar
-
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
@@ -53,8 +51,6 @@ class PredictiveSampling(Compensation):
     Raises:
         InputError: An option is out of its range.
     """
-
-    tunable: ClassVar = {"horizon": (0.05, 0.3), "spread": (0.003, 0.1)}
 
     def __init__(
         self,

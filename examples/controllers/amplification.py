@@ -1,7 +1,6 @@
 """Force amplification: the motors add to what the person gives to the suit."""
 
 import math
-from typing import ClassVar
 
 from activesuit.arrays import Array
 from activesuit.checks import within
@@ -32,7 +31,6 @@ class ForceAmplification(Transparent):
     """
 
     sensors = ("encoders", "interaction")
-    tunable: ClassVar = {"cutoff": (0.3, 3.0), "alpha": (1.1, 2.0)}
 
     def __init__(
         self, plant: Plant, *, alpha: float = AMPLIFICATION, cutoff: float = CUTOFF

@@ -1,7 +1,6 @@
 """Adaptive oscillators: learn the rhythm of a motion, and assist what comes next of it."""
 
 import math
-from typing import ClassVar
 
 import numpy as np
 from activesuit.arrays import Array
@@ -100,8 +99,6 @@ class AdaptiveOscillators(Compensation):
         belief: What the controller believes of person, suit and load.
         rate: Rate of learning [1/s], 0.1 to 4.
     """
-
-    tunable: ClassVar = {"rate": (0.2, 4.0)}
 
     def __init__(self, plant: Plant, belief: Belief | None = None, *, rate: float = RATE) -> None:
         super().__init__(plant, belief)

@@ -1,7 +1,5 @@
 """Proportional assist: the motors give a share of the wearer's voluntary torque."""
 
-from typing import ClassVar
-
 from activesuit.arrays import Array
 from activesuit.checks import within
 from activesuit.envs.plant import Plant
@@ -26,7 +24,6 @@ class ProportionalAssist(Transparent):
     """
 
     sensors = ("encoders", "emg")
-    tunable: ClassVar = {"gain": (0.1, 1.0)}
 
     def __init__(self, plant: Plant, *, gain: float = GAIN) -> None:
         super().__init__(plant)

@@ -1,7 +1,6 @@
 """Radial basis tracker: a network learns, while it tracks the intention, what torque that takes."""
 
 import math
-from typing import ClassVar
 
 import numpy as np
 from activesuit.arrays import Array
@@ -35,7 +34,6 @@ class RadialBasisTracker(TorquePolicy):
     """
 
     sensors = ("encoders", "preview")
-    tunable: ClassVar = {"bandwidth": (0.2, 3.0)}
 
     def __init__(
         self, plant: Plant, belief: Belief | None = None, *, bandwidth: float = BANDWIDTH

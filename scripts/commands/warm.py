@@ -11,9 +11,8 @@ import numpy as np
 from numba.core import event
 
 from ... import TASKS
-from ...envs.envelope import work_envelope
 from ...envs.making import make_arms, make_env
-from ...envs.model import ArmConfig, bushing
+from ...envs.model import bushing
 from ...envs.observation import SUITES
 from ...envs.simulation.compiling import ALONE
 from ...hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
@@ -34,7 +33,7 @@ def warm() -> None:
     are there already, it takes some seconds.
     """
     with progress("compiling kernels", first_use.ALL) as bar, _counted(bar.advance) as compiled:
-        for use in (_plugins, _arms, _models, _fit, _envelope):
+        for use in (_plugins, _arms, _models, _fit):
             use()
     if not compiled:
         say("all kernels are compiled already")
@@ -127,5 +126,3 @@ def _record() -> Curve:
     return Curve(angle, torque - torque[0], "record")
 
 
-def _envelope() -> None:
-    work_envelope(ArmConfig(), spacing=0.1, wrist_angles=3)

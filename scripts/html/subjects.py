@@ -109,17 +109,6 @@ def _demo(folder: Path, contents: Contents) -> Iterator[Section]:
     yield from _motions(folder, contents)
 
 
-def _envelope(folder: Path, contents: Contents) -> Iterator[Section]:
-    del folder, contents
-    pictures = {
-        "sections.png": "Sections through the envelopes",
-        "arm-loading.png": "The envelopes on the loading branch",
-        "arm-unloading.png": "The envelopes on the unloading branch",
-    }
-    blocks: list[Block] = [Picture(name=name, title=title) for name, title in pictures.items()]
-    yield Section(title="Envelopes", blocks=blocks)
-
-
 def _learning(folder: Path, contents: Contents) -> Iterator[Section]:
     """Yields the learning curve of a training, or of several with other seeds."""
     del contents
@@ -189,8 +178,6 @@ SUBJECTS = {
     "benchmark": Subject("benchmark run", "Benchmark of controllers", _profiles),
     "benchmark-table": Subject("benchmark table", "Benchmark of controllers", _profiles),
     "train": Subject("train", "Trained policy", _learning),
-    "envelope": Subject("evaluate envelope", "Work envelope", _envelope),
     "tasks": Subject("tasks --table", "Difficulty of the tasks", _none),
     "bench honesty": Subject("bench honesty", "How often verdicts are right", _none),
-    "benchmark learning": Subject("benchmark learning", "Ways of training compared", _none),
 }

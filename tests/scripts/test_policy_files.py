@@ -25,7 +25,6 @@ COMMANDS = [
     "simulate --out out --policy",
     "evaluate --episodes 8 --unadapted --out out --policies",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
-    "benchmark tune --evaluations 1 --out tuned.json --policy",
     "animate --out film.gif --policy",
     "view --policy",
 ]

@@ -22,7 +22,8 @@ def test_every_experiment_is_kept_with_its_command():
     for name in EXPERIMENTS:
         content = json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))
         assert content["command"] == command_line(name), name
-    others = {"suite-2"}  # numbers of version 0.2, which no command gives any more
+    # Numbers of version 0.2, which no command gives any more.
+    others = {"suite-2", "learning", *(path.stem for path in FOLDER.glob("learning-*.json"))}
     tuned = ("ppo", "recurrent-ppo", "sac")
     others |= {f"hyperparameters-{name}" for name in tuned}  # of `tools.tune_training`
     others |= {f"learner-{name}" for name in LEARNERS}  # of `tools.learners`

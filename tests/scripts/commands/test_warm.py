@@ -12,7 +12,7 @@ from activesuit.scripts.commands import warm as module
 from activesuit.scripts.main import main
 from numba import njit
 
-USES = ("_plugins", "_arms", "_models", "_fit", "_envelope")
+USES = ("_plugins", "_arms", "_models", "_fit")
 
 
 @pytest.fixture

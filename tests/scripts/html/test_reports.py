@@ -28,7 +28,6 @@ RUNS = {
     "simulate": ("simulate", "--policy", "compensation", "--side", "left", "--coupling", "cuffs"),
     "evaluate": ("evaluate", "--policies", "none", "compensation", "--unadapted", *FEW),
     "validate": ("validate", "mock-suit", "--plant", "emu-like", *FEW),
-    "envelope": ("evaluate", "envelope", "--spacing", "0.1"),
 }
 
 

@@ -1,0 +1,272 @@
+"""What do ways of training reach, over tasks, levels and seeds?
+
+A network can give the motors' torques alone (`ppo`), or correct compensation that believes the suit
+mock-suit (`residual`). That belief is right at level nominal and wrong at level shift, where the
+suit is emu-like at 40 kPa on Mars. Each training is a run of `activesuit train` at the level at
+which its policy is tested, with motions and wearers of its own by its seed.
+
+Ten times in a training its policy is scored by the relief of adapted wearers in eight motions,
+which gives the curves of the figure, and the best policy is kept. The table has the relief of the
+kept policies in 20 motions that no training and no choice has used: the interquartile mean over
+trainings, with its 95 % interval from five trainings on. Relief is the share of the suit's cost
+that a policy gives back. Beside them are policies that do not learn, on the same motions.
+
+What was found: a correction begins with what compensation knows, and so needs few steps to be as
+good or a little better; with the steps of the whole study it gets well beyond compensation where
+the belief is wrong. A network alone begins with nothing, and needs more steps than this small part
+of the study has.
+
+The whole study takes many hours. It is run in parts, and a part that is stopped goes on where it
+was: trainings and `results.csv` stay in the folder `--out`.
+
+    T="--tasks ArmTracking RangeOfMotion ObjectRelocation --levels nominal randomized shift"
+    python examples/learning.py $T --seeds 0-9 --steps 200000 --ways ppo ppo-history residual
+    python examples/learning.py $T --seeds 0-9 --steps 300000 --ways recurrent-ppo
+    python examples/learning.py $T --seeds 0-9 --steps 40000 --ways sac tqc
+    T="--tasks ArmTracking --levels shift"
+    python examples/learning.py $T --seeds 0-4 --steps 200000 --ways residual-history residual-drawn
+
+Its result is in [Train a controller](../training.md#what-learning-reaches).
+"""
+
+import csv
+import subprocess
+import sys
+from collections.abc import Sequence
+from functools import cache
+from itertools import product
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import tyro
+from activesuit.envs.evaluation import FIRST_SEED, REFERENCES
+from activesuit.envs.evaluation.core import run
+from activesuit.envs.evaluation.relief import relief
+from activesuit.envs.evaluation.wearers import ArmLost
+from activesuit.envs.policies import policy_spec
+from activesuit.errors import unknown_name
+from activesuit.scripts.training.evaluations import FIRST, MOTIONS, read_evaluations, relief_text
+from activesuit.scripts.training.seeds import over_trainings, seeds_of
+from matplotlib.figure import Figure
+
+COMPENSATION = "--residual compensation:suit=mock-suit"
+WAYS = {  # options of `activesuit train`
+    "ppo": "",
+    "sac": "--algo sac",
+    "tqc": "--algo tqc",
+    "recurrent-ppo": "--algo recurrent-ppo",
+    "ppo-history": "--history 5",
+    "residual": COMPENSATION,
+    "residual-history": f"{COMPENSATION} --history 5",
+    "residual-guided": f"{COMPENSATION} --set control.stiff=true",  # wearers led by stiff hands
+    "residual-drawn": f"{COMPENSATION} --history 5 --level randomized --suits mock-suit emu-like",
+    "student": "--teacher adaptive:suit=mock-suit --history 10",
+}
+BESIDE = {  # policies that do not learn, with color and line
+    "compensation:suit=mock-suit": ("0.45", "--"),
+    "adaptive:suit=mock-suit": ("0.2", "-."),
+    "best-known-plan": ("0.2", ":"),
+}
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c564b")
+TESTED = range(FIRST_SEED, FIRST_SEED + 20)
+IN_TRAINING = range(FIRST, FIRST + MOTIONS)
+
+
+class Row(NamedTuple):
+    """A line of results.csv: a training, or a policy beside with neither steps nor seed.
+
+    Attributes:
+        relief: Mean relief in the tested motions; NaN where an arm was lost.
+        success: Share of these motions with success.
+        in_training: Mean relief in the motions of the curves, of policies beside.
+    """
+
+    task: str
+    level: str
+    way: str
+    steps: int
+    seed: int
+    relief: float
+    success: float
+    in_training: float
+
+
+class Study:
+    """Trainings and their results in a folder.
+
+    Attributes:
+        folder: The folder.
+        rows: Results so far, by task, level, way, steps and seed.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.rows: dict[tuple[object, ...], Row] = {}
+        folder.mkdir(parents=True, exist_ok=True)
+        self._table = folder / "results.csv"
+        if not self._table.exists():
+            self._append(Row._fields)
+        with self._table.open(encoding="utf-8", newline="") as file:
+            for task, level, way, steps, seed, *numbers in list(csv.reader(file))[1:]:
+                self._keep(Row(task, level, way, int(steps), int(seed), *map(float, numbers)))
+
+    def _keep(self, row: Row) -> None:
+        self.rows[row[:5]] = row
+
+    def _append(self, values: Sequence[object]) -> None:
+        with self._table.open("a", encoding="utf-8", newline="") as file:
+            csv.writer(file).writerow(values)
+
+    def add(self, row: Row) -> None:
+        """Adds a result, to the file as well."""
+        self._keep(row)
+        self._append(row)
+
+    def path(self, task: str, level: str, way: str, steps: int) -> Path:
+        """Returns the folder of the trainings of a way, one subfolder a seed."""
+        return self.folder / f"{task}-{level}-{way}-{steps}"
+
+    def train(
+        self, task: str, level: str, way: str, steps: int, seeds: list[int], workers: int
+    ) -> None:
+        """Trains and tests a way with the seeds that have no result yet."""
+        left = [one for one in seeds if (task, level, way, steps, one) not in self.rows]
+        if not left:
+            return
+        out = self.path(task, level, way, steps)
+        options = ["--task", task, "--steps", steps, "--out", out, *WAYS[way].split()]
+        options += [] if "--level" in WAYS[way] else ["--level", level]
+        options += ["--seeds", ",".join(map(str, left)), "--workers", workers, "--resume"]
+        program = [sys.executable, "-m", "activesuit.scripts.main", "train"]
+        subprocess.run([*program, *map(str, options)], check=True, stdout=subprocess.DEVNULL)
+        for seed in left:
+            found = tested(f"{out / f'seed-{seed}'}", task, level, TESTED)
+            self.add(Row(task, level, way, steps, seed, *found, np.nan))
+
+    def compare(self, task: str, level: str, policies: Sequence[str]) -> None:
+        """Tests policies that do not learn."""
+        for name in policies:
+            if (task, level, name, 0, 0) not in self.rows:
+                found = tested(name, task, level, TESTED)
+                before = tested(name, task, level, IN_TRAINING)[0]
+                self.add(Row(task, level, name, 0, 0, *found, before))
+
+
+@cache
+def efforts(name: str, task: str, level: str, seeds: range) -> tuple[np.ndarray, float]:
+    """Returns the effort of a policy in each motion, and its share of successes."""
+    given = name if name in (*REFERENCES, "best-known-plan") else policy_spec(name)
+    score = run(name, given, f"ActiveSuit/{task}-v0", seeds, level=level).score
+    return np.array(score.effort), float(np.mean(score.success))
+
+
+def tested(name: str, task: str, level: str, seeds: range) -> tuple[float, float]:
+    """Returns mean relief and share of successes; no relief where the policy loses an arm."""
+    unsuited, suited = (efforts(one, task, level, seeds)[0] for one in REFERENCES)
+    try:
+        effort, success = efforts(name, task, level, seeds)
+    except ArmLost:
+        return np.nan, 0.0
+    found = relief(unsuited, suited, effort)
+    return np.nan if found is None else float(np.mean(found)), success
+
+
+def curve(folder: Path, seeds: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Returns steps and the relief of each training at them, shape (seeds, evaluations)."""
+    results = [read_evaluations(folder / f"seed-{seed}")["results"] for seed in seeds]
+    shortest = min(map(len, results))  # a training that lost patience has fewer
+    values = [
+        [one["relief"]["value"] if one["relief"] else np.nan for one in found[:shortest]]
+        for found in results
+    ]
+    return np.array([one["steps"] for one in results[0][:shortest]]), np.array(values)
+
+
+def draw(
+    study: Study,
+    tasks: Sequence[str],
+    levels: Sequence[str],
+    ways: Sequence[str],
+    steps: int,
+    seeds: list[int],
+) -> Figure:
+    """Draws relief over the steps of the trainings, a panel for each task and level."""
+    size = 3.4 * len(levels) + 1.4, 2.8 * len(tasks) + 1
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(len(tasks), len(levels), squeeze=False, sharex=True)
+    for ax, (task, level) in zip(axes.flat, product(tasks, levels), strict=True):
+        for color, way in zip(COLORS * 2, ways, strict=False):
+            at, values = curve(study.path(task, level, way, steps), seeds)
+            ax.plot(at, values.T, color=color, lw=0.6, alpha=0.5)
+            ax.plot(at, np.mean(values, axis=0), color=color, lw=1.8, label=way)
+        for name, (color, style) in BESIDE.items():
+            if (beside := study.rows.get((task, level, name, 0, 0))) is not None:
+                label = name.partition(":")[0]
+                ax.axhline(beside.in_training, color=color, ls=style, lw=1, label=label)
+        ax.set_title(f"{task}, {level}")
+        ax.grid(alpha=0.25)
+    for ax in axes[-1]:
+        ax.set_xlabel("steps of the training")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("relief of adapted wearers")
+    lines, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def main(
+    ways: tuple[str, ...] = ("ppo", "residual"),
+    tasks: tuple[str, ...] = ("ArmTracking",),
+    levels: tuple[str, ...] = ("nominal", "shift"),
+    seeds: str = "0-1",
+    steps: int = 40_000,
+    workers: int = 1,
+    out: Path = Path("runs/learning"),
+    quick: bool = False,
+) -> None:
+    """Compare ways of training over tasks, levels and seeds.
+
+    Args:
+        ways: Names of ways of training, of those in WAYS.
+        tasks: Names of tasks.
+        levels: Names of levels.
+        seeds: Seeds of the trainings, as 0-9 or 0,3,5.
+        steps: Number of environment steps of each training.
+        workers: Number of trainings at once.
+        out: Folder of the trainings and of results.csv; what is there is not done again.
+        quick: Train one correction at one level for a few steps, beside compensation alone.
+    """
+    if quick:
+        ways, levels, seeds, steps = ("residual",), levels[:1], "0", 4096
+    beside = tuple(BESIDE)[: 1 if quick else None]
+    for way in ways:
+        if way not in WAYS:
+            raise unknown_name("way of training", way, WAYS)
+    chosen, study = seeds_of(seeds), Study(out)
+    print(
+        f"{'task':17}{'level':12}{'way or policy':29}{'trainings':>9}  {'relief':20}{'success':>8}"
+    )
+    for task, level in product(tasks, levels):
+        study.compare(task, level, beside)
+        for way in ways:
+            study.train(task, level, way, steps, chosen, workers)
+            rows = [study.rows[task, level, way, steps, seed] for seed in chosen]
+            show(rows, len(rows))
+        for name in beside:
+            show([study.rows[task, level, name, 0, 0]], 0)
+    draw(study, tasks, levels, ways, steps, chosen).savefig("learning.png", dpi=150)
+
+
+def show(rows: Sequence[Row], trainings: int) -> None:
+    """Prints a line of the table: a way over its trainings, or a policy beside (0 trainings)."""
+    reliefs = [one.relief for one in rows]
+    text = relief_text(over_trainings(reliefs)) if np.isfinite(reliefs).all() else "-"
+    success = np.mean([one.success for one in rows])
+    first = rows[0]
+    line = f"{first.task:17}{first.level:12}{first.way:29}{trainings or '-':>9}  {text:20}"
+    print(f"{line}{success:8.1%}", flush=True)
+
+
+if __name__ == "__main__":
+    tyro.cli(main)
