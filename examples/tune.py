@@ -23,6 +23,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import cma
 import numpy as np
 import tyro
 from activesuit.envs.benchmark.suite import Setting
@@ -31,7 +32,6 @@ from activesuit.envs.evaluation.core import run
 from activesuit.envs.evaluation.wearers import ArmLost
 from activesuit.envs.policies import PolicySpec, policy_spec
 from activesuit.errors import InputError, unknown_name
-from activesuit.identification.optimizers import cma_es
 from numpy.typing import NDArray
 
 LEAD, FRICTION = (0.005, 0.06), (0.3, 1.0)  # s, share of the motors' friction
@@ -43,16 +43,13 @@ RANGES: dict[str, dict[str, tuple[float, float]]] = {  # what may change, from a
     "iterative": {"gain": (0.1, 1.0), "lead": LEAD, "friction": FRICTION},
     "predictive": {"horizon": (0.05, 0.3), "spread": (0.003, 0.1)},
     "impedance": {"bandwidth": (0.1, 3.0), "damping_ratio": (0.3, 3.0)},
-    "amplification": {"cutoff": (0.3, 3.0), "alpha": (1.1, 2.0)},
     "observer": {"bandwidth": (1.0, 20.0), "lead": LEAD},
     "disturbance-observer": {"bandwidth": (0.3, 5.0)},
-    "proportional": {"gain": (0.1, 1.0)},
-    "oscillators": {"rate": (0.2, 4.0)},
-    "radial-basis": {"bandwidth": (0.2, 3.0)},
 }
 SUIT, LEVEL = "emu-like", "randomized"
 TUNED, OTHERS = ("ArmTracking", "Ratchet"), ("RangeOfMotion", "Handrail")
 SEEDS = range(6)  # of the motions of an evaluation
+STEP = 0.25  # first step, of a box from 0 to 1
 WORST = 10.0  # times strength, where a policy loses the arm
 
 
@@ -93,12 +90,12 @@ def tuned(policy: PolicySpec, evaluations: int, seed: int) -> tuple[PolicySpec, 
         return PolicySpec(policy.name, {**policy.options, **values})
 
     # CMA-ES needs two parameters: one that means nothing is beside a single one.
-    box = [(0.0, 1.0)] * max(2, len(free))
-    best = cma_es(
-        lambda points: np.array([cost(at(one)) for one in points]), box, evaluations, seed
-    )
-    before, after = cost(policy), float(best.fun)
-    return (at(best.x), before, after) if after < before else (policy, before, before)
+    options = {"bounds": [0, 1], "maxfevals": evaluations, "seed": seed + 1, "verbose": -9}
+    search = cma.CMAEvolutionStrategy([0.5] * max(2, len(free)), STEP, options)
+    search.optimize(lambda point: cost(at(point)))
+    before, after = cost(policy), float(search.result.fbest)
+    best = at(search.result.xbest)
+    return (best, before, after) if after < before else (policy, before, before)
 
 
 def reliefs(task: str, policies: dict[str, PolicySpec], episodes: int) -> dict[str, float]:
@@ -110,7 +107,7 @@ def reliefs(task: str, policies: dict[str, PolicySpec], episodes: int) -> dict[s
 
 
 def main(
-    policies: tuple[str, ...] = ("compensation", "disturbance-observer", "proportional"),
+    policies: tuple[str, ...] = ("compensation", "disturbance-observer"),
     evaluations: int = 16,
     seed: int = 0,
     episodes: int = 10,
