@@ -28,7 +28,10 @@ from helpers import PATIENCE
 PROGRAM = (sys.executable, "-m", "activesuit.scripts.main")
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SWARM = ["--method", "mpso", "--trials", "6", "--workers", "1"]
-SMALL = ["--policies", "none", "--levels", "nominal", "--episodes", "8", "--workers", "1"]
+SMALL = [
+    *("--tasks", "ElbowFlexion", "--policies", "none", "--levels", "nominal"),
+    *("--episodes", "8", "--workers", "1"),
+]
 TRAIN = ["train", "--algo", "ppo"]
 
 
