@@ -1,5 +1,6 @@
 """Published numbers and motions that several tests share."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
+from activesuit.errors import InputError
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.output import RunFolder
 
@@ -21,6 +23,25 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     """Angles that run through `turns` [rad], `samples` per branch."""
     branches = [np.linspace(start, end, samples)[1:] for start, end in pairwise(turns)]
     return np.concatenate([[turns[0]], *branches])
+
+
+def one_sentence(refusal: pytest.ExceptionInfo) -> bool:
+    """Returns whether an error is one sentence, without a full stop at its end."""
+    text = str(refusal.value)
+    return "\n" not in text and len(text) <= 400 and not text.endswith(".")
+
+
+def assert_refused(call: Callable[..., object], rows: Iterable[tuple]) -> None:
+    """Asserts that each row's arguments are refused with its last element, in one sentence."""
+    for *given, message in rows:
+        try:
+            call(*given)
+        except InputError as refusal:
+            text = str(refusal)
+            assert re.search(message, text), f"{given}: {text}"
+            assert "\n" not in text and not text.endswith("."), text
+        else:
+            pytest.fail(f"{given} is accepted, and {message!r} was expected")
 
 
 def without_volume_shares(suit: Suit) -> Suit:

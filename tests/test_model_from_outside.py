@@ -136,6 +136,7 @@ def test_plain_mjcf_and_its_own_complaints():
         mujoco.MjModel.from_xml_string(text.replace('value="20.0"', 'value="-1"'))
 
 
+@pytest.mark.slow
 def test_the_command_line_takes_it_from_curves_to_a_motion(curves, tmp_path, capsys):
     save_curves(tmp_path / "elbow_flexion.csv", curves)
     fit = str(tmp_path / "fit")

@@ -7,6 +7,8 @@ from activesuit.benchmarks.bound import attack, attack_table, changed
 from activesuit.envs.benchmark.suite import Setting
 from helpers import short_benchmark
 
+pytestmark = pytest.mark.slow
+
 DT = 0.01
 
 

@@ -8,6 +8,8 @@ from activesuit.hysteresis.references import EXAMPLES
 from activesuit.scripts.main import main
 from c_programs import need_compiler
 
+pytestmark = pytest.mark.slow
+
 
 def test_c_code_of_all_examples(capsys):
     need_compiler()

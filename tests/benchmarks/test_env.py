@@ -2,7 +2,10 @@
 
 import importlib.util
 
+import pytest
 from activesuit.benchmarks import env
+
+pytestmark = pytest.mark.slow
 
 
 def test_without_stable_baselines_its_row_is_left_out(monkeypatch, capsys):

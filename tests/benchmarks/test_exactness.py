@@ -10,6 +10,8 @@ from activesuit.hysteresis import MODELS, TABLE_2, Viscoelastic
 from activesuit.hysteresis.references import integrate, reference_of, turn_indices
 from activesuit.scripts.main import main
 
+pytestmark = pytest.mark.slow
+
 CASES = {case.name: case for case in exactness.examples()}
 WRONG = {
     "J-A shoulder-sa-pso": {"k": 168.583},

@@ -7,6 +7,8 @@ from activesuit.benchmarks import gpu
 from activesuit.errors import InputError
 from activesuit.scripts.main import main
 
+pytestmark = pytest.mark.slow
+
 
 def test_it_steps_worlds_with_and_without_hysteresis(monkeypatch, capsys):
     pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")

@@ -4,6 +4,8 @@ import pytest
 from activesuit.benchmarks.hindered import hindered
 from activesuit.envs.tasks import TASKS
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("task", TASKS)
 def test_no_success_for_an_arm_that_is_hindered(task):

@@ -9,6 +9,8 @@ from activesuit.benchmarks.honesty import bands, truths
 from activesuit.hysteresis import BoucWen
 from activesuit.scripts.main import main
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("kind", truths.KINDS)
 def test_truths_are_drawn_by_seed(kind):

@@ -7,6 +7,8 @@ pytest.importorskip("myo_sim")
 
 from activesuit.benchmarks.muscles import EFFICIENCY, bare_arms, bare_table, strengths
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def found():

@@ -5,6 +5,8 @@ from activesuit.benchmarks import sensitivity
 from activesuit.benchmarks.sensitivity import NOMINAL, POLICIES, changes, sensitivity_table
 from helpers import short_benchmark
 
+pytestmark = pytest.mark.slow
+
 
 def test_every_assumed_gain_is_halved_and_doubled():
     listed = dict(changes())

@@ -6,6 +6,8 @@ import pytest
 from activesuit.benchmarks import starts
 from helpers import in_this_process
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.slow
 def test_certified_fits_keep_their_limits(monkeypatch):

@@ -7,6 +7,8 @@ from activesuit.benchmarks import train
 from activesuit.scripts.main import main
 from activesuit.scripts.training import hyperparameters
 
+pytestmark = pytest.mark.slow
+
 
 def test_without_the_extra_one_sentence_says_so(capsys, monkeypatch):
     monkeypatch.setitem(hyperparameters.ALGORITHMS, "ppo", ("no_such_package", "PPO"))

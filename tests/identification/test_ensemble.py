@@ -41,6 +41,7 @@ def found(elbow):
     return select(measured(elbow.response, nested=True))
 
 
+@pytest.mark.slow
 def test_members_are_the_candidates_that_predict_nearly_as_well(found):
     members = {one.name: one for one in found.ensemble.members}
     least = min(one.error for one in members.values())
@@ -95,6 +96,7 @@ def test_first_order_curves_alone_give_a_band_along_first_order_curves_only(elbo
         found.band(Curve(unseen, 0 * unseen, "unseen"))
 
 
+@pytest.mark.slow
 def test_a_nested_record_widens_the_band_where_models_fail_beyond(unseen):
     soft = BoucWen(elastic=2.0, hysteretic=8.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=START)
 
@@ -167,6 +169,7 @@ def test_bad_input(found, elbow):
     assert endless.uncertainty(samples=0).names
 
 
+@pytest.mark.slow
 def test_a_candidate_that_cannot_predict_nested_loops_is_no_member(elbow, monkeypatch):
     fit_bouc_wen = FITS["bouc-wen"]
 

@@ -50,6 +50,7 @@ def test_a_record_without_cycles_leaves_nothing_out(elbow, turns):
         questions([record(elbow, turns=turns)])
 
 
+@pytest.mark.slow
 def test_a_record_whose_every_cycle_is_larger_than_the_last_is_predicted_beyond(elbow):
     turns = (0.9, *np.ravel([(0.9 + size, 0.9 - size) for size in np.linspace(0.05, 0.5, 10)]))
     one = record(elbow, turns=turns, noise=0.002)
@@ -61,6 +62,7 @@ def test_a_record_whose_every_cycle_is_larger_than_the_last_is_predicted_beyond(
     assert "larger" not in select([record(elbow)]).why
 
 
+@pytest.mark.slow
 def test_auto_takes_one_record_with_two_amplitudes(elbow):
     fit = select([record(elbow)]).fit
     assert fit.model_name == "jiles-atherton"
@@ -69,6 +71,7 @@ def test_auto_takes_one_record_with_two_amplitudes(elbow):
     assert fit.verdict.startswith("describes the curves")
 
 
+@pytest.mark.slow
 def test_the_drift_of_one_record_is_named(elbow):
     fit = select([record(elbow, drift=0.02)]).fit
     (drift,) = [one for one in fit.judgement.causes if one.name == "drift"]
@@ -78,6 +81,7 @@ def test_the_drift_of_one_record_is_named(elbow):
     assert not [one for one in still.judgement.causes if one.name == "drift"]
 
 
+@pytest.mark.slow
 def test_auto_takes_a_record_with_an_offset(elbow):
     fit = select([record(elbow, offset=1.3)]).fit
     assert fit.initial_torque == pytest.approx(1.3, abs=0.2)
@@ -134,6 +138,7 @@ def with_outliers(elbow, count, seed=0):
     return curves
 
 
+@pytest.mark.slow
 def test_outliers_are_counted_and_noise_has_none(elbow):
     fit = identify(with_outliers(elbow, 2))
     said = [remark for remark in fit.remarks if remark.code == "outliers"]
@@ -144,6 +149,7 @@ def test_outliers_are_counted_and_noise_has_none(elbow):
         assert not [remark for remark in fit.remarks if remark.code == "outliers"]
 
 
+@pytest.mark.slow
 def test_the_starts_that_agree_are_reported(elbow):
     curves = with_outliers(elbow, 0)
     fit = identify(curves)

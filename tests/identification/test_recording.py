@@ -18,6 +18,7 @@ def test_a_fault_is_named(fault):
     assert is_named(fault, named(fault, 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fault", "seed"),
     [

@@ -80,6 +80,7 @@ def held_out(candidate, truth, noise):
     return np.sqrt(np.mean(np.concatenate(errors) ** 2)) / peak(truth)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "turns", "seed"),
     [
@@ -102,6 +103,7 @@ def test_the_truth_or_one_as_good_is_found_under_noise(truths, name, turns, seed
     assert fit.model.certificate().dissipative
 
 
+@pytest.mark.slow
 def test_a_truth_of_another_kind_is_predicted(truths):
     noise, truth, seed = 0.02, truths["asymmetric preisach"], 0
     fit = select(family(truth, SIX, noise, seed), seed=seed).fit
@@ -186,6 +188,7 @@ def test_a_model_never_begins_outside_its_certificate(elbow):
     assert not elbow.start_is_certified(elbow.start(START, torque + 0.02))
 
 
+@pytest.mark.slow
 def test_a_seed_fixes_the_result_and_neither_workers_nor_other_roles_count(truths):
     curves = family(truths["bouc-wen"], THREE, 0.01)
     wrong = Curve(curves[0].angle, -curves[0].torque, "wrong", "predict")
@@ -252,6 +255,7 @@ def test_outliers_stop_no_fit(truths):
     assert np.isfinite(found.fit.nrmse)
 
 
+@pytest.mark.slow
 def test_the_verdict_extends_to_loops_on_which_a_tested_band_is_narrow(elbow):
     rng = np.random.default_rng(0)
     ways = {"A": (0.52, 1.0, 0.52), "B": (0.52, 1.3, 0.52), "C": (0.52, 1.57, 0.52)}

@@ -99,6 +99,7 @@ def test_two_cycles_less_a_sample_are_two(elbow):
     assert identify([short], corrections=Corrections(softening="fit")).softening.first > 1.1
 
 
+@pytest.mark.slow
 def test_a_change_beyond_the_limits_of_a_suit_is_limited(elbow):
     angle = record(elbow, noise=0.0).angle
     left = 1 - gone(angle) / gone(angle)[-1]
@@ -116,6 +117,7 @@ def test_a_torque_that_trebles_is_found(elbow):
     assert fit.softening.first == pytest.approx(0.3, abs=0.03)
 
 
+@pytest.mark.slow
 def test_every_kind_of_model_and_auto_take_it(elbow):
     corrections = Corrections(softening="fit")
     one = identify([record(elbow)], model="bouc-wen", corrections=corrections)

@@ -36,12 +36,14 @@ def test_a_fitted_offset_of_nothing_is_nothing(elbow):
     assert abs(identify(family(elbow, 0.0), corrections=Corrections(tare="fit")).tare) < 0.03
 
 
+@pytest.mark.slow
 def test_auto_takes_the_offset_of_jiles_atherton_where_no_other_model_is_as_good(elbow):
     fit = select(family(elbow, noise=NOISE / 20), corrections=Corrections(tare="fit")).fit
     assert fit.tare == pytest.approx(OFFSET, abs=0.003)
     assert fit.model_name == "jiles-atherton"
 
 
+@pytest.mark.slow
 def test_auto_takes_no_offset_that_a_model_as_good_leaves_open(elbow):
     tried = []
     found = select(family(elbow), corrections=Corrections(tare="fit"), on_candidate=tried.append)
@@ -57,6 +59,7 @@ def test_auto_takes_no_offset_that_a_model_as_good_leaves_open(elbow):
     assert plain.uncertainty().offset_open == (plain.fit.model_name,)
 
 
+@pytest.mark.slow
 def test_the_deviation_of_the_offset_is_that_of_its_estimates(elbow):
     found = []
     for offset in np.linspace(-1, 1, 8):

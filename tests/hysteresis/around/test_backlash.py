@@ -84,6 +84,7 @@ def test_a_small_gap_is_the_model_without_play(elbow):
     np.testing.assert_allclose(near.response(angle), elbow.response(angle), atol=1e-5)
 
 
+@pytest.mark.slow
 def test_ten_thousand_closed_cycles_give_no_energy_but_what_was_stored(elbow):
     rng = np.random.default_rng(0)
     kinds = rising(elbow)
@@ -100,6 +101,7 @@ def test_ten_thousand_closed_cycles_give_no_energy_but_what_was_stored(elbow):
         assert joint.energy(last).dissipated >= joint.energy(first).dissipated - 1e-9
 
 
+@pytest.mark.slow
 def test_where_the_torque_falls_the_suit_snaps_across_and_gives_no_energy_either(elbow):
     rng, falling = np.random.default_rng(4), Asymmetric(model=elbow, polynomial=[8.0, -20.0, 4.0])
     snapped = 0

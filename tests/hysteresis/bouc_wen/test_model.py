@@ -191,6 +191,7 @@ paths = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=300)
 @given(models, paths, st.floats(-0.99, 0.99))
 def test_z_stays_bounded(m, steps, start):

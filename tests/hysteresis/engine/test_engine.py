@@ -306,6 +306,7 @@ model.response([0.5, 1.0, 0.6])
 """
 
 
+@pytest.mark.slow
 def test_a_second_process_compiles_nothing(monkeypatch):
     monkeypatch.setenv("NUMBA_DEBUG_CACHE", "1")
     command = [sys.executable, "-c", SECOND]

@@ -157,6 +157,7 @@ def returns(p, size, rng):
     return np.trapezoid(torque, angle) / max(np.ptp(torque) * np.ptp(angle), 1e-9)
 
 
+@pytest.mark.slow
 def test_closed_cycles_of_random_models_and_motions_dissipate():
     rng = np.random.default_rng(0)
     found = []

@@ -91,6 +91,7 @@ def ledger(model, path, initial=0.0):
     return np.array(rows).T
 
 
+@pytest.mark.slow
 @given(path=paths, seed=seeds)
 @settings(deadline=None, max_examples=60)
 def test_agrees_with_single_relays(path, seed):

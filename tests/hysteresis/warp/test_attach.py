@@ -26,6 +26,8 @@ from activesuit.hysteresis.warp import attach
 from activesuit.hysteresis.warp.source import source_of
 from maxwell_slip import MaxwellSlip
 
+pytestmark = pytest.mark.slow
+
 wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-gpu")
 mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
 

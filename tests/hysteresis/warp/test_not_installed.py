@@ -8,6 +8,8 @@ from activesuit.benchmarks import gpu
 from activesuit.errors import InputError
 from activesuit.hysteresis.warp import attach
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("call", [lambda: attach(0, 0, 0, {}), lambda: gpu.rows(1, [1])])
 def test_one_sentence_says_what_to_install(call, monkeypatch):

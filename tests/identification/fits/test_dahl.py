@@ -53,6 +53,7 @@ def test_the_fit_of_unlike_ways_finds_equal_ones():
     assert found.friction_down == pytest.approx(1.5, rel=1e-3)
 
 
+@pytest.mark.slow
 @NAMES
 def test_unseen_curves_are_predicted_under_noise(name):
     known, noise = TRUTHS[name], 0.05
@@ -66,6 +67,7 @@ def test_unseen_curves_are_predicted_under_noise(name):
         assert certificate.dissipative
 
 
+@pytest.mark.slow
 def test_random_joints_with_unlike_ways_are_described_to_the_noise():
     """Those of `bench honesty`, beside fits of the other models with one state."""
     left = {name: [] for name in ("duhem", "dahl", "bouc-wen", "jiles-atherton")}
@@ -82,6 +84,7 @@ def test_random_joints_with_unlike_ways_are_described_to_the_noise():
     assert min(np.median(errors) for errors in left.values()) > 1.2
 
 
+@pytest.mark.slow
 @NAMES
 def test_intervals_contain_the_truth(name):
     """Nominal intervals of 95 %, over 10 families."""

@@ -53,6 +53,7 @@ def loops(material, form, noise=2e-3, start=0.0, **options):
     return Curve(field, M, material, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["bulk", "original", "derivative"])
 @pytest.mark.parametrize("material", MATERIALS)
 def test_the_form_and_its_parameters_come_back(material, form):

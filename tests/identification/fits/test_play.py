@@ -38,12 +38,14 @@ def test_other_models_find_it_too(elbow, name):
     assert found.gap == pytest.approx(GAP, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_joint_without_play_gets_none(elbow):
     for seed in range(3):
         fit = identify(measured(elbow, seed), corrections=Corrections(play="fit"))
         assert play_of(fit.model) == "none"
 
 
+@pytest.mark.slow
 def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     curves = measured(Backlash(model=elbow, gap=GAP))
     tight, loose = identify(curves), identify(curves, corrections=Corrections(play="fit"))
@@ -55,6 +57,7 @@ def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     assert [play_of(model) for model in known.samples] == ["fit"] * 2
 
 
+@pytest.mark.slow
 def test_a_dashpot_is_found_around_the_play(elbow):
     truth = Viscoelastic(model=Backlash(model=elbow, gap=GAP), damping=0.3)
     rng, curves = np.random.default_rng(0), []

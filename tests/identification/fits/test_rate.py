@@ -67,6 +67,7 @@ def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
     assert np.abs(rates).max() < NOISE
 
 
+@pytest.mark.slow
 def test_the_truth_is_within_its_interval(viscous):
     inside = []
     for seed in range(15):
@@ -77,6 +78,7 @@ def test_the_truth_is_within_its_interval(viscous):
     assert np.sum(inside) >= 11  # nominal 95 %: fewer come by chance in 1 of 1,600
 
 
+@pytest.mark.slow
 def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     curves = measured(viscous)
     slow = identify(curves)
@@ -89,6 +91,7 @@ def test_the_remark_leads_to_the_fit_that_describes_the_curves(viscous):
     assert [rate_of(model) for model in drawn] == ["viscous"] * 3
 
 
+@pytest.mark.slow
 def test_elements_that_were_not_found_are_reported(elbow, viscous):
     fit = identify(measured(viscous), corrections=Corrections(rate="relaxing"))
     assert rate_of(fit.model) == "viscous"
@@ -100,6 +103,7 @@ def test_elements_that_were_not_found_are_reported(elbow, viscous):
     assert "no gap was found (corrections=Corrections(play='none'))" in map(str, fit.remarks)
 
 
+@pytest.mark.slow
 def test_auto_chooses_among_models_beside_the_dashpot(viscous):
     found = select(measured(viscous), corrections=Corrections(rate="viscous"))
     assert rate_of(found.fit.model) == "viscous"

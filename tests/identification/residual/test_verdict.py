@@ -53,6 +53,7 @@ def test_a_model_of_the_wrong_kind_is_reported(memory):
     assert twice.verdict == NOT_BEYOND
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["jiles-atherton", "bouc-wen"])
 def test_a_record_of_growing_cycles_does_not_excuse_a_misfit(model):
     """Its misfit is smooth and long, as slow noise is; version 0.2 took it for that."""
@@ -77,6 +78,7 @@ def test_an_error_above_five_percent_needs_repeats(elbow):
     assert identify([*loud, *again]).verdict == NOT_BEYOND
 
 
+@pytest.mark.slow
 def test_noise_in_proportion_to_the_torque_has_no_outliers(elbow):
     for seed in range(8):
         loud = family(elbow, seed=seed)
@@ -133,6 +135,7 @@ def test_a_rate_is_found_where_curves_have_their_time(elbow):
     assert cause.size == pytest.approx(0.3, rel=0.2)
 
 
+@pytest.mark.slow
 def test_a_gap_is_named_with_its_remedy(elbow):
     curves = family(Backlash(model=elbow, gap=0.04))
     judged = identify(curves).judgement

@@ -110,6 +110,7 @@ def test_standard_errors_are_those_of_many_noisy_fits(elbow):
     np.testing.assert_allclose(spread, stated, rtol=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_intervals_and_bands_cover_the_truth_as_often_as_they_say(elbow, memory):
     """The benchmark `honesty` has the rates; here is what would miss them by far."""
