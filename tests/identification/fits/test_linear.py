@@ -7,7 +7,7 @@ from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from activesuit.hysteresis.preisach.model import Preisach
 from activesuit.identification import Curve
 from activesuit.identification.fits.linear import fit_prandtl_ishlinskii, fit_preisach
-from helpers import sweep
+from helpers import assert_refused, sweep
 
 START, TURNS = 0.5, (0.7, 0.9, 1.1, 1.3, 1.5)
 LEVELS = [0.3, *np.arange(0.5, 1.51, 0.2)]
@@ -130,34 +130,26 @@ def test_unusable_families(fit, curves, sentence):
         fit(curves)
 
 
-@pytest.mark.parametrize(
-    ("levels", "sentence"),
-    [
+def test_bad_levels():
+    rows = [
         (1, "levels is 1: use at least 2"),
         (0.5, "levels is 0.5: give at least one number"),
         ([1.0], "give at least 2 angles"),
         ([0.6, 0.5, 0.9], r"levels\[1\] is 0.5 rad"),
         ([2.0, 3.0], "the levels go from 2 to 3 rad and the curves from 0.5 to 1: give levels"),
-    ],
-)
-def test_bad_levels(levels, sentence):
-    with pytest.raises(InputError, match=sentence):
-        fit_preisach([BENT], levels)
+    ]
+    assert_refused(lambda levels: fit_preisach([BENT], levels), rows)
 
 
-@pytest.mark.parametrize(
-    ("thresholds", "sentence"),
-    [
+def test_bad_thresholds():
+    rows = [
         (0, "thresholds is 0: use at least 1"),
         ([0.1, -0.2], "positive thresholds"),
         ([0.2, 0.1], "increasing order"),
         ([], "give at least one number"),
         (0.5, "give at least one number"),
-    ],
-)
-def test_bad_thresholds(thresholds, sentence):
-    with pytest.raises(InputError, match=sentence):
-        fit_prandtl_ishlinskii([BENT], thresholds)
+    ]
+    assert_refused(lambda thresholds: fit_prandtl_ishlinskii([BENT], thresholds), rows)
 
 
 def test_first_order_curves_begin_at_one_angle():
