@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.assets import Suit, SuitJoint, curves_path, load_suit
 from activesuit.errors import InputError
-from activesuit.hysteresis import MODELS, BoucWen, Clipped, JilesAtherton
+from activesuit.hysteresis import BoucWen, Clipped, JilesAtherton
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Certified,
@@ -160,36 +160,6 @@ def test_bad_methods():
             method(trials=0)
     with pytest.raises(InputError, match=r"unknown method 'sapso'.*did you mean 'sa-pso'"):
         Search("sapso")
-
-
-@pytest.mark.parametrize(
-    "model",
-    [
-        "jiles-atherton",
-        "asymmetric",
-        "bouc-wen",
-        "hinged-stops",
-        "prandtl-ishlinskii",
-        "preisach",
-        "dahl",
-        "duhem",
-    ],
-)
-def test_every_model_is_identified_safely(small_family, model):
-    loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
-    option = {"initial_torque": "identified"} if model == "jiles-atherton" else {}
-    fit = identify(loaded, model=model, **option)
-    assert fit.model_name == model
-    assert model in MODELS
-    assert fit.nrmse < 0.03
-    assert fit.initial_torque == pytest.approx(0.4, abs=0.15)
-    assert fit.model.certificate().certified
-    assert fit.model.certificate().dissipative
-    assert fit.model.start_is_certified(fit.model.start(0.52, fit.initial_torque))
-    (kept,) = [curve for curve in loaded if curve.role == "predict"]
-    error = np.abs(fit.predict(kept) - kept.torque).max()
-    assert fit.prediction_errors == {kept.name: error}
-    assert identify(loaded, model=model, workers=1, **option) == fit
 
 
 @pytest.mark.parametrize(
