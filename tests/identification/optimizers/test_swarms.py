@@ -89,9 +89,8 @@ def transcription(objective, bounds, size, iterations, seed, coefficients, tempe
     return pbest[int(np.argmin(fbest))], np.array(history)
 
 
-@pytest.mark.parametrize(
-    ("swarm", "coefficients", "options", "temperature", "d"),
-    [
+def test_each_step_is_the_papers():
+    for swarm, coefficients, options, temperature, d in [
         (pso, tanh_coefficients, {}, None, 1),
         (pso, kao_fung_coefficients, KAO_FUNG, None, 3),
         (pso, linear_coefficients, KAO_FUNG | {"inertia": "linear"}, None, 3),
@@ -99,13 +98,11 @@ def transcription(objective, bounds, size, iterations, seed, coefficients, tempe
         (sa_pso, tanh_coefficients, {"temperature": "paper"}, math.exp(-10), 1),
         (sa_pso, tanh_coefficients, {"temperature": "ln5"}, math.log(5), 1),
         (sa_pso, tanh_coefficients, {"temperature": 10.0}, 10.0, 1),
-    ],
-)
-def test_each_step_is_the_papers(swarm, coefficients, options, temperature, d):
-    result = swarm(rosenbrock, BOUNDS, swarm_size=7, max_iterations=25, rng=4, **options)
-    x, history = transcription(rosenbrock, BOUNDS, 7, 25, 4, coefficients, temperature, d)
-    np.testing.assert_allclose(result.history, history, rtol=1e-9)
-    np.testing.assert_allclose(result.x, x, rtol=1e-9)
+    ]:
+        result = swarm(rosenbrock, BOUNDS, swarm_size=7, max_iterations=25, rng=4, **options)
+        x, history = transcription(rosenbrock, BOUNDS, 7, 25, 4, coefficients, temperature, d)
+        np.testing.assert_allclose(result.history, history, rtol=1e-9)
+        np.testing.assert_allclose(result.x, x, rtol=1e-9)
 
 
 def test_published_coefficients():
@@ -209,18 +206,14 @@ def test_bad_temperature():
 
 
 @pytest.mark.parametrize("name", SWARMS)
-@pytest.mark.parametrize(
-    ("objective", "optimum", "reached"),
+def test_finds_known_optima(name):
+    options = {"swarm_size": 100, "max_iterations": 400, "rng": 0, **COLD.get(name, {})}
     # Rastrigin: in the deepest valley, for the next holds 0.995; whoever keeps the particles that
     # are far away, as rank-distance MPSO does, polishes slowly
-    [(rosenbrock, 1.0, 1e-4), (rastrigin, 0.0, 0.1)],
-)
-def test_finds_known_optima(name, objective, optimum, reached):
-    best = SWARMS[name](
-        objective, BOUNDS[:2], swarm_size=100, max_iterations=400, rng=0, **COLD.get(name, {})
-    )
-    assert best.fun < reached
-    np.testing.assert_allclose(best.x, optimum, atol=0.03)
+    for objective, optimum, reached in ((rosenbrock, 1.0, 1e-4), (rastrigin, 0.0, 0.1)):
+        best = SWARMS[name](objective, BOUNDS[:2], **options)
+        assert best.fun < reached
+        np.testing.assert_allclose(best.x, optimum, atol=0.03)
 
 
 def hurdles(x):
@@ -247,30 +240,28 @@ def test_ask_and_tell_is_the_function(name):
 
 
 @pytest.mark.parametrize("name", SWARMS)
-@pytest.mark.parametrize("copy", ["json", "pickle"])
-@pytest.mark.parametrize("asked", [False, True])
-@pytest.mark.parametrize("rounds", [0, 1, 12])
-def test_resumed_equals_uninterrupted(name, copy, asked, rounds):
+def test_resumed_equals_uninterrupted(name):
     options = {"swarm_size": 9, "max_iterations": 30, "rng": 5}
-    swarm = CORES[name](BOUNDS, **options)
-    for _ in range(rounds):
-        swarm.tell(hurdles(swarm.ask()))
-    if asked:
-        swarm.ask()
-    if copy == "pickle":
-        again = pickle.loads(pickle.dumps(swarm))
-    else:
+    whole = SWARMS[name](hurdles, BOUNDS, **options)
+    for rounds, asked in ((0, False), (0, True), (1, False), (12, False), (12, True)):
+        swarm = CORES[name](BOUNDS, **options)
+        for _ in range(rounds):
+            swarm.tell(hurdles(swarm.ask()))
+        if asked:
+            swarm.ask()
+        unpickled = pickle.loads(pickle.dumps(swarm))
         again = CORES[name].from_state(json.loads(json.dumps(swarm.state(), allow_nan=False)))
-    same(again.minimize(hurdles), SWARMS[name](hurdles, BOUNDS, **options))
+        same(unpickled.minimize(hurdles), whole)
+        same(again.minimize(hurdles), whole)
 
 
-@pytest.mark.parametrize("kind", ["PCG64", "PCG64DXSM", "Philox", "SFC64", "MT19937"])
-def test_every_generator_resumes(kind):
-    rng = np.random.Generator(getattr(np.random, kind)(3))
-    swarm = SAPSO(BOUNDS, swarm_size=4, temperature="ln5", rng=rng)
-    swarm.tell(sphere(swarm.ask()))
-    again = SAPSO.from_state(json.loads(json.dumps(swarm.state())))
-    same(again.minimize(sphere), swarm.minimize(sphere))
+def test_every_generator_resumes():
+    for kind in ["PCG64", "PCG64DXSM", "Philox", "SFC64", "MT19937"]:
+        rng = np.random.Generator(getattr(np.random, kind)(3))
+        swarm = SAPSO(BOUNDS, swarm_size=4, temperature="ln5", rng=rng)
+        swarm.tell(sphere(swarm.ask()))
+        again = SAPSO.from_state(json.loads(json.dumps(swarm.state())))
+        same(again.minimize(sphere), swarm.minimize(sphere))
 
 
 def test_ask_and_tell_contract():
@@ -308,13 +299,13 @@ def test_bad_states():
         PSO.from_state(state | {"rng": {"bit_generator": "dice"}})
 
 
-@pytest.mark.parametrize("core", CORES.values())
-def test_numbers_that_would_never_end_or_overflow_are_refused(core):
-    with pytest.raises(InputError, match="max_iterations nan"):
-        core([(0, 1)], max_iterations=float("nan"))
-    for bounds in ((-1e308, 1e308), (0, float("inf")), (float("nan"), 1), (1, 1)):
-        with pytest.raises(InputError, match=r"bounds\[0\] are .*low < high"):
-            core([bounds])
+def test_numbers_that_would_never_end_or_overflow_are_refused():
+    for core in CORES.values():
+        with pytest.raises(InputError, match="max_iterations nan"):
+            core([(0, 1)], max_iterations=float("nan"))
+        for bounds in ((-1e308, 1e308), (0, float("inf")), (float("nan"), 1), (1, 1)):
+            with pytest.raises(InputError, match=r"bounds\[0\] are .*low < high"):
+                core([bounds])
 
 
 def test_a_state_of_other_options_is_refused():
