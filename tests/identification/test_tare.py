@@ -22,7 +22,9 @@ def family(model, offset=OFFSET, noise=NOISE):
     return curves
 
 
-@pytest.mark.parametrize("tare", [OFFSET, "fit", "zero"])
+@pytest.mark.parametrize(
+    "tare", ["fit", *(pytest.param(one, marks=pytest.mark.slow) for one in (OFFSET, "zero"))]
+)
 def test_the_offset_is_taken_off(elbow, tare):
     fit = identify(family(elbow), corrections=Corrections(tare=tare))
     assert fit.tare == pytest.approx(OFFSET, abs=0.15 if tare == "zero" else 0.03)

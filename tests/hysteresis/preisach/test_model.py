@@ -135,19 +135,6 @@ def test_loops_between_the_same_angles_are_congruent(path, other, low, high):
     np.testing.assert_allclose(one - one[0], two - two[0], atol=1e-12)
 
 
-@given(path=paths, shares=st.lists(st.floats(0, 1), min_size=1, max_size=5))
-@settings(deadline=None)
-def test_samples_on_the_way_do_not_matter(path, shares):
-    model = random_model(6)
-    dense = [path[0]]
-    for start, end in pairwise(path):
-        low, high = sorted((start, end))
-        dense += [min(max(start + x * (end - start), low), high) for x in sorted(shares)]
-        dense.append(end)
-    torque = model.response(dense)[:: len(shares) + 1]
-    assert torque[1:].tolist() == model.response(path)[1:].tolist()
-
-
 def test_uniform_density_in_closed_form():
     # E(alpha, beta) = weight (alpha - beta)^2 / 2, loss = weight (alpha - beta)^3 / 12.
     model = uniform_model()
