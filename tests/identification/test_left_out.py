@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.identification import Curve, identify, select
 from activesuit.identification.baselines import baseline_errors, predictions
 from activesuit.identification.left_out import questions
@@ -119,13 +118,6 @@ def test_noise_alone_is_not_described(method):
     fit = select(curves).fit if method == "auto" else identify(curves)
     assert fit.verdict == "does not describe the curves"
     assert any("explains next to nothing of the torque" in str(remark) for remark in fit.remarks)
-
-
-def test_one_way_alone_is_refused(elbow):
-    for model in ["jiles-atherton", "bouc-wen", "preisach", "hinged-stops", "dahl"]:
-        angle = np.linspace(0.52, 1.57, 200)
-        with pytest.raises(InputError, match="no curve turns back"):
-            identify([Curve(angle, elbow.response(angle), "up")], model=model)
 
 
 def with_outliers(elbow, count, seed=0):

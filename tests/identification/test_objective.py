@@ -9,7 +9,6 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton
 from activesuit.identification import Curve, CurveObjective, first_order_motions, measure
 from activesuit.identification.curves import noise_floor
-from activesuit.identification.optimizers import pso
 from helpers import TABLE_2, assert_refused
 from scipy.integrate import quad
 from scipy.optimize import minimize
@@ -107,36 +106,6 @@ def test_only_the_ratios_of_weights_count(unequal):
             )
 
 
-def test_a_weight_of_two_is_a_curve_measured_twice(small_family):
-    for loss in ["nrmse", "robust"]:
-        heavy = [replace(small_family[0], weight=2.0), *small_family[1:]]
-        twice = [small_family[0], *small_family]
-        scores = CurveObjective(heavy, loss=loss)(ROWS), CurveObjective(twice, loss=loss)(ROWS)
-        # Twice the curve also has its say in the estimate of the noise.
-        np.testing.assert_allclose(*scores, rtol=1e-12 if loss == "nrmse" else 0.05)
-
-
-def test_torque_in_another_unit(small_family):
-    for loss in LOSSES:
-        ours = CurveObjective(small_family, loss=loss)(ROWS)
-        scaled = [Curve(one.angle, 10 * one.torque, one.name) for one in small_family]
-        rows = ROWS * [10, 1, 0.1, 1, 1]  # the model's exact scaling
-        np.testing.assert_allclose(
-            CurveObjective(scaled, loss=loss)(rows), ours * (100 if loss == "sse" else 1), rtol=1e-6
-        )
-
-
-def test_normalized_by_curve_no_curve_dwarfs_another(small_family, elbow):
-    small = Curve(small_family[0].angle, 0.01 * small_family[0].torque, "small")
-    rows = ROWS[:1]
-    alone = CurveObjective([small])(rows)[0]
-    pair = [small_family[2], small]
-    assert CurveObjective(pair, normalize="curve")(rows)[0] == pytest.approx(
-        alone * math.sqrt(small.angle.size / sum(one.angle.size for one in pair)), rel=1e-3
-    )
-    assert CurveObjective(pair)(rows)[0] < 0.01 * alone
-
-
 def test_the_robust_loss_keeps_95_percent_of_the_efficiency():
     # The asymptotic variance of an M-estimator of location under Gaussian noise, against 1.
     d, density = 1.345, lambda x: math.exp(-x * x / 2) / math.sqrt(2 * math.pi)
@@ -194,18 +163,6 @@ def test_initial_torques(elbow):
         measured = CurveObjective(curves, initial_torque="measured").responses(ROWS)
         starts = np.cumsum([0, *(curve.angle.size for curve in curves)])[:-1]
         np.testing.assert_array_equal(measured[:, starts], [[one.torque[0] for one in curves]] * 2)
-
-
-def test_a_swarm_identifies_the_initial_torque(elbow):
-    curves = family(elbow, initial_torque=2.5)
-    objective = CurveObjective(curves, initial_torque="identified")
-    bounds = [*((0.8 * value, 1.25 * value) for value in ROWS[0]), (-8.0, 8.0)]
-    bounds[2] = (-0.1, 0.1)
-    found = pso(objective, bounds, swarm_size=40, max_iterations=80, rng=0)
-    assert found.x[5] == pytest.approx(2.5, abs=0.1)
-    floor = CurveObjective(curves, initial_torque=2.5).nrmse(ROWS[0])[0]
-    assert found.fun < 1.05 * floor
-    assert CurveObjective(curves).nrmse(ROWS[0])[0] > 5 * floor
 
 
 def test_bad_options(small_family):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import helpers
 import numpy as np
 import pytest
 from activesuit.errors import InputError
@@ -13,13 +14,8 @@ OFFSET, NOISE = 1.3, 0.05
 
 
 def family(model, offset=OFFSET, noise=NOISE):
-    rng = np.random.default_rng(2)
-    curves = []
-    for turn in (0.87, 1.22, 1.57):
-        angle = sweep(0.52, turn, 0.52)
-        torque = model.response(angle) + offset + noise * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn}"))
-    return curves
+    curves = helpers.family(model, noise=noise, seed=2, samples=200)
+    return [replace(one, torque=one.torque + offset) for one in curves]
 
 
 @pytest.mark.parametrize(

@@ -69,14 +69,6 @@ def test_a_model_at_its_pole_stays_nan_and_harms_no_other():
     assert np.isnan(both[1, -1])
 
 
-def test_repeated_angles_hold_the_torque():
-    rng = np.random.default_rng(3)
-    angle = np.repeat(walk(rng, 0.5)[:50], 4)
-    parameters = rng.uniform(LOW, HIGH, (20, 5))
-    torque = assert_same_bits(angle, parameters, (0, 200), (1.0,)).reshape(20, 50, 4)
-    np.testing.assert_array_equal(torque, np.repeat(torque[:, :, :1], 4, axis=2))
-
-
 def test_an_angle_that_is_not_finite_ends_the_motion():
     rng = np.random.default_rng(4)
     angle = walk(rng, 0.5)
@@ -84,13 +76,3 @@ def test_an_angle_that_is_not_finite_ends_the_motion():
     torque = assert_same_bits(angle, np.array(list(TABLE_2.values())))
     assert np.isfinite(torque[:, :100]).all()
     assert np.isnan(torque[:, 100:]).all()
-
-
-def test_published_models_through_the_public_api(table_2):
-    angle = np.degrees(np.concatenate([sweep(0.4, 1.2, 0.4), sweep(0.4, 0.9, 0.4)]))
-    starts, initial = np.array([0, angle.size // 2, angle.size]), np.zeros(2)
-    torque = together(angle, starts, initial, np.array(list(TABLE_2.values())))
-    for row, model in zip(torque, table_2.values(), strict=True):
-        for part in np.split(np.arange(angle.size), 2):
-            expected = model.response(np.radians(angle[part]))
-            np.testing.assert_allclose(row[part], expected, atol=1e-9)
