@@ -106,20 +106,6 @@ def test_every_way_of_resuming_is_bit_identical(elbow):
         np.testing.assert_array_equal(states[0, -1, 1 : 1 + model.nq], data.qpos)
 
 
-def test_memory_begins_at_the_start_angle(elbow):
-    model = chain(elbow, start_angle=0.3, start_torque=0.5)
-    data = mujoco.MjData(model)
-    data.qpos[:2] = [1.1, 0.3]
-    mujoco.mj_forward(model, data)
-    expected = elbow.response([0.3, 1.1], initial_torque=0.5)[-1]
-    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
-    assert data.sensor("two_suit_torque").data[0] == pytest.approx(-0.5)
-    assert data.sensor("two_suit_dissipated_energy").data[0] == pytest.approx(0.0, abs=1e-12)
-    mujoco.mj_step(model, data)
-    mujoco.mj_resetData(model, data)
-    assert (data.plugin_state == mujoco.MjData(model).plugin_state).all()
-
-
 def test_a_written_position_is_no_turning_point(elbow):
     for integrator in ["implicitfast", "RK4"]:
         model = chain(elbow, integrator, start_angle=0.3)

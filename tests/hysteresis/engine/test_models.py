@@ -132,6 +132,9 @@ def test_the_memory_begins_at_the_end_of_its_path(model):
         torque, _ = torque_and_loss_at(compiled, 0.5, row)
         expected = other.response([0.1, *path, 0.5], 0.2)[-1]
         assert torque == pytest.approx(expected, abs=1e-12)
+    replace_model(compiled, row, "j", other, start_angle=0.12, start_torque=0.3, start_path=())
+    torque, _ = torque_and_loss_at(compiled, 0.5, row)
+    assert torque == pytest.approx(other.response([0.12, 0.5], 0.3)[-1], abs=1e-12)
 
 
 def test_a_bad_path_is_refused():
@@ -201,30 +204,20 @@ def test_one_set_of_parameters_per_simulation(model):
 
 
 def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
-    compiled = pendulum(elbow)
-    state = mujoco.MjData(compiled).plugin_state
-    with pytest.raises(InputError, match="compiled with another kind or size of model"):
-        replace_model(compiled, state, "j", MODELS["bouc-wen"])
+    bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
+    kept = Clipped(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
+    stops = MODELS["prandtl-ishlinskii"]
+    fewer = replace(stops, thresholds=[0.1], weights=[1])
+    others = ((elbow, MODELS["bouc-wen"]), (stops, fewer), (bent, kept), (kept, bent))
+    for compiled_with, other in (*others, (elbow, bent)):
+        compiled = pendulum(compiled_with)
+        state = mujoco.MjData(compiled).plugin_state
+        with pytest.raises(InputError, match="compiled with another kind or size of model"):
+            replace_model(compiled, state, "j", other)
     with pytest.raises(InputError, match="unknown joint with a hysteresis model 'knee'"):
         replace_model(compiled, state, "knee", elbow)
     with pytest.raises(UncertifiedModelError):
         replace_model(compiled, state, "j", shoulder)
-    play = MODELS["prandtl-ishlinskii"]
-    other = replace(play, thresholds=[0.1], weights=[1])
-    compiled = pendulum(play)
-    with pytest.raises(InputError, match="another kind or size"):
-        replace_model(compiled, mujoco.MjData(compiled).plugin_state, "j", other)
-
-
-def test_replacing_needs_the_same_polynomial_and_range(elbow):
-    bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
-    kept = Clipped(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
-    for compiled_with, other in ((bent, kept), (kept, bent), (elbow, bent)):
-        compiled = pendulum(compiled_with)
-        state = mujoco.MjData(compiled).plugin_state
-        with pytest.raises(InputError, match="another kind or size"):
-            replace_model(compiled, state, "j", other)
-    state = mujoco.MjData(compiled).plugin_state
     for wrong in (state.tolist(), state.astype(np.float32), None):
         with pytest.raises(InputError, match="plugin_state must be"):
             replace_model(compiled, wrong, "j", elbow)
@@ -252,20 +245,6 @@ def test_a_garbage_state_never_harms_the_process(model):
         data.qpos[0] = 0.3
         mujoco.mj_forward(compiled, data)
         mujoco.mj_step(compiled, data, 3)
-
-
-def test_a_replaced_model_starts_where_the_compiled_one_does(elbow):
-    compiled = pendulum(elbow, start_angle=0.4, start_torque=1.5)
-    data = mujoco.MjData(compiled)
-    stronger = elbow.scaled(torque=1.1)
-    replace_model(compiled, data.plugin_state, "j", stronger)
-    data.qpos[0] = 0.7
-    mujoco.mj_forward(compiled, data)
-    torque = stronger.response([0.4, 0.7], initial_torque=1.5)[-1]
-    assert data.sensor("j_suit_torque").data[0] == -torque
-    replace_model(compiled, data.plugin_state, "j", stronger, start_angle=0.1, start_torque=0.0)
-    mujoco.mj_forward(compiled, data)
-    assert data.sensor("j_suit_torque").data[0] == -stronger.response([0.1, 0.7])[-1]
 
 
 def test_a_model_that_is_taken_off_gives_no_torque_until_it_is_put_on(elbow):

@@ -58,9 +58,11 @@ def test_only_certified_models_are_returned(elbow, name):
 @pytest.mark.parametrize("name", FITS)
 def test_unusable_families(name):
     turning, up = sweep(0.5, 1.0, 0.5), np.linspace(0.5, 1, 50)
+    tiny = [Curve(c.angle, 1e-300 * c.torque, c.name) for c in family(TRUTH)]
     wrong = {
         "no curve to fit": [],
         "no curve to fit|no curve with role": family(TRUTH, role="predict"),
+        r"peaks at .*e-300 N·m: give at least 1e-09 N·m; check": tiny,
         "no curve turns back": [Curve(up, 2 * up, "up")],
         "every torque is zero|no torque changes": [Curve(turning, 0 * turning, "flat")],
     }

@@ -5,7 +5,6 @@ import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import HingedStops, PrandtlIshlinskii
 from activesuit.identification import Curve, fit_hinged_stops
-from activesuit.identification.fits import hinged_stops
 from activesuit.identification.fits.registry import FITS, fit_model
 from activesuit.identification.prediction import predicted
 from helpers import sweep
@@ -119,15 +118,6 @@ def test_scale_offset_and_direction_change_nothing_else():
         )
         there = found.response(angle * path, found.offset)
         np.testing.assert_allclose(there, scale * torque + offset, atol=5e-3 * abs(scale))
-
-
-def test_the_jacobian_is_the_gradient():
-    problem = hinged_stops._Hinges(family(dead_zone_truth(np.random.default_rng(1)), 1), 6)
-    logs, steps = np.random.default_rng(0).normal(0, 0.5, 7), 1e-6 * np.eye(7)
-    cost = lambda logs: np.sum(problem.residual(logs) ** 2) / 2  # noqa: E731
-    slopes = [(cost(logs + step) - cost(logs - step)) / 2e-6 for step in steps]
-    expected = problem.jacobian(logs).T @ problem.residual(logs)
-    np.testing.assert_allclose(slopes, expected, atol=1e-7)
 
 
 def test_a_spring_without_noise():
