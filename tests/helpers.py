@@ -12,6 +12,8 @@ import pytest
 from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
 from activesuit.errors import InputError
+from activesuit.hysteresis import HysteresisModel
+from activesuit.identification import Curve
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.output import RunFolder
 
@@ -23,6 +25,27 @@ def sweep(*turns: float, samples: int = 200) -> np.ndarray:
     """Angles that run through `turns` [rad], `samples` per branch."""
     branches = [np.linspace(start, end, samples)[1:] for start, end in pairwise(turns)]
     return np.concatenate([[turns[0]], *branches])
+
+
+def family(
+    model: HysteresisModel,
+    turns: Iterable[float] = (0.87, 1.22, 1.57),
+    *,
+    start: float = 0.52,
+    first: float = 0.0,
+    noise: float = 0.0,
+    seed: int = 0,
+    samples: int = 60,
+    role: str = "fit",
+) -> list[Curve]:
+    """First-order curves [rad] that begin with the torque `first`, with white noise [N·m]."""
+    rng = np.random.default_rng(seed)
+    curves = []
+    for turn in turns:
+        angle = sweep(start, turn, start, samples=samples)
+        torque = model.response(angle, first) + noise * rng.standard_normal(angle.size)
+        curves.append(Curve(angle, torque, f"{turn}", role))
+    return curves
 
 
 def one_sentence(refusal: pytest.ExceptionInfo) -> bool:

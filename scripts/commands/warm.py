@@ -124,5 +124,3 @@ def _record() -> Curve:
     angle = np.concatenate([np.linspace(*way, 12)[:-1] for way in pairwise(turns)])
     torque = 5 * angle + np.sign(np.gradient(angle))
     return Curve(angle, torque - torque[0], "record")
-
-

@@ -1,6 +1,6 @@
 import hashlib
 import json
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,7 +28,8 @@ from activesuit.hysteresis import (
     Preisach,
     Viscoelastic,
 )
-from helpers import TABLE_2, sweep
+from activesuit.identification import Curve, identify, load_curves
+from helpers import TABLE_2, assert_refused, sweep
 
 SAFE, UNSAFE = hysteresis.TABLE_2["elbow-sa-pso"], hysteresis.TABLE_2["shoulder-sa-pso"]
 KINDS = [
@@ -45,9 +46,13 @@ KINDS = [
 ]
 
 
+def read_mock_suit():
+    return json.loads(load_suit("mock-suit").model_dump_json())
+
+
 @pytest.fixture
 def content():
-    return json.loads(load_suit("mock-suit").model_dump_json())
+    return read_mock_suit()
 
 
 def load(folder, content):
@@ -316,9 +321,8 @@ def changed(content, path, value):
 ELBOW = ("joints", "elbow_flexion")
 
 
-@pytest.mark.parametrize(
-    ("path", "value", "message"),
-    [
+def test_bad_content(tmp_path):
+    rows = [
         (("colour",), "white", "colour is not a known field"),
         (
             ("schema_version",),
@@ -345,104 +349,84 @@ ELBOW = ("joints", "elbow_flexion")
         (("pressure_kpa",), 0, "pressure_kpa: it is 0: give kPa above 0, at most 110, or leave"),
         (("pressure_kpa",), 29600, "pressure_kpa: it is 29600: give kPa"),
         (("label",), "real", "label is 'real': use 'from paper', 'illustrative' or 'extrapol"),
-    ],
-)
-def test_bad_content(tmp_path, content, path, value, message):
-    with pytest.raises(InputError, match=message) as error:
-        load(tmp_path, changed(content, path, value))
-    assert "suit.json" in str(error.value)
-    assert "\n" not in str(error.value)
+    ]
 
+    def read(path, value):
+        load(tmp_path, changed(read_mock_suit(), path, value))
 
-def test_a_missing_field_is_named(tmp_path, content):
-    entry = content["joints"]["elbow_flexion"]
-    k = entry["model"].pop("k")
-    with pytest.raises(
-        InputError, match=r"elbow_flexion\.model: .* has no k: give a value of each"
-    ):
-        load(tmp_path, content)
-    entry["model"]["k"] = k
-    del entry["range"]
+    assert_refused(read, rows)
+    missing = changed(read_mock_suit(), (*ELBOW, "model"), {"model": "jiles-atherton"})
+    with pytest.raises(InputError, match=r"suit\.json.*elbow_flexion\.model: .* has no Ms"):
+        load(tmp_path, missing)
+    del missing["joints"]["elbow_flexion"]["range"]
+    missing["joints"]["elbow_flexion"]["model"] = SAFE.to_dict()
     with pytest.raises(InputError, match=r"elbow_flexion\.range is missing: add it$"):
-        load(tmp_path, content)
+        load(tmp_path, missing)
 
 
 def test_bad_files(tmp_path, content):
-    with pytest.raises(InputError, match=r"not complete JSON \(line"):
-        load(tmp_path, json.dumps(content, indent=1)[:300])
-    with pytest.raises(InputError, match="schema_version is None"):
-        load(tmp_path, "[1, 2]")
-    with pytest.raises(InputError, match="No such file"):
-        load_suit(tmp_path / "none.json")
-    with pytest.raises(InputError, match=r"unknown suit 'mocksuit'.*did you mean 'mock-suit'"):
-        load_suit("mocksuit")
+    rows = [
+        (lambda: load(tmp_path, json.dumps(content, indent=1)[:300]), r"not complete JSON \(line"),
+        (lambda: load(tmp_path, "[1, 2]"), "schema_version is None"),
+        (lambda: load_suit(tmp_path / "none.json"), "No such file"),
+        (lambda: load_suit("mocksuit"), r"unknown suit 'mocksuit'.*did you mean 'mock-suit'"),
+    ]
+    assert_refused(lambda call: call(), rows)
 
 
-class Measured:
-    """The curves that a fit has, as `assets` sees them."""
-
-    source, sha256 = "knee.csv", "5e5f"
-    names = ("a", "b")
-    angle_range, start_angle, start_torque = (0.1, 1.2), 0.1, 0.3
-
-    def fitted(self):
-        return self
+@pytest.fixture(scope="module")
+def fit():
+    return identify(load_curves(curves_path("elbow")))
 
 
-@dataclass
-class Found:
-    model: object = SAFE
-    method: str = "certified"
-    initial_torque: float | str = "measured"
-    softening: None = None
-    nrmse: float = 0.01
-    curves: object = field(default_factory=Measured)
-
-
-def test_suits_from_fits(tmp_path):
-    base = load_suit("mock-suit")
-    fits = {"wrist_flexion": Found(), "elbow_flexion": Found(initial_torque=0.2)}
-    samples = {"wrist_flexion": [SAFE.scaled(torque=1.1)]}
+def test_suits_from_fits(fit, tmp_path):
+    base, model = load_suit("mock-suit"), fit.model
+    fits = {"wrist_flexion": fit, "elbow_flexion": replace(fit, initial_torque=0.2)}
+    samples = {"wrist_flexion": [model.scaled(torque=1.1)]}
     suit = Suit.from_fits(fits, name="mine", base=base, samples=samples, note="By hand.")
     suit.save(tmp_path / "mine.json")
     assert load_suit(tmp_path / "mine.json") == suit
-    assert suit.description.startswith("Identified: wrist_flexion from knee.csv by certified; elb")
+    assert suit.description.startswith("Identified: wrist_flexion from elbow.csv by certified; elb")
     wrist, elbow = suit.joints["wrist_flexion"], suit.joints["elbow_flexion"]
-    assert wrist.source == "certified fit of knee.csv, curves a, b. By hand."
-    assert (wrist.grade, wrist.data_sha256, wrist.fit_nrmse) == ("identified", "5e5f", 0.01)
-    assert (wrist.range, wrist.start_angle, wrist.start_torque) == ((0.1, 1.2), 0.1, 0.3)
-    assert wrist.certificate_margin == SAFE.certificate().margin
-    assert (wrist.samples, elbow.samples) == ((SAFE.scaled(torque=1.1),), ())
-    assert elbow.start_torque == 0.2
+    assert wrist.source == "certified fit of elbow.csv, curves 0.87, 1.22, 1.57. By hand."
+    digest = hashlib.sha256(curves_path("elbow").read_bytes()).hexdigest()
+    assert (wrist.grade, wrist.data_sha256, wrist.fit_nrmse) == ("identified", digest, fit.nrmse)
+    assert (wrist.range, wrist.start_angle) == ((0.52, 1.57), 0.52)
+    assert wrist.certificate_margin == model.certificate().margin
+    assert (wrist.samples, elbow.samples) == ((model.scaled(torque=1.1),), ())
+    assert (wrist.start_torque, elbow.start_torque) == (fit.initial_torque, 0.2)
     assert suit.joints["shoulder_flexion"] == base.joints["shoulder_flexion"]
     assert set(Suit.from_fits(fits).joints) == set(fits)
 
 
-@pytest.mark.parametrize(
-    ("fits", "options", "message"),
-    [
+def test_a_suit_begins_where_curves_without_a_file_do(small_family):
+    loaded = [Curve(c.angle, c.torque + 0.4, c.name, c.role) for c in small_family]
+    entry = SuitJoint.from_fit(identify(loaded, initial_torque="measured"), note="Mine.")
+    assert entry.source == "certified fit, curves 0.87, 1.22, 1.57. Mine."
+    assert entry.data_sha256 is None
+    assert entry.start_torque == np.mean([c.torque[0] for c in loaded if c.role == "fit"])
+
+
+def test_bad_fits(fit):
+    rows = [
         ({}, {}, r"fits is \{\}: give fits by joint, as \{'elbow_flexion': fit\}"),
-        (Found(), {}, "fits is .*Found.*: give fits by joint"),
-        ({"knee": Found()}, {}, "unknown joint 'knee': use one of elbow_flexion"),
-        ({"elbow_flexio": Found()}, {}, "did you mean 'elbow_flexion'"),
+        (fit, {}, "fits is .*: give fits by joint"),
+        ({"knee": fit}, {}, "unknown joint 'knee': use one of elbow_flexion"),
+        ({"elbow_flexio": fit}, {}, "did you mean 'elbow_flexion'"),
         ({"elbow_flexion": SAFE}, {}, "fit is JilesAtherton.*: give what identify returned"),
-        ({"elbow_flexion": Found()}, {"name": ""}, "name: String should have at least 1"),
+        ({"elbow_flexion": fit}, {"name": ""}, "name: String should have at least 1"),
         (
-            {"elbow_flexion": Found()},
+            {"elbow_flexion": fit},
             {"samples": {"wrist_flexion": []}},
             "samples has 'wrist_flexion', which has no fit: leave it out",
         ),
         (
-            {"elbow_flexion": Found()},
+            {"elbow_flexion": fit},
             {"samples": {"elbow_flexion": [UNSAFE]}},
             r"samples\[0\] has certificate margin -0.2.* remove that sample",
         ),
-    ],
-)
-def test_bad_fits(fits, options, message):
-    with pytest.raises(InputError, match=message) as error:
-        Suit.from_fits(fits, **options)
-    assert "\n" not in str(error.value)
+    ]
+    assert_refused(lambda fits, options: Suit.from_fits(fits, **options), rows)
 
 
 def test_suits_as_objects():
@@ -454,32 +438,27 @@ def test_suits_as_objects():
     assert hash(load_suit(suit.model_dump())) == hash(suit)
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
+def test_bad_objects():
+    joint = load_suit("mock-suit").joints["elbow_flexion"]
+    rows = [
         (SAFE, "suit is JilesAtherton.*: give the name of a shipped suit, the path"),
         (None, "suit is None: give the name"),
         ({}, "suit: schema_version is None, and this release reads 2"),
         ("", "unknown suit ''"),
         ("a\0b", r"unknown suit 'a\\x00b'"),
         ("x" * 5000, "unknown suit 'xxx.*: use one of"),
-    ],
-)
-def test_bad_objects(given, message):
-    with pytest.raises(InputError, match=message) as error:
-        load_suit(given)
-    assert len(str(error.value)) <= 300
-    with pytest.raises(InputError, match=r"give it by the name of its joint, as {'elbow_flexion':"):
-        load_suit(load_suit("mock-suit").joints["elbow_flexion"])
-    joint = load_suit("mock-suit").joints["elbow_flexion"]
-    with pytest.raises(InputError, match=r"suit: joints.knee is 'knee': use"):
-        load_suit({"knee": joint})
+        (joint, r"give it by the name of its joint, as {'elbow_flexion':"),
+        ({"knee": joint}, r"suit: joints.knee is 'knee': use"),
+    ]
+    assert_refused(load_suit, rows)
 
 
-@pytest.mark.parametrize("version", [2.0, True, "2", None, [2], 10**300])
-def test_versions_that_are_not_ours(tmp_path, content, version):
-    with pytest.raises(InputError, match=r"schema_version is .*, and this release reads 2: "):
-        load(tmp_path, {**content, "schema_version": version})
+def test_versions_that_are_not_ours(tmp_path, content):
+    wrong = [2.0, True, "2", None, [2], 10**300]
+    assert_refused(
+        lambda version: load(tmp_path, {**content, "schema_version": version}),
+        [(one, r"schema_version is .*, and this release reads 2: ") for one in wrong],
+    )
 
 
 def test_damaged_json(tmp_path, content):
@@ -518,45 +497,27 @@ def test_a_joint_softens_over_its_cycles():
 def test_a_softening_survives_its_file(tmp_path):
     suit = Suit(name="s", description="of a test", joints={"elbow_flexion": softened()})
     suit.save(tmp_path / "s.json")
-    loaded = load_suit(str(tmp_path / "s.json")).joints["elbow_flexion"]
+    written = (tmp_path / "s.json").read_text()
+    loaded = load(tmp_path, written).joints["elbow_flexion"]
     assert loaded.softening == softened().softening
+    rows = [
+        ("-1", r"softening\.first"),
+        ("120", r"softening\.first: .* less than or equal to 10 \(it is 120\)"),
+        ("9.2", "first is 9.2 and steady 0.9"),
+        ('"1.2"', "give a number, without quotes, not '1.2'"),
+    ]
+    assert_refused(
+        lambda first: load(tmp_path, written.replace('"first": 1.2', f'"first": {first}')), rows
+    )
     with pytest.raises(InputError, match="cycles is -1"):
         suit.after(-1)
-    wrong = (tmp_path / "s.json").read_text().replace('"first": 1.2', '"first": -1')
-    (tmp_path / "s.json").write_text(wrong)
-    with pytest.raises(InputError, match=r"softening\.first"):
-        load_suit(str(tmp_path / "s.json"))
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "reported"),
-    [
-        (
-            '"first": 1.2',
-            '"first": 120',
-            r"softening\.first: .* less than or equal to 10 \(it is 120\)",
-        ),
-        ('"first": 1.2', '"first": 9.2', "first is 9.2 and steady 0.9"),
-        ('"first": 1.2', '"first": "1.2"', "give a number, without quotes, not '1.2'"),
-    ],
-)
-def test_softening_that_no_suit_has(tmp_path, before, after, reported):
-    suit = Suit(name="s", description="of a test", joints={"elbow_flexion": softened()})
-    suit.save(tmp_path / "s.json")
-    (tmp_path / "s.json").write_text((tmp_path / "s.json").read_text().replace(before, after))
-    with pytest.raises(InputError, match=reported):
-        load_suit(str(tmp_path / "s.json"))
-
-
-@pytest.mark.parametrize(
-    ("wrapped", "reported"),
-    [
-        (lambda model: Backlash(model=model, gap=3.0), "gap is 3 rad: give less than the range"),
-        (lambda model: Viscoelastic(model=model, damping=1e12), r"damping is 1e\+12 N·m·s/rad"),
-    ],
-)
-def test_play_and_damping_that_no_joint_has(wrapped, reported):
+def test_play_and_damping_that_no_joint_has():
     joint = load_suit("mock-suit").joints["elbow_flexion"]
     others = joint.model_dump(exclude={"model", "certificate_margin"})
-    with pytest.raises(InputError, match=reported):
-        SuitJoint.from_model(wrapped(joint.model), **others)
+    rows = [
+        (Backlash(model=joint.model, gap=3.0), "gap is 3 rad: give less than the range"),
+        (Viscoelastic(model=joint.model, damping=1e12), r"damping is 1e\+12 N·m·s/rad"),
+    ]
+    assert_refused(lambda model: SuitJoint.from_model(model, **others), rows)

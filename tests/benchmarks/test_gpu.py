@@ -4,8 +4,10 @@ import json
 
 import pytest
 from activesuit.benchmarks import gpu
-from activesuit.errors import InputError
 from activesuit.scripts.main import main
+from helpers import assert_refused
+
+pytestmark = pytest.mark.slow
 
 pytestmark = pytest.mark.slow
 
@@ -22,10 +24,9 @@ def test_it_steps_worlds_with_and_without_hysteresis(monkeypatch, capsys):
     assert rows[1][:2] == [found["device"], "3"]
 
 
-@pytest.mark.parametrize("worlds", [[0], [4, 4]])
-def test_numbers_of_worlds_are_checked(worlds):
-    with pytest.raises(InputError, match="worlds"):
-        gpu.rows(1, worlds)
+def test_numbers_of_worlds_are_checked():
+    wrong = [[0], [4, 4]]
+    assert_refused(lambda worlds: gpu.rows(1, worlds), [(one, "worlds") for one in wrong])
 
 
 def test_worlds_belong_to_gpu(capsys):

@@ -7,7 +7,6 @@ from helpers import in_this_process
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.slow
 def test_certified_fits_keep_their_limits(monkeypatch):
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 2)
     monkeypatch.setattr(starts, "run_all", in_this_process)

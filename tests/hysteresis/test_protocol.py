@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from activesuit.hysteresis import (
     model_from_dict,
 )
 from activesuit.hysteresis.references import EXAMPLES as REFERENCE_EXAMPLES
-from helpers import sweep
+from helpers import assert_refused, sweep
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -72,11 +73,8 @@ def test_step_is_the_bitwise_twin_of_response(model):
         assert stepped == torque[i] == after.torque
         assert after.angle == angle[i]
         state = after
-
-
-def test_a_state_cannot_be_changed(model):
     with pytest.raises(ValueError, match="read-only"):
-        model.start(0.5).memory[0] = 1.0
+        state.memory[0] = 1.0
 
 
 def test_splitting_a_motion_changes_nothing(model):
@@ -87,7 +85,7 @@ def test_splitting_a_motion_changes_nothing(model):
 
 def test_tangent_is_the_slope(model):
     state = model.start(0.5, 0.1)
-    for angle in (0.83, 0.61):
+    for angle in (0.83, 0.61, 0.3, 0.9):
         state, torque = model.step(state, angle)
         for direction in (1, -1):
             step = 1e-7 * direction
@@ -115,11 +113,6 @@ def test_inverse_takes_the_response_back(model):
     np.testing.assert_allclose(model.response(model.inverse(torque, angle[0])), torque, atol=1e-9)
 
 
-def test_inverse_says_what_cannot_be_reached(model):
-    with pytest.raises(InputError, match=r"torque has shape|torque\[1\] is nan"):
-        model.inverse([0.0, math.nan])
-
-
 def test_json_round_trip(model):
     again = model_from_dict(json.loads(json.dumps(model.to_dict())))
     assert again == model
@@ -133,57 +126,37 @@ def test_scalings_are_exact(model):
     np.testing.assert_allclose(
         scaled.response(2.5 * angle), 1.35 * model.response(angle), rtol=1e-9, atol=1e-9
     )
-    for bad in (0.0, -1.0, math.inf, math.nan):
-        with pytest.raises(InputError, match="torque scale is"):
-            model.scaled(torque=bad)
-        with pytest.raises(InputError, match="angle scale is"):
-            model.scaled(angle=bad)
 
 
-@pytest.mark.parametrize("bad", [[], [[0.1]], [0.1, math.nan], [0.0, math.inf]])
-def test_bad_series(model, bad):
-    with pytest.raises(InputError, match="angle"):
-        model.response(bad)
-    with pytest.raises(InputError, match=r"angle is inf: give a finite angle|angle is inf"):
-        model.start(math.inf)
-    with pytest.raises(InputError, match="initial torque is nan"):
-        model.start(0.0, math.nan)
-    with pytest.raises(InputError, match="angle is nan"):
-        model.step(model.start(0.5), math.nan)
+def test_bad_motions(model):
+    series = ([], [[0.1]], [0.1, math.nan], [0.0, math.inf])
+    other = (["a"], {}, 1 + 2j, None, [10**400])
+    assert_refused(model.response, [(bad, "angle") for bad in (*series, *other)])
+    assert_refused(model.inverse, [(bad, "torque") for bad in (*other, [0.0, math.nan])])
+    assert_refused(model.start, [(math.inf, "angle is inf"), (0.0, math.nan, "torque is nan")])
+    for follow in (model.response, model.inverse):
+        with pytest.raises(InputError, match="is not a series of real numbers"):
+            follow([[1, 2], [3]])
+    state, scales = model.start(0.5), (0.0, -1.0, math.inf, math.nan)
+    assert_refused(lambda angle: model.step(state, angle), [(math.nan, "angle is nan")])
+    assert_refused(lambda one: model.scaled(torque=one), [(x, "torque scale is") for x in scales])
+    assert_refused(lambda one: model.scaled(angle=one), [(x, "angle scale is") for x in scales])
+    wrong = [(one, "give a number") for one in ("x", None, True, [1.0])]
+    assert_refused(lambda angle: model.step(state, angle), wrong)
+    assert_refused(lambda torque: model.start(0.5, torque), wrong)
+    assert_refused(lambda torque: model.scaled(torque=torque), wrong)
 
 
-@pytest.mark.parametrize("bad", [["a"], [[1, 2], [3]], {}, 1 + 2j, None, [10**400]])
-def test_series_of_other_things(model, bad):
-    with pytest.raises(InputError, match="angle"):
-        model.response(bad)
-    with pytest.raises(InputError, match="torque"):
-        model.inverse(bad)
-    for wrong in ("x", None, True, [1.0]):
-        with pytest.raises(InputError, match="give a number"):
-            model.step(model.start(0.5), wrong)
-        with pytest.raises(InputError, match="give a number"):
-            model.start(0.5, wrong)
-        with pytest.raises(InputError, match="give a number"):
-            model.scaled(torque=wrong)
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
+def test_bad_dictionaries():
+    rows = [
         ({"model": "maxwell"}, "unknown model 'maxwell'"),
         ({}, "unknown model 'None'"),
         ({"model": ["x"]}, "unknown model"),
         ({"model": "bouc-wen", "elastic": 1}, "model 'bouc-wen' has no hysteretic"),
         ({**EXAMPLES["bouc-wen"].to_dict(), "color": 1}, "unknown parameter of 'bouc-wen' 'color'"),
         ([1, 2], "described by a dictionary"),
-    ],
-)
-def test_bad_dictionaries(content, message):
-    with pytest.raises(InputError, match=message):
-        model_from_dict(content)
-
-
-positive = st.floats(-1, 1).map(lambda e: 10**e)
+    ]
+    assert_refused(model_from_dict, rows)
 
 
 @st.composite
@@ -213,10 +186,12 @@ def dissipative_models(draw):
     else:
         size, hinges = int(rng.integers(1, 9)), int(rng.integers(1, 7))
         thresholds, weights = np.cumsum(rng.uniform(0.01, 0.5, size)), rng.uniform(0, 5, size)
-        stops = PrandtlIshlinskii(
+        model = stops = PrandtlIshlinskii(
             stiffness=rng.uniform(0, 3), thresholds=thresholds, weights=weights
         )
-        model = stops
+        if kind == 3 and rng.integers(2):
+            stiffness = stops.stiffness + weights.sum()
+            model = replace(stops, stiffness=stiffness, weights=-weights, operator="play")
         if kind == 4:
             slopes = rng.integers(0, 2, hinges + 1) * 10 ** rng.uniform(-1, 1, hinges + 1)
             model = HingedStops(

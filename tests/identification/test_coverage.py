@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.identification import (
     Curve,
     Motion,
@@ -14,7 +13,7 @@ from activesuit.identification import (
     shortfalls,
 )
 from activesuit.identification.coverage import DEEP, any_motion, nesting_of
-from helpers import sweep
+from helpers import assert_refused, sweep
 
 LOW, HIGH = 0.52, 1.57
 
@@ -36,9 +35,8 @@ def record():
     return motion_coverage([Motion(found.time, found.angle)])
 
 
-@pytest.mark.parametrize(
-    ("points", "deepest"),
-    [
+def test_nesting_is_what_return_point_memory_remembers():
+    for points, deepest in [
         ([0, 1], 0),
         ([0, 1, 0], 1),
         ([0, 1, 0, 2, 0, 3, 0], 1),  # first-order curves in one record
@@ -50,12 +48,10 @@ def record():
         ([0, 1, 0.5, 0.8, 0.6, 1], 4),
         ([0, 1, 0.5, 0.9, 0.4, 0.8, 0.3, 0.7], 3),  # passing 0.5 forgets 0.5 and 0.9
         ([1, 0, 0.5, 0.2], 2),
-    ],
-)
-def test_nesting_is_what_return_point_memory_remembers(points, deepest):
-    assert nesting_of(points) == deepest
-    assert motion_coverage([motion(*points)]).nesting == deepest
-    assert nesting_of([-point for point in points]) == deepest
+    ]:
+        assert nesting_of(points) == deepest
+        assert motion_coverage([motion(*points)]).nesting == deepest
+        assert nesting_of([-point for point in points]) == deepest
 
 
 def test_nesting_is_the_alternating_series_of_extremes():
@@ -133,9 +129,8 @@ def test_what_is_covered_gets_no_sentence():
     assert shortfalls(record(), first_order(rate=0.4)) == []
 
 
-@pytest.mark.parametrize(
-    ("needed", "words"),
-    [
+def test_each_difference_that_matters_gets_one_sentence():
+    for needed, words in [
         (
             motion_coverage([motion(0.1, 1.9, 0.1)]),
             "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: below 0.52 rad and above",
@@ -147,12 +142,10 @@ def test_what_is_covered_gets_no_sentence():
         (motion_coverage([motion(LOW, HIGH, 1.47)]), "turns back after 0.1 rad, the curves after"),
         (motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)]), "moves at up to 1 rad/s, the curves"),
         (motion_coverage([motion(*[LOW, HIGH] * 3)]), "goes through 2 whole cycles, a curve"),
-    ],
-)
-def test_each_difference_that_matters_gets_one_sentence(needed, words):
-    (sentence,) = shortfalls(first_order(rate=0.1), needed)
-    assert words in sentence
-    assert "measure" in sentence
+    ]:
+        (sentence,) = shortfalls(first_order(rate=0.1), needed)
+        assert words in sentence
+        assert "measure" in sentence
 
 
 def test_curves_without_time_and_without_a_return():
@@ -178,14 +171,10 @@ def test_curves_are_motions(elbow):
     assert coverage([curve]) == motion_coverage([Motion(curve.time, curve.angle)])
 
 
-@pytest.mark.parametrize(
-    ("motions", "message"),
-    [
+def test_bad_motions():
+    rows = [
         ([], "there is no motion: give at least one"),
         ([Motion(None, np.ones(3))], "stays at 1 rad"),
         ([Motion(None, np.array([0, np.nan]))], "angle"),
-    ],
-)
-def test_bad_motions(motions, message):
-    with pytest.raises(InputError, match=message):
-        motion_coverage(motions)
+    ]
+    assert_refused(motion_coverage, rows)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification import Motion, load_motion, nested_motion, save_motion
+from helpers import assert_refused
 
 
 def write(folder, text):
@@ -12,16 +13,16 @@ def write(folder, text):
     return path
 
 
-@pytest.mark.parametrize("timed", [True, False])
-def test_round_trip(tmp_path, timed):
-    design = nested_motion(0.52, 1.57)
-    save_motion(tmp_path / "a.csv", Motion(design.time if timed else None, design.angle))
-    time, angle = load_motion(tmp_path / "a.csv")
-    np.testing.assert_allclose(angle, design.angle, atol=1e-9)
-    if timed:
-        np.testing.assert_allclose(time, design.time, rtol=1e-11)
-    else:
-        assert time is None
+def test_round_trip(tmp_path):
+    for timed in [True, False]:
+        design = nested_motion(0.52, 1.57)
+        save_motion(tmp_path / "a.csv", Motion(design.time if timed else None, design.angle))
+        time, angle = load_motion(tmp_path / "a.csv")
+        np.testing.assert_allclose(angle, design.angle, atol=1e-9)
+        if timed:
+            np.testing.assert_allclose(time, design.time, rtol=1e-11)
+        else:
+            assert time is None
 
 
 def test_columns_of_tasks_of_curves_and_of_degrees(tmp_path):
@@ -33,9 +34,8 @@ def test_columns_of_tasks_of_curves_and_of_degrees(tmp_path):
     np.testing.assert_allclose(load_motion(write(tmp_path, text)).angle, [0, np.pi / 2])
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_bad_files(tmp_path):
+    rows = [
         ("", "is empty: give a header 'time_s,angle_rad'"),
         ("time_s,angle\n0,1\n", "none of the columns angle_rad, angle_deg: give exactly one"),
         ("angle_rad,angle_deg\n0,1\n", "has angle_rad and angle_deg: give exactly one"),
@@ -48,12 +48,8 @@ def test_columns_of_tasks_of_curves_and_of_degrees(tmp_path):
         ("time_s,angle_rad\n0,1\n,2\n", "line 3: time_s is ''"),
         ("time_s,angle_rad\n0.5,1\n0.4,2\n", "line 3: the time runs back from 0.5 to 0.4 s: put"),
         ("time_s,angle_rad\n0.5,1\n0.5,2\n", "line 3: the time stands still at 0.5 s"),
-    ],
-)
-def test_bad_files(tmp_path, text, message):
-    with pytest.raises(InputError, match=message) as error:
-        load_motion(write(tmp_path, text))
-    assert "motion.csv" in str(error.value)
+    ]
+    assert_refused(lambda text: load_motion(write(tmp_path, text)), rows)
 
 
 def test_files_that_cannot_be_read(tmp_path):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import helpers
 import numpy as np
 import pytest
 from activesuit.errors import InputError
@@ -62,14 +63,8 @@ def peak(model):
 
 
 def family(model, turns, noise=0.0, seed=0, start=0.0):
-    rng = np.random.default_rng(seed)
-    curves = []
-    for turn in turns:
-        angle = sweep(START, turn, START, samples=60)
-        torque = model.response(angle, start)
-        torque = torque + noise * peak(model) * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn}"))
-    return curves
+    """Curves with a noise that is a share of the peak."""
+    return helpers.family(model, turns, noise=noise * peak(model), seed=seed, first=start)
 
 
 def held_out(candidate, truth, noise):

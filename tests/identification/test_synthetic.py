@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
-    Asymmetric,
+    TABLE_2,
     BoucWen,
-    Clipped,
     PoleError,
     PrandtlIshlinskii,
     Preisach,
@@ -16,12 +15,11 @@ from activesuit.hysteresis import (
 from activesuit.hysteresis.loops import reversals
 from activesuit.identification import (
     first_order_motions,
-    load_curves,
     measure,
     multi_order_motion,
-    save_curves,
 )
 from activesuit.identification.curves import noise_floor
+from helpers import assert_refused
 
 TURNS = (0.87, 1.22, 1.57)
 MOTIONS = first_order_motions(TURNS, start_angle=0.52, angle_step=0.004)
@@ -30,18 +28,10 @@ STOPS = PrandtlIshlinskii(stiffness=1.0, thresholds=(0.1, 0.3), weights=(4.0, 3.
 RELAYS = Preisach(levels=(0.5, 1.0, 1.6), density=((3.0,), (1.0, 2.0)), elastic=(0.5, 0.5))
 
 
-@pytest.fixture(params=["jiles-atherton", "clipped", "asymmetric", "bouc-wen", "stops", "relays"])
-def model(request, elbow, shoulder):
-    return {
-        "jiles-atherton": elbow,
-        "clipped": Clipped(model=shoulder, angle_range=(0.6, 1.2)),
-        "asymmetric": Asymmetric(model=elbow, polynomial=(0.1, 0.5)),
-        "bouc-wen": BOUC_WEN,
-        "stops": STOPS,
-        "relays": RELAYS,
-    }[request.param]
+MODELS = (TABLE_2["elbow-sa-pso"], BOUC_WEN, STOPS, RELAYS)
 
 
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 def test_a_perfect_rig_measures_the_model_itself(model):
     curves = measure(model, MOTIONS, rng=0, predict=["1.22"])
     assert [curve.name for curve in curves] == ["0.87", "1.22", "1.57"]
@@ -56,6 +46,7 @@ def test_initial_torque(elbow):
     np.testing.assert_array_equal(curve.torque, elbow.response(curve.angle, 1.25))
 
 
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 def test_noise_is_a_fraction_of_the_family_and_seeded(model):
     truth = measure(model, MOTIONS, rng=0)
     noisy = measure(model, MOTIONS, rng=1, noise_fraction=0.02)
@@ -87,18 +78,6 @@ def test_sensors_round_what_is_measured_not_what_happens(elbow):
         assert np.abs(b.angle - a.angle).max() <= 0.005 + 1e-12
 
 
-def test_what_is_measured_can_be_kept(tmp_path, elbow):
-    motions = {
-        "up": np.linspace(0.5, 1.0, 9),
-        "random": multi_order_motion(0.5, 1.5, turns=5, angle_step=0.02, rng=0),
-    }
-    curves = measure(elbow, motions, rng=0, noise_fraction=0.01, predict=("random",))
-    save_curves(tmp_path / "curves.csv", curves)
-    for a, b in zip(curves, load_curves(tmp_path / "curves.csv"), strict=True):
-        np.testing.assert_allclose(b.torque, a.torque, atol=1e-6)
-        assert (a.name, a.role) == (b.name, b.role)
-
-
 def test_first_order_motions():
     for turn, angle in zip(TURNS, MOTIONS.values(), strict=True):
         assert (angle[0], angle.max(), angle[-1]) == (0.52, turn, 0.52)
@@ -110,23 +89,23 @@ def test_first_order_motions():
     np.testing.assert_allclose(down, [0, -0.1, -0.2, -0.3, -0.4, -0.5, -0.4, -0.3, -0.2, -0.1, 0])
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("turns", [2, 3, 12])
-def test_multi_order_motion(seed, turns):
-    angle = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
-    places = reversals(angle, 0.0)
-    assert len(places) == turns
-    assert angle[0] == 0.4 < angle[1]
-    assert 0.4 <= angle.min()
-    assert angle.max() <= 1.4
-    travels = np.abs(np.diff(angle[[0, *places, -1]]))
-    assert (travels >= 0.1 - 1e-12).all()
-    assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
-    # Second order: the second reversal comes before the first branch is wiped out.
-    assert angle[places[1]] > angle[0]
-    np.testing.assert_array_equal(
-        angle, multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
-    )
+def test_multi_order_motion():
+    for turns in [2, 3, 12]:
+        for seed in range(5):
+            angle = multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
+            places = reversals(angle, 0.0)
+            assert len(places) == turns
+            assert angle[0] == 0.4 < angle[1]
+            assert 0.4 <= angle.min()
+            assert angle.max() <= 1.4
+            travels = np.abs(np.diff(angle[[0, *places, -1]]))
+            assert (travels >= 0.1 - 1e-12).all()
+            assert np.abs(np.diff(angle)).max() <= 0.005 * 1.03
+            # Second order: the second reversal comes before the first branch is wiped out.
+            assert angle[places[1]] > angle[0]
+            np.testing.assert_array_equal(
+                angle, multi_order_motion(0.4, 1.4, turns=turns, angle_step=0.005, rng=seed)
+            )
 
 
 def test_random_motions_differ_and_use_the_range():
@@ -136,9 +115,8 @@ def test_random_motions_differ_and_use_the_range():
     assert max(angle.max() for angle in angles) > 0.95
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
+def test_bad_rigs(elbow):
+    rows = [
         ({"motions": {}}, "there is no motion"),
         ({"motions": {"A": [0.0, math.nan]}}, r"motion 'A'\[1\] is nan"),
         ({"motions": {"A": [0.5]}}, "curve 'A' has 1 sample"),
@@ -149,12 +127,10 @@ def test_random_motions_differ_and_use_the_range():
         ({"angle_resolution": -1.0}, "angle_resolution is -1 rad: give a number above 0"),
         ({"angle_resolution": 100.0}, "stays at the angle 0 rad"),
         ({"initial_torque": "measured"}, "initial torque is 'measured': give a number"),
-    ],
-)
-def test_bad_rigs(elbow, options, message):
-    with pytest.raises(InputError, match=message) as error:
-        measure(elbow, **{"motions": MOTIONS, "rng": 0, **options})
-    assert "\n" not in str(error.value)
+    ]
+    assert_refused(
+        lambda options: measure(elbow, **{"motions": MOTIONS, "rng": 0, **options}), rows
+    )
 
 
 def test_a_motion_into_the_pole_is_no_measurement(shoulder):
@@ -162,18 +138,19 @@ def test_a_motion_into_the_pole_is_no_measurement(shoulder):
         measure(shoulder, first_order_motions([math.pi / 2], start_angle=0, angle_step=0.01), rng=0)
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "turns", "angle_step", "message"),
-    [
+def test_bad_motions():
+    rows = [
         (1.0, 0.5, 5, 0.01, "from 1 to 0.5 rad: give low below high"),
         (0.0, math.inf, 5, 0.01, "high is inf"),
         (0.0, 1.0, 1, 0.01, "turns is 1: use at least 2"),
         (0.0, 1.0, 5, 0.0, "angle_step is 0 rad: give a number above 0"),
-    ],
-)
-def test_bad_motions(low, high, turns, angle_step, message):
-    with pytest.raises(InputError, match=message):
-        multi_order_motion(low, high, turns=turns, angle_step=angle_step, rng=0)
+    ]
+    assert_refused(
+        lambda low, high, turns, angle_step: multi_order_motion(
+            low, high, turns=turns, angle_step=angle_step, rng=0
+        ),
+        rows,
+    )
 
 
 def test_bad_turns():

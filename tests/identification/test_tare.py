@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import helpers
 import numpy as np
 import pytest
 from activesuit.errors import InputError
@@ -13,16 +14,13 @@ OFFSET, NOISE = 1.3, 0.05
 
 
 def family(model, offset=OFFSET, noise=NOISE):
-    rng = np.random.default_rng(2)
-    curves = []
-    for turn in (0.87, 1.22, 1.57):
-        angle = sweep(0.52, turn, 0.52)
-        torque = model.response(angle) + offset + noise * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn}"))
-    return curves
+    curves = helpers.family(model, noise=noise, seed=2, samples=200)
+    return [replace(one, torque=one.torque + offset) for one in curves]
 
 
-@pytest.mark.parametrize("tare", [OFFSET, "fit", "zero"])
+@pytest.mark.parametrize(
+    "tare", ["fit", *(pytest.param(one, marks=pytest.mark.slow) for one in (OFFSET, "zero"))]
+)
 def test_the_offset_is_taken_off(elbow, tare):
     fit = identify(family(elbow), corrections=Corrections(tare=tare))
     assert fit.tare == pytest.approx(OFFSET, abs=0.15 if tare == "zero" else 0.03)

@@ -58,13 +58,13 @@ def test_times_stay_with_their_samples(elbow):
     np.testing.assert_array_equal(short.torque, curve.torque[at])
 
 
-@pytest.mark.parametrize("jitter", [0.0, 0.01, 0.3])
-def test_there_are_never_too_many_turning_points(jitter):
-    rng = np.random.default_rng(0)
-    angle = np.sin(np.arange(20_000) * 2.5) + jitter * rng.standard_normal(20_000)
-    kept = kept_samples(angle, 20)
-    assert kept.size <= 2002
-    assert {0, 19_999} <= set(kept.tolist())
+def test_there_are_never_too_many_turning_points():
+    for jitter in [0.0, 0.01, 0.3]:
+        rng = np.random.default_rng(0)
+        angle = np.sin(np.arange(20_000) * 2.5) + jitter * rng.standard_normal(20_000)
+        kept = kept_samples(angle, 20)
+        assert kept.size <= 2002
+        assert {0, 19_999} <= set(kept.tolist())
 
 
 def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
@@ -90,14 +90,3 @@ def test_a_direct_fit_refuses_what_memory_does_not_hold(elbow):
     with pytest.raises(InputError, match=r"119,997 samples and 210 weights are .* thin the curves"):
         fit_preisach(family)
     assert fit_preisach(thinned(family, 1000)).certificate().certified
-
-
-@pytest.mark.parametrize(
-    "model",
-    ["jiles-atherton", "preisach", "prandtl-ishlinskii", "hinged-stops", "bouc-wen", "duhem"],
-)
-def test_torques_too_small_for_their_squares(elbow, model):
-    angle = sweep(0.52, 1.5, 0.52)
-    tiny = [Curve(angle, 1e-300 * elbow.response(angle), "A")]
-    with pytest.raises(InputError, match=r"peaks at .*e-300 N·m: give at least 1e-09 N·m; check"):
-        identify(tiny, model=model)

@@ -41,105 +41,81 @@ def controls(steps=400, seed=0):
     return np.repeat(rng.uniform(-1, 1, (steps // 20, 2)), 20, axis=0)
 
 
-@pytest.mark.parametrize("integrator", ["implicitfast", "Euler", "RK4"])
-def test_torque_along_a_motion_is_the_response(elbow, integrator):
-    model = chain(elbow, integrator)
-    data = mujoco.MjData(model)
-    positions, torques, energies = [data.qpos[:2].copy()], [], []
-    for i, ctrl in enumerate(controls()):
-        data.ctrl[:] = ctrl
+def test_torque_along_a_motion_is_the_response(elbow):
+    for integrator in ["implicitfast", "Euler", "RK4"]:
+        model = chain(elbow, integrator)
+        data = mujoco.MjData(model)
+        positions, torques, energies = [data.qpos[:2].copy()], [], []
+        for i, ctrl in enumerate(controls()):
+            data.ctrl[:] = ctrl
+            mujoco.mj_step(model, data)
+            for _ in range(i % 3):
+                mujoco.mj_forward(model, data)  # evaluating more often must change nothing
+            mujoco.mj_forward(model, data)
+            positions.append(data.qpos[:2].copy())
+            torques.append([data.sensor(f"{j}_suit_torque").data[0] for j in ("one", "two")])
+            energies.append(
+                [data.sensor(f"{j}_suit_dissipated_energy").data[0] for j in ("one", "two")]
+            )
+            np.testing.assert_allclose(
+                data.qfrc_passive[:2] + model.dof_damping[:2] * data.qvel[:2],
+                torques[-1],
+                atol=1e-12,
+            )
+        for column in range(2):
+            expected = elbow.response(np.array(positions)[:, column])[1:]
+            np.testing.assert_allclose(-np.array(torques)[:, column], expected, atol=1e-9)
+        assert np.diff(energies, axis=0).min() > -1e-8
+        assert np.ptp(positions, axis=0).min() > 0.3
+        assert not data.plugin_state[fault_slots(model)].any()
+
+
+def test_every_way_of_resuming_is_bit_identical(elbow):
+    for integrator in ["implicitfast", "Euler", "RK4"]:
+        model = chain(elbow, integrator)
+        data = mujoco.MjData(model)
+        ctrl = controls()
+        start = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+        mujoco.mj_getState(model, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        saved = np.empty(mujoco.mj_stateSize(model, STATE))
+        copies = {}
+        for i, u in enumerate(ctrl):
+            if i == 200:
+                mujoco.mj_getState(model, data, saved, STATE)
+                copies["deepcopy"] = copy.deepcopy(data)
+                copies["pickle"] = pickle.loads(pickle.dumps(data))
+            data.ctrl[:] = u
+            mujoco.mj_step(model, data)
+        copies["setState"] = mujoco.MjData(model)
+        mujoco.mj_setState(model, copies["setState"], saved, STATE)
+        for other in copies.values():
+            for u in ctrl[200:]:
+                other.ctrl[:] = u
+                mujoco.mj_step(model, other)
+            np.testing.assert_array_equal(other.qpos, data.qpos)
+            np.testing.assert_array_equal(other.plugin_state, data.plugin_state)
+        batch = Batch(model, nsim=3, nthread=2)
+        batch.reset()
+        bound = batch.bind("ctrl")
+        for u in ctrl:
+            bound[:] = u
+            batch.step()
+        assert (batch.bind("qpos") == data.qpos).all()
+        assert (batch.bind("plugin_state").reshape(3, -1) == data.plugin_state).all()
+        states, _ = rollout.rollout(model, mujoco.MjData(model), start[None], ctrl[None])
+        np.testing.assert_array_equal(states[0, -1, 1 : 1 + model.nq], data.qpos)
+
+
+def test_a_written_position_is_no_turning_point(elbow):
+    for integrator in ["implicitfast", "RK4"]:
+        model = chain(elbow, integrator, start_angle=0.3)
+        data = mujoco.MjData(model)
+        data.qpos[0], data.qvel[0] = 1.1, -5.0
         mujoco.mj_step(model, data)
-        for _ in range(i % 3):
-            mujoco.mj_forward(model, data)  # evaluating more often must change nothing
         mujoco.mj_forward(model, data)
-        positions.append(data.qpos[:2].copy())
-        torques.append([data.sensor(f"{j}_suit_torque").data[0] for j in ("one", "two")])
-        energies.append(
-            [data.sensor(f"{j}_suit_dissipated_energy").data[0] for j in ("one", "two")]
-        )
-        np.testing.assert_allclose(
-            data.qfrc_passive[:2] + model.dof_damping[:2] * data.qvel[:2], torques[-1], atol=1e-12
-        )
-    for column in range(2):
-        expected = elbow.response(np.array(positions)[:, column])[1:]
-        np.testing.assert_allclose(-np.array(torques)[:, column], expected, atol=1e-9)
-    assert np.diff(energies, axis=0).min() > -1e-8
-    assert np.ptp(positions, axis=0).min() > 0.3
-    assert not data.plugin_state[fault_slots(model)].any()
-
-
-def test_stiffness_sensor_is_the_tangent(elbow):
-    model = chain(elbow)
-    data = mujoco.MjData(model)
-    for ctrl in controls(60):
-        data.ctrl[:] = ctrl
-        mujoco.mj_step(model, data)
-    mujoco.mj_forward(model, data)
-    state = elbow.start(data.qpos[1], -data.sensor("two_suit_torque").data[0])
-    expected = elbow.tangent(state, data.qvel[1])
-    assert data.sensor("two_suit_stiffness").data[0] == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize("integrator", ["implicitfast", "Euler", "RK4"])
-def test_every_way_of_resuming_is_bit_identical(elbow, integrator):
-    model = chain(elbow, integrator)
-    data = mujoco.MjData(model)
-    ctrl = controls()
-    start = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
-    mujoco.mj_getState(model, data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    saved = np.empty(mujoco.mj_stateSize(model, STATE))
-    copies = {}
-    for i, u in enumerate(ctrl):
-        if i == 200:
-            mujoco.mj_getState(model, data, saved, STATE)
-            copies["deepcopy"] = copy.deepcopy(data)
-            copies["pickle"] = pickle.loads(pickle.dumps(data))
-        data.ctrl[:] = u
-        mujoco.mj_step(model, data)
-    copies["setState"] = mujoco.MjData(model)
-    mujoco.mj_setState(model, copies["setState"], saved, STATE)
-    for other in copies.values():
-        for u in ctrl[200:]:
-            other.ctrl[:] = u
-            mujoco.mj_step(model, other)
-        np.testing.assert_array_equal(other.qpos, data.qpos)
-        np.testing.assert_array_equal(other.plugin_state, data.plugin_state)
-    batch = Batch(model, nsim=3, nthread=2)
-    batch.reset()
-    bound = batch.bind("ctrl")
-    for u in ctrl:
-        bound[:] = u
-        batch.step()
-    assert (batch.bind("qpos") == data.qpos).all()
-    assert (batch.bind("plugin_state").reshape(3, -1) == data.plugin_state).all()
-    states, _ = rollout.rollout(model, mujoco.MjData(model), start[None], ctrl[None])
-    np.testing.assert_array_equal(states[0, -1, 1 : 1 + model.nq], data.qpos)
-
-
-def test_memory_begins_at_the_start_angle(elbow):
-    model = chain(elbow, start_angle=0.3, start_torque=0.5)
-    data = mujoco.MjData(model)
-    data.qpos[:2] = [1.1, 0.3]
-    mujoco.mj_forward(model, data)
-    expected = elbow.response([0.3, 1.1], initial_torque=0.5)[-1]
-    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
-    assert data.sensor("two_suit_torque").data[0] == pytest.approx(-0.5)
-    assert data.sensor("two_suit_dissipated_energy").data[0] == pytest.approx(0.0, abs=1e-12)
-    mujoco.mj_step(model, data)
-    mujoco.mj_resetData(model, data)
-    assert (data.plugin_state == mujoco.MjData(model).plugin_state).all()
-
-
-@pytest.mark.parametrize("integrator", ["implicitfast", "RK4"])
-def test_a_written_position_is_no_turning_point(elbow, integrator):
-    model = chain(elbow, integrator, start_angle=0.3)
-    data = mujoco.MjData(model)
-    data.qpos[0], data.qvel[0] = 1.1, -5.0
-    mujoco.mj_step(model, data)
-    mujoco.mj_forward(model, data)
-    assert data.qpos[0] < 1.1
-    expected = elbow.response([0.3, data.qpos[0]])[-1]
-    assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
+        assert data.qpos[0] < 1.1
+        expected = elbow.response([0.3, data.qpos[0]])[-1]
+        assert data.sensor("one_suit_torque").data[0] == pytest.approx(-expected, abs=1e-12)
 
 
 def test_a_slide_joint_works(elbow):
@@ -171,14 +147,14 @@ def test_pole_holds_the_torque_and_raises_the_flag(shoulder):
     assert not data.plugin_state[fault_slots(model)].any()
 
 
-@pytest.mark.parametrize("angle", [math.nan, math.inf, 1e9, 1e300])
-def test_a_diverged_simulation_returns(elbow, angle):
-    model = chain(elbow)
-    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
-    data = mujoco.MjData(model)
-    data.qpos[0] = angle
-    mujoco.mj_forward(model, data)
-    mujoco.mj_step(model, data)
+def test_a_diverged_simulation_returns(elbow):
+    for angle in [math.nan, math.inf, 1e9, 1e300]:
+        model = chain(elbow)
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        data = mujoco.MjData(model)
+        data.qpos[0] = angle
+        mujoco.mj_forward(model, data)
+        mujoco.mj_step(model, data)
 
 
 def test_a_state_of_another_model_writes_only_its_own_sensors(elbow):

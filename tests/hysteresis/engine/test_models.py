@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import (
+    TABLE_2,
     Asymmetric,
     BoucWen,
     Clipped,
@@ -21,17 +22,14 @@ from activesuit.hysteresis import (
     UncertifiedModelError,
 )
 from activesuit.hysteresis.engine import attach, fault_slots, replace_model, take_off
-from helpers import TABLE_2
+from activesuit.hysteresis.protocol import follow
 from mujoco.batch import Batch
 
 PENDULUM = """<mujoco><option timestep="0.002" integrator="implicitfast"/><worldbody>
   <body><joint name="j" axis="0 1 0" damping=".2"/>
     <geom type="capsule" fromto="0 0 0 0 0 -.5" size=".05" mass="3"/></body></worldbody>
   <actuator><motor joint="j" gear="40"/></actuator></mujoco>"""
-ELBOW = JilesAtherton(
-    **dict(zip(("Ms", "a", "alpha", "c", "k"), TABLE_2["elbow-sa-pso"], strict=True)),
-    angle_unit="deg",
-)
+ELBOW = TABLE_2["elbow-sa-pso"]
 DENSITY = [np.full(i + 1, 0.1).tolist() for i in range(10)]
 MODELS = {
     "jiles-atherton": ELBOW,
@@ -75,33 +73,31 @@ def model(request):
     return MODELS[request.param]
 
 
-@pytest.mark.parametrize("integrator", ["implicitfast", "RK4"])
-def test_the_torque_is_the_response_bit_by_bit(model, integrator):
-    compiled = pendulum(model, integrator=integrator)
-    data = mujoco.MjData(compiled)
-    rng = np.random.default_rng(4)
-    angles, torques, energies = [0.0], [], []
-    for i in range(600):
-        if i % 30 == 0:
-            data.ctrl[0] = rng.uniform(-1, 1)
-        mujoco.mj_step(compiled, data)
-        mujoco.mj_forward(compiled, data)
-        angles.append(data.qpos[0])
-        torques.append(data.sensor("j_suit_torque").data[0])
-        energies.append(data.sensor("j_suit_dissipated_energy").data[0])
-    expected = model.response(angles)[1:]
-    if isinstance(model, Asymmetric):
-        np.testing.assert_allclose(-np.array(torques), expected, atol=1e-12)
-    else:
-        np.testing.assert_array_equal(-np.array(torques), expected)
-    assert np.ptp(angles) > 1
-    assert np.diff(energies).min() > -1e-8
-    state = model.start(0.0)
-    for angle in angles[1:]:
-        state, _ = model.step(state, angle)
-    assert energies[-1] == pytest.approx(model.energy(state).dissipated, rel=1e-9)
-    stiffness = data.sensor("j_suit_stiffness").data[0]
-    assert stiffness == pytest.approx(model.tangent(state, data.qvel[0]), rel=1e-12)
+def test_the_torque_is_the_response_bit_by_bit(model):
+    for integrator in ["implicitfast", "RK4"]:
+        compiled = pendulum(model, integrator=integrator)
+        data = mujoco.MjData(compiled)
+        rng = np.random.default_rng(4)
+        angles, torques, energies = [0.0], [], []
+        for i in range(600):
+            if i % 30 == 0:
+                data.ctrl[0] = rng.uniform(-1, 1)
+            mujoco.mj_step(compiled, data)
+            mujoco.mj_forward(compiled, data)
+            angles.append(data.qpos[0])
+            torques.append(data.sensor("j_suit_torque").data[0])
+            energies.append(data.sensor("j_suit_dissipated_energy").data[0])
+        expected = model.response(angles)[1:]
+        if isinstance(model, Asymmetric):
+            np.testing.assert_allclose(-np.array(torques), expected, atol=1e-12)
+        else:
+            np.testing.assert_array_equal(-np.array(torques), expected)
+        assert np.ptp(angles) > 1
+        assert np.diff(energies).min() > -1e-8
+        state = follow(model, model.start(0.0), angles[1:])
+        assert energies[-1] == pytest.approx(model.energy(state).dissipated, rel=1e-9)
+        stiffness = data.sensor("j_suit_stiffness").data[0]
+        assert stiffness == pytest.approx(model.tangent(state, data.qvel[0]), rel=1e-12)
 
 
 PATH = (-0.5, 0.9, -0.2, 0.9, 0.3)
@@ -126,20 +122,19 @@ def test_the_memory_begins_at_the_end_of_its_path(model):
             assert torque == pytest.approx(expected, abs=1e-12)
         else:
             assert torque == expected
-    state = model.start(0.1, 0.2)
-    for angle in (*PATH, -0.5):
-        state, _ = model.step(state, angle)
+    state = follow(model, model.start(0.1, 0.2), (*PATH, -0.5))
     assert lost == pytest.approx(model.energy(state).dissipated, rel=1e-9)
-
-
-def test_a_replaced_model_begins_with_the_path_too(model):
-    compiled = pendulum(model, start_angle=0.1, start_path=PATH)
+    # A replaced model begins with the path too.
     other = model.scaled(torque=1.2)
     for given, path in ((None, PATH), ((0.8, 0.0), (0.8, 0.0)), ((), ())):
         row = mujoco.MjData(compiled).plugin_state.copy()
         replace_model(compiled, row, "j", other, start_path=given)
         torque, _ = torque_and_loss_at(compiled, 0.5, row)
-        assert torque == pytest.approx(other.response([0.1, *path, 0.5])[-1], abs=1e-12)
+        expected = other.response([0.1, *path, 0.5], 0.2)[-1]
+        assert torque == pytest.approx(expected, abs=1e-12)
+    replace_model(compiled, row, "j", other, start_angle=0.12, start_torque=0.3, start_path=())
+    torque, _ = torque_and_loss_at(compiled, 0.5, row)
+    assert torque == pytest.approx(other.response([0.12, 0.5], 0.3)[-1], abs=1e-12)
 
 
 def test_a_bad_path_is_refused():
@@ -209,30 +204,20 @@ def test_one_set_of_parameters_per_simulation(model):
 
 
 def test_replacing_needs_the_same_kind_and_size(elbow, shoulder):
-    compiled = pendulum(elbow)
-    state = mujoco.MjData(compiled).plugin_state
-    with pytest.raises(InputError, match="compiled with another kind or size of model"):
-        replace_model(compiled, state, "j", MODELS["bouc-wen"])
+    bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
+    kept = Clipped(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
+    stops = MODELS["prandtl-ishlinskii"]
+    fewer = replace(stops, thresholds=[0.1], weights=[1])
+    others = ((elbow, MODELS["bouc-wen"]), (stops, fewer), (bent, kept), (kept, bent))
+    for compiled_with, other in (*others, (elbow, bent)):
+        compiled = pendulum(compiled_with)
+        state = mujoco.MjData(compiled).plugin_state
+        with pytest.raises(InputError, match="compiled with another kind or size of model"):
+            replace_model(compiled, state, "j", other)
     with pytest.raises(InputError, match="unknown joint with a hysteresis model 'knee'"):
         replace_model(compiled, state, "knee", elbow)
     with pytest.raises(UncertifiedModelError):
         replace_model(compiled, state, "j", shoulder)
-    play = MODELS["prandtl-ishlinskii"]
-    other = replace(play, thresholds=[0.1], weights=[1])
-    compiled = pendulum(play)
-    with pytest.raises(InputError, match="another kind or size"):
-        replace_model(compiled, mujoco.MjData(compiled).plugin_state, "j", other)
-
-
-def test_replacing_needs_the_same_polynomial_and_range(elbow):
-    bent = Asymmetric(model=elbow, polynomial=[0.0, 1.0])
-    kept = Clipped(model=elbow, angle_range=(-1.0, 0.3))  # two more numbers, like the polynomial
-    for compiled_with, other in ((bent, kept), (kept, bent), (elbow, bent)):
-        compiled = pendulum(compiled_with)
-        state = mujoco.MjData(compiled).plugin_state
-        with pytest.raises(InputError, match="another kind or size"):
-            replace_model(compiled, state, "j", other)
-    state = mujoco.MjData(compiled).plugin_state
     for wrong in (state.tolist(), state.astype(np.float32), None):
         with pytest.raises(InputError, match="plugin_state must be"):
             replace_model(compiled, wrong, "j", elbow)
@@ -252,28 +237,14 @@ def test_only_known_models_enter_the_engine(elbow):
         pendulum(elbow, start_angle="x")
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e9, -1e300, 0.0])
-def test_a_garbage_state_never_harms_the_process(model, value):
-    compiled = pendulum(model)
-    data = mujoco.MjData(compiled)
-    data.plugin_state[1:] = value
-    data.qpos[0] = 0.3
-    mujoco.mj_forward(compiled, data)
-    mujoco.mj_step(compiled, data, 3)
-
-
-def test_a_replaced_model_starts_where_the_compiled_one_does(elbow):
-    compiled = pendulum(elbow, start_angle=0.4, start_torque=1.5)
-    data = mujoco.MjData(compiled)
-    stronger = elbow.scaled(torque=1.1)
-    replace_model(compiled, data.plugin_state, "j", stronger)
-    data.qpos[0] = 0.7
-    mujoco.mj_forward(compiled, data)
-    torque = stronger.response([0.4, 0.7], initial_torque=1.5)[-1]
-    assert data.sensor("j_suit_torque").data[0] == -torque
-    replace_model(compiled, data.plugin_state, "j", stronger, start_angle=0.1, start_torque=0.0)
-    mujoco.mj_forward(compiled, data)
-    assert data.sensor("j_suit_torque").data[0] == -stronger.response([0.1, 0.7])[-1]
+def test_a_garbage_state_never_harms_the_process(model):
+    for value in [math.nan, math.inf, -math.inf, 1e9, -1e300, 0.0]:
+        compiled = pendulum(model)
+        data = mujoco.MjData(compiled)
+        data.plugin_state[1:] = value
+        data.qpos[0] = 0.3
+        mujoco.mj_forward(compiled, data)
+        mujoco.mj_step(compiled, data, 3)
 
 
 def test_a_model_that_is_taken_off_gives_no_torque_until_it_is_put_on(elbow):
@@ -307,15 +278,15 @@ def test_a_model_that_is_taken_off_gives_no_torque_until_it_is_put_on(elbow):
         replace_model(both, data.plugin_state, "j", MODELS["prandtl-ishlinskii"])
 
 
-@pytest.mark.parametrize("slot", range(10))
-@pytest.mark.parametrize("value", [0.5, -3.0, 1e7, -1e7, 1e-300])
-def test_no_number_in_a_bouc_wen_state_hangs_the_engine(slot, value):
-    # Series and steps of the flow ended for the signs of its branches only: -1, 0 and 1.
-    compiled = pendulum(BoucWen(elastic=1, hysteretic=9, beta=4, gamma=-1, n=1.7))
-    data = mujoco.MjData(compiled)
-    data.plugin_state[4 + slot] = value
-    data.qpos[0] = 0.3
-    mujoco.mj_step(compiled, data, 3)
+def test_no_number_in_a_bouc_wen_state_hangs_the_engine():
+    for value in [0.5, -3.0, 1e7, -1e7, 1e-300]:
+        for slot in range(10):
+            # Series and steps of the flow ended for the signs of its branches only: -1, 0 and 1.
+            compiled = pendulum(BoucWen(elastic=1, hysteretic=9, beta=4, gamma=-1, n=1.7))
+            data = mujoco.MjData(compiled)
+            data.plugin_state[4 + slot] = value
+            data.qpos[0] = 0.3
+            mujoco.mj_step(compiled, data, 3)
 
 
 def test_a_pole_holds_the_torque_of_any_model():

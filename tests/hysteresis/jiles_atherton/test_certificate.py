@@ -55,28 +55,6 @@ def test_no_motion_meets_the_pole_and_the_bounds_hold(model, degrees, lag, field
         assert lag <= certificate.memory_bound * (1 + 1e-6) + 1e-9 * model.Ms
 
 
-@settings(max_examples=200, deadline=None)
-@given(model=certified_models(), degrees=angles)
-def test_dissipated_energy_never_decreases(model, degrees):
-    state, dissipated = model.start(0.0), 0.0
-    scale = model.Ms * model.parameter_vector[4] * model.c
-    for target in np.radians(degrees):
-        state, _ = model.step(state, target)
-        now = model.energy(state).dissipated
-        assert now >= dissipated - 1e-7 * scale
-        dissipated = max(dissipated, now)
-
-
-def test_work_is_stored_plus_dissipated_energy(elbow):
-    angle = np.concatenate([np.linspace(0.3, 1.5, 4000), np.linspace(1.5, 0.6, 4000)])
-    work = np.trapezoid(elbow.response(angle), angle)
-    first = last = elbow.start(0.3)
-    for target in angle:
-        last, _ = elbow.step(last, target)
-    change = np.subtract(elbow.energy(last), elbow.energy(first)).sum()
-    assert work == pytest.approx(change, rel=1e-6)
-
-
 def test_recoverable_energy_is_what_turning_back_returns(elbow):
     state = elbow.start(0.5)
     state, _ = elbow.step(state, 1.3)
@@ -135,7 +113,7 @@ def models_and_ranges(draw):
     return model, (math.radians(low), math.radians(low + width))
 
 
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=500, deadline=None)
 @given(
     pair=models_and_ranges(),
     parts=st.lists(st.floats(0, 1), min_size=2, max_size=30),

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.hysteresis import JilesAtherton, PoleError, model_from_dict
 from activesuit.hysteresis.jiles_atherton import kernels
 from activesuit.hysteresis.references import integrate, reference_of
-from helpers import TABLE_2, sweep
+from helpers import TABLE_2, assert_refused, sweep
 
 
 def eq_4(model: JilesAtherton, turns, initial=0.0):
@@ -48,17 +47,6 @@ def test_work_of_a_cycle_has_the_sign_of_c_minus_1(elbow):
     assert work(2.0) > 1e-3
 
 
-def test_step_is_the_bitwise_twin_of_response(elbow):
-    rng = np.random.default_rng(3)
-    angle = np.cumsum(rng.normal(0, 0.2, 500))
-    angle[100:110] = angle[100]
-    torque = elbow.response(angle, initial_torque=0.3)
-    state = elbow.start(angle[0], 0.3)
-    for i in range(1, angle.size):
-        state, stepped = elbow.step(state, angle[i])
-        assert stepped == torque[i] == state.torque
-
-
 def test_first_sample_holds_and_repeats(elbow):
     torque = elbow.response([0.5, 0.5, 0.9, 0.9, 0.9, 0.6], initial_torque=0.25)
     assert torque[0] == torque[1] == 0.25
@@ -66,11 +54,6 @@ def test_first_sample_holds_and_repeats(elbow):
     without = elbow.response([0.5, 0.9, 0.6], initial_torque=0.25)
     assert torque[-1] == without[-1]
     assert elbow.response([1.0]).tolist() == [0.0]
-
-
-def test_sampling_does_not_matter(elbow):
-    ends = [elbow.response(sweep(0.5, 1.5, 0.7, samples=count))[-1] for count in (2, 3, 10, 1000)]
-    np.testing.assert_allclose(ends, ends[-1], atol=1e-7)
 
 
 def test_tiny_and_huge_steps(elbow):
@@ -84,34 +67,20 @@ def test_tiny_and_huge_steps(elbow):
     assert torque < elbow.Ms
 
 
-@pytest.mark.parametrize("angle", [1e7, 1e300, -1e9])
-def test_any_finite_angle_is_reached_at_once(table_2, angle):
-    for model in table_2.values():
-        if model.certificate().certified:
-            assert abs(model.response([0.0, angle])[-1]) <= model.certificate().torque_bound
-    sharp = JilesAtherton(Ms=1, a=1e-85, alpha=0, c=2, k=1)
-    assert sharp.response([0.0, 0.1])[-1] == pytest.approx(1 + math.exp(-0.1), rel=1e-6)
+def test_any_finite_angle_is_reached_at_once(table_2):
+    for angle in [1e7, 1e300, -1e9]:
+        for model in table_2.values():
+            if model.certificate().certified:
+                assert abs(model.response([0.0, angle])[-1]) <= model.certificate().torque_bound
+        sharp = JilesAtherton(Ms=1, a=1e-85, alpha=0, c=2, k=1)
+        assert sharp.response([0.0, 0.1])[-1] == pytest.approx(1 + math.exp(-0.1), rel=1e-6)
 
 
-@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf])
-def test_the_kernel_returns_nan_where_there_is_no_motion(elbow, angle):
-    assert math.isnan(
-        kernels.move(elbow.parameter_vector.copy(), elbow.start(0.0).memory.copy(), angle)[0]
-    )
-
-
-def test_tangent_is_the_slope(elbow):
-    state = elbow.start(0.9, 2.0)
-    for direction in (1, -1):
-        step = 1e-6 * direction
-        slope = (elbow.step(state, 0.9 + step)[1] - 2.0) / step
-        assert elbow.tangent(state, direction) == pytest.approx(slope, rel=1e-5)
-
-
-def test_torque_scaling_is_exact(shoulder):
-    angle = sweep(0.35, 1.2, 0.5, 1.0)
-    scaled = shoulder.scaled(torque=1.35).response(angle)
-    np.testing.assert_allclose(scaled, 1.35 * shoulder.response(angle), atol=1e-11)
+def test_the_kernel_returns_nan_where_there_is_no_motion(elbow):
+    for angle in [math.nan, math.inf, -math.inf]:
+        assert math.isnan(
+            kernels.move(elbow.parameter_vector.copy(), elbow.start(0.0).memory.copy(), angle)[0]
+        )
 
 
 def test_angle_unit_does_not_matter(elbow):
@@ -131,9 +100,8 @@ def test_pole_is_an_error_that_says_where(shoulder):
         shoulder.step(state, 0.0)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_bad_parameters(elbow):
+    rows = [
         ({"Ms": 0.0}, "Ms is 0.0: it must be above 0"),
         ({"a": -1.0}, "a is -1.0: it must be above 0"),
         ({"k": 0.0}, "k is 0.0: it must be above 0"),
@@ -142,26 +110,9 @@ def test_pole_is_an_error_that_says_where(shoulder):
         ({"c": 0.5}, "c is 0.5: below 1 .* allow_active=True"),
         ({"Ms": "big"}, "Ms is 'big': give a number"),
         ({"angle_unit": "grad"}, "angle_unit is 'grad': use 'rad' or 'deg'"),
-    ],
-)
-def test_bad_parameters(elbow, change, message):
-    with pytest.raises(InputError, match=message):
-        replace(elbow, **change)
+    ]
+    assert_refused(lambda change: replace(elbow, **change), rows)
 
 
 def test_c_below_1_is_possible_on_request(elbow):
     assert replace(elbow, c=0.5, allow_active=True).c == 0.5
-
-
-@pytest.mark.parametrize("angle", [[], [[0.1, 0.2]], [0.1, math.nan]])
-def test_bad_angles(elbow, angle):
-    with pytest.raises(InputError, match="angle"):
-        elbow.response(angle)
-    with pytest.raises(InputError):
-        elbow.start(math.inf)
-    with pytest.raises(InputError):
-        elbow.response([0.0, 1.0], initial_torque=math.nan)
-    with pytest.raises(InputError):
-        elbow.step(elbow.start(0.0), math.nan)
-    with pytest.raises(InputError):
-        elbow.scaled(torque=0.0)

@@ -1,58 +1,21 @@
-"""The model against operators in plain Python and MuJoCo's own plastic springs; its invariants."""
+"""The model against MuJoCo's own plastic springs; loops and branches; its inverse."""
 
-import json
 import math
-from itertools import pairwise
 
 import mujoco
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis.prandtl_ishlinskii import kernels
 from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from activesuit.hysteresis.references.prandtl_ishlinskii import PrandtlIshlinskiiReference
-from helpers import sweep
-from hypothesis import given, settings
+from helpers import assert_refused, sweep
 from hypothesis import strategies as st
-
-
-def for_any(*strategies):
-    """`given`, with time for the kernels to compile."""
-    return lambda test: settings(deadline=None)(given(*strategies)(test))
-
-
-ANY = (1, -1)
-angles = st.floats(-2.0, 2.0, allow_subnormal=False)
-paths = st.lists(angles, min_size=2, max_size=30)
-
-
-@st.composite
-def models(draw, signs=(1,)):
-    """Models that lose energy (signs 1) or not (also -1), rising everywhere."""
-    operator = draw(st.sampled_from(["stop", "play"]))
-    elements = st.tuples(st.floats(0.01, 0.5), st.floats(0.1, 5.0), st.sampled_from(signs))
-    steps, sizes, sign = np.transpose(draw(st.lists(elements, min_size=1, max_size=6)))
-    weights = sizes * sign * (1 if operator == "stop" else -1)
-    return PrandtlIshlinskii(
-        stiffness=draw(st.floats(0.3, 3.0)) + np.maximum(-weights, 0).sum(),
-        thresholds=np.cumsum(steps),
-        weights=weights,
-        operator=operator,
-        rest_angle=draw(st.floats(-0.5, 0.5)),
-    )
+from stop_models import angles, for_any, paths, stops
 
 
 def reference(model, angle):
     """The readable model, at rest at an angle."""
     return PrandtlIshlinskiiReference(model, np.array([angle]), 0.0)
-
-
-def knees(resting, end):
-    """Angles on the way to `end` where an element begins to slip."""
-    low, high = sorted((resting.angle, end))
-    sign = math.copysign(1.0, end - resting.angle)
-    ahead = [x for x in resting.knots(end) if low + 1e-12 < x < high - 1e-12]
-    return sorted(ahead, key=lambda x: sign * x)
 
 
 def simple(**change):
@@ -65,30 +28,6 @@ def response(model, path):
     return model.response(path, reference(model, path[0]).torque)
 
 
-def run(model, path):
-    """The states along such a path."""
-    states = [model.start(path[0], reference(model, path[0]).torque)]
-    for angle in path[1:]:
-        states.append(model.step(states[-1], angle)[0])
-    return states
-
-
-@for_any(models(signs=ANY), angles, paths)
-def test_agrees_with_the_operators(model, origin, path):
-    resting = reference(model, origin)
-    torque = model.response([origin, *path], resting.torque)
-    np.testing.assert_allclose(torque[1:], [resting.move(angle) for angle in path], atol=1e-11)
-
-
-@for_any(models(), angles, paths)
-def test_a_start_is_the_end_of_a_first_loading(model, origin, path):
-    resting = reference(model, origin)
-    initial = resting.move(path[0])
-    expected = [initial, *(resting.move(angle) for angle in path[1:])]
-    assert model.start(path[0], initial).torque == initial
-    np.testing.assert_allclose(model.response(path, initial), expected, atol=1e-11)
-
-
 def test_a_start_takes_the_least_motion():
     # The first loading rises to 1 at 0.5 rad, falls to -1 at 1.5 rad.
     model = simple(stiffness=0.0, thresholds=[0.5, 1.5], weights=[4.0, -2.0])
@@ -97,16 +36,6 @@ def test_a_start_takes_the_least_motion():
     # No slope up to 0.5 rad, then down.
     model = simple(stiffness=0.0, thresholds=[0.5, 1.5], weights=[2.0, -2.0])
     np.testing.assert_allclose(model.start(0.7, 1.0).memory[3:], [1.2, 1.7])
-
-
-@for_any(models(signs=ANY), paths)
-def test_step_is_the_bitwise_twin_of_response(model, path):
-    path = [*path, path[-1], path[0]]
-    torque, states = response(model, path), run(model, path)
-    assert [state.torque for state in states] == torque.tolist()
-    for (before, after), angle in zip(pairwise(states), path[1:], strict=True):
-        moved, loss = kernels.move(model.parameter_vector.copy(), before.memory.copy(), angle)
-        assert (moved, before.memory[2] + loss) == (after.torque, after.memory[2])
 
 
 def plastic_hinge(path, rest, joint, tendons=""):
@@ -130,14 +59,6 @@ def plastic_hinge(path, rest, joint, tendons=""):
     return torque
 
 
-def test_one_stop_is_mujocos_plastic_joint():
-    path = np.r_[0.2, 0.2 + np.cumsum(np.random.default_rng(1).normal(0, 0.2, 300))]
-    expected = plastic_hinge(path, 0.2, 'stiffness="7" springyield="0.15"')
-    model = simple(stiffness=0.0, thresholds=[0.15], weights=[7.0])
-    np.testing.assert_allclose(model.response(path), expected, atol=1e-12)
-    assert np.abs(expected).max() == pytest.approx(7.0 * 0.15)
-
-
 def test_a_sum_of_stops_is_mujocos_plastic_tendons():
     rng = np.random.default_rng(2)
     path = np.r_[-0.3, np.cumsum(rng.normal(0, 0.3, 300)) - 0.3]
@@ -149,42 +70,11 @@ def test_a_sum_of_stops_is_mujocos_plastic_tendons():
     expected = plastic_hinge(path, -0.3, 'stiffness="1.3"', tendons)
     model = simple(stiffness=1.3, thresholds=thresholds, weights=weights, rest_angle=-0.3)
     np.testing.assert_allclose(model.response(path), expected, atol=1e-12)
+    far = simple(stiffness=0.0).response([0.2, 1e300, -1e300])
+    np.testing.assert_allclose(far, [0.0, 1.1, -1.1])
 
 
-@for_any(models(signs=ANY), paths)
-def test_work_is_stored_or_dissipated(model, path):
-    # The torque is linear from knee to knee, so that the trapezoidal rule is exact.
-    resting, fine = reference(model, path[0]), [path[0]]
-    for angle in path[1:]:
-        fine += [*knees(resting, angle), angle]
-        resting.move(angle)
-    torque = response(model, fine)
-    work = np.diff(fine) * (torque[1:] + torque[:-1]) / 2
-    first, *_, last = [model.energy(state) for state in run(model, path)]
-    scale = np.abs(work).sum() + abs(first.stored) + abs(last.stored)
-    assert sum(last) - sum(first) == pytest.approx(work.sum(), abs=1e-12 * scale + 1e-15)
-
-
-@for_any(models(), paths)
-def test_dissipation_never_decreases(model, path):
-    assert model.certificate().dissipative
-    energies = [model.energy(state) for state in run(model, path)]
-    assert all(b.dissipated >= a.dissipated for a, b in pairwise(energies))
-    assert all(energy.stored >= 0 for energy in energies)
-
-
-@for_any(models(signs=ANY), paths, st.lists(st.floats(0, 1), max_size=20), angles)
-def test_samples_and_closed_excursions_leave_no_trace(model, path, inner, turn):
-    start = path[-1]
-    inside = np.clip([turn + x * (start - turn) for x in inner], min(start, turn), max(start, turn))
-    on_the_way = sorted(inside, key=lambda angle: abs(angle - start))
-    before = run(model, [*path, turn])[-1]
-    after = run(model, [*path, *on_the_way, turn, *inside, turn])[-1]
-    assert after.torque == before.torque
-    assert np.array_equal(after.memory[3:], before.memory[3:])
-
-
-@for_any(models(signs=ANY), paths, paths, angles, angles)
+@for_any(stops(), paths, paths, angles, angles)
 def test_loops_between_the_same_angles_are_congruent(model, one, other, low, high):
     loop = sweep(low, high, low, samples=20)
     one = response(model, [*one, low, high, *loop])[-loop.size :]
@@ -193,21 +83,12 @@ def test_loops_between_the_same_angles_are_congruent(model, one, other, low, hig
     np.testing.assert_allclose(one - one[0], other - other[0], atol=1e-11)
 
 
-@for_any(models(signs=ANY), st.floats(-2, 2), st.floats(0, 2))
+@for_any(stops(), st.floats(-2, 2), st.floats(0, 2))
 def test_branches_are_the_first_loading_twice_as_large(model, peak, part):
     rest = model.rest_angle
     torque = model.response([rest, rest + peak, rest + peak - part * peak])
     _, half = model.response([rest, rest + part * peak / 2])
     assert torque[2] == pytest.approx(torque[1] - 2 * half, abs=1e-11)
-
-
-@for_any(models(signs=ANY), paths)
-def test_the_torque_bound_holds(model, path):
-    certificate = model.certificate((min(path), max(path) + 1e-9))
-    torque = response(model, path)
-    assert np.abs(torque).max() <= certificate.torque_bound * (1 + 1e-14)
-    elastic = model.parameter_vector[0] * (np.array(path) - model.rest_angle)
-    assert np.abs(torque - elastic).max() <= certificate.memory_bound * (1 + 1e-12) + 1e-13
 
 
 def test_certificates():
@@ -224,14 +105,7 @@ def test_certificates():
     assert play.certificate((0.2, 1.2)).torque_bound == pytest.approx(2.0 + 0.6)
 
 
-@for_any(models(signs=ANY), paths)
-def test_the_inverse_gives_the_angles_back(model, path):
-    angle = model.inverse(response(model, path), path[0])
-    assert angle[0] == path[0]
-    np.testing.assert_allclose(angle, path, atol=1e-12)
-
-
-@for_any(models(signs=ANY), angles, angles, st.lists(st.floats(-9, 9), min_size=1, max_size=30))
+@for_any(stops(), angles, angles, st.lists(st.floats(-9, 9), min_size=1, max_size=30))
 def test_the_inverse_gives_the_torques_back(model, origin, initial, torque):
     # Any start: somewhere on a first loading.
     torque = [reference(model, origin).move(initial), *torque, torque[-1]]
@@ -242,72 +116,17 @@ def test_the_inverse_gives_the_torques_back(model, origin, initial, torque):
     np.testing.assert_allclose(back, torque, atol=1e-12 * scale)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_no_inverse_where_the_model_does_not_rise():
+    rows = [
         ({"stiffness": 0.0}, r"slope 0 N·m/rad beyond 0\.3 rad: .* raise the stiffness by more"),
         ({"weights": [3.0, -3.0]}, r"slope -2 N·m/rad beyond 0\.1 rad: .* more than 2 N·m/rad"),
         ({"stiffness": 0.0, "operator": "play"}, r"slope 0 N·m/rad beyond 0 rad"),
-    ],
-)
-def test_no_inverse_where_the_model_does_not_rise(change, message):
-    with pytest.raises(InputError, match=message):
-        simple(**change).inverse([0.0, 1.0], 0.2)
+    ]
+    assert_refused(lambda change: simple(**change).inverse([0.0, 1.0], 0.2), rows)
 
 
-@for_any(models(signs=ANY), paths, st.floats(0.1, 10), st.floats(0.1, 10))
-def test_scaling(model, path, torque, angle):
-    initial = reference(model, path[0]).torque
-    expected = torque * model.response(path, initial)
-    scaled = model.scaled(torque=torque, angle=angle)
-    actual = scaled.response(angle * np.array(path), torque * initial)
-    np.testing.assert_allclose(actual, expected, atol=1e-10)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_tangent_is_the_slope_up_to_the_next_knee(seed):
-    path = 0.2 + 0.4 * np.random.default_rng(seed).standard_normal(9)
-    model = simple(operator=("stop", "play")[seed % 2])
-    state, resting = run(model, path)[-1], reference(model, path[0])
-    for angle in path[1:]:
-        resting.move(angle)
-    for far in (-5.0, 5.0):
-        end = [*knees(resting, far), far][0]
-        slope = (model.step(state, end)[1] - state.torque) / (end - state.angle)
-        assert model.tangent(state, far) == pytest.approx(slope, abs=1e-9)
-
-
-@for_any(models(signs=ANY))
-def test_dictionary_round_trip(model):
-    content = json.loads(json.dumps(model.to_dict()))
-    assert content.pop("model") == "prandtl-ishlinskii"
-    again = PrandtlIshlinskii(**content)
-    assert again == model and hash(again) == hash(model)
-
-
-def test_kernels_return_nan_where_there_is_no_motion():
-    p, memory, torque = (
-        simple().parameter_vector.copy(),
-        simple().start(0.2).memory.copy(),
-        np.empty(4),
-    )
-    kernels.response(p, memory, np.array([0.2, 0.3, math.nan, 0.4]), torque)
-    np.testing.assert_array_equal(np.isnan(torque), [False, False, True, True])
-    assert memory[0] == 0.3
-    assert math.isnan(kernels.move(p, memory, math.inf)[0])
-
-
-def test_saturated_states_are_starts():
-    model = simple(stiffness=3.3, thresholds=np.arange(1, 21) / 30, weights=np.full(20, 0.7))
-    for angle in np.random.default_rng(4).uniform(2, 9, 50):
-        assert model.start_is_certified(run(model, [0.2, angle])[-1])
-    far = simple(stiffness=0.0).response([0.2, 1e300, -1e300])
-    np.testing.assert_allclose(far, [0.0, 1.1, -1.1])
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
+def test_bad_parameters():
+    rows = [
         ({"operator": "slide"}, "operator is 'slide': use 'stop' or 'play'"),
         ({"stiffness": "big"}, "stiffness is 'big': give a number"),
         ({"stiffness": True}, "stiffness is True: give a number"),
@@ -320,17 +139,10 @@ def test_saturated_states_are_starts():
         ({"thresholds": ["0.1", "0.3"]}, "thresholds is .*: give at least one number"),
         ({"thresholds": [0.0, 0.3]}, r"thresholds\[0\] is 0.0 rad: it must be above 0.0;"),
         ({"thresholds": [0.3, 0.3]}, r"thresholds\[1\] is 0.3 rad: it must be above 0.3;"),
-    ],
-)
-def test_bad_parameters(change, message):
-    with pytest.raises(InputError, match=message):
-        simple(**change)
+    ]
+    assert_refused(lambda change: simple(**change), rows)
 
 
-def test_bad_motions():
+def test_a_torque_that_no_first_loading_has():
     with pytest.raises(InputError, match=r"0 N·m at 1.2 rad: .* 0.4 to 1.6 .*; give a torque"):
         simple(weights=[3.0, 1.0]).start(1.2)
-    with pytest.raises(InputError, match="angle is nan: give a finite number"):
-        simple().start(math.nan)
-    with pytest.raises(InputError, match=r"torque scale is -1\.0: give a finite number above 0"):
-        simple().scaled(torque=-1.0)

@@ -4,25 +4,14 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, Clipped
-from activesuit.identification import Curve, certified_fit
+from activesuit.identification import certified_fit
 from activesuit.identification.fits.asymmetric import fit_asymmetric
 from activesuit.identification.fits.beginning import common_torque, paper_model
-from helpers import sweep
+from helpers import family, sweep
 
 START, TURNS, UNSEEN = 0.52, (0.87, 1.22, 1.57), (0.75, 1.05, 1.4)
 POLYNOMIAL = (0.0, 3.0, -6.0, 4.0)
 NOISE = 0.01  # noise over the peak
-
-
-def family(model, turns=TURNS, first_torque=0.0, noise=0.0, seed=0):
-    rng = np.random.default_rng(seed)
-    angles = [sweep(START, turn, START, samples=60) for turn in turns]
-    torques = [model.response(angle, first_torque) for angle in angles]
-    deviation = noise * peak(model)
-    return [
-        Curve(angle, torque + deviation * rng.standard_normal(angle.size), f"{turn}")
-        for angle, torque, turn in zip(angles, torques, turns, strict=True)
-    ]
 
 
 def peak(model):
@@ -31,25 +20,25 @@ def peak(model):
 
 def prediction(model, known, seed=0, first_torque=0.0):
     """NRMSE on noisy curves with unseen turns."""
-    unseen = family(known, UNSEEN, first_torque, NOISE, seed + 100)
+    unseen = family(known, UNSEEN, first=first_torque, noise=NOISE * peak(known), seed=seed + 100)
     errors = [model.response(curve.angle, first_torque) - curve.torque for curve in unseen]
     return np.sqrt(np.mean(np.concatenate(errors) ** 2)) / peak(known)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_an_asymmetric_truth_is_recovered_where_the_bare_model_is_not(elbow, seed):
-    known = Asymmetric(model=elbow, polynomial=POLYNOMIAL)
-    curves = family(known, noise=NOISE, seed=seed)
-    assert prediction(fit_asymmetric(curves, seed), known, seed) <= 1.3 * NOISE
-    bare = paper_model(certified_fit(curves, rng=seed).parameters)
-    assert prediction(bare, known, seed) > 2 * NOISE
+def test_an_asymmetric_truth_is_recovered_where_the_bare_model_is_not(elbow):
+    for seed in range(5):
+        known = Asymmetric(model=elbow, polynomial=POLYNOMIAL)
+        curves = family(known, noise=NOISE * peak(known), seed=seed)
+        assert prediction(fit_asymmetric(curves, seed), known, seed) <= 1.3 * NOISE
+        bare = paper_model(certified_fit(curves, rng=seed).parameters)
+        assert prediction(bare, known, seed) > 2 * NOISE
 
 
 def test_a_first_torque_is_shared_between_both_parts(elbow):
     known = Asymmetric(model=elbow, polynomial=(1.0, -2.0, 3.0))
-    found = fit_asymmetric(family(known, first_torque=0.5), 0, degree=2)
+    found = fit_asymmetric(family(known, first=0.5), 0, degree=2)
     assert len(found.polynomial) == 3
-    for curve in family(known, UNSEEN, first_torque=0.5):
+    for curve in family(known, UNSEEN, first=0.5):
         np.testing.assert_allclose(found.response(curve.angle, 0.5), curve.torque, atol=2e-3)
 
 
@@ -58,7 +47,7 @@ def test_a_first_torque_is_shared_between_both_parts(elbow):
 def test_what_is_returned_is_certified(name, degree, request):
     known = Asymmetric(model=request.getfixturevalue(name), polynomial=POLYNOMIAL)
     for seed in range(5):
-        curves = family(known, noise=NOISE, seed=seed)
+        curves = family(known, noise=NOISE * peak(known), seed=seed)
         found = fit_asymmetric(curves, seed, degree)
         assert len(found.polynomial) == degree + 1
         assert found.certificate().certified
@@ -75,18 +64,8 @@ def test_a_model_that_is_safe_in_its_range_only_is_constant_outside(shoulder):
     assert prediction(found, known) <= 1.3 * NOISE
 
 
-def test_a_seed_fixes_the_result(elbow):
-    curves = family(elbow, noise=NOISE)
-    assert fit_asymmetric(curves, 3) == fit_asymmetric(curves, 3)
-
-
 def test_bad_input(elbow):
     curves = family(elbow)
     for degree in (0, 6):
         with pytest.raises(InputError, match=f"degree is {degree}: use 1 to 5"):
             fit_asymmetric(curves, degree=degree)
-    apart = Curve(curves[0].angle + 0.3, curves[0].torque, "apart")
-    with pytest.raises(InputError, match=r"the curves begin at 0.52 to 0.82 rad"):
-        fit_asymmetric([*curves, apart])
-    with pytest.raises(InputError, match="there is no curve to fit"):
-        fit_asymmetric([])

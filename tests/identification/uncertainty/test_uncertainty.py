@@ -19,20 +19,8 @@ from activesuit.identification.uncertainty import uncertainty
 from activesuit.identification.uncertainty.likelihood import Likelihood
 from activesuit.identification.uncertainty.sloppy_directions import sloppy_directions
 from activesuit.identification.uncertainty.uncertainty import estimator_covariance, open_ends
-from helpers import TABLE_2, sweep
+from helpers import TABLE_2, family, sweep
 from scipy.stats import binom
-
-TURNS = (0.87, 1.22, 1.57)
-
-
-def family(model, noise, seed=0, first=0.0, samples=60, **options):
-    rng = np.random.default_rng(seed)
-    curves = []
-    for turn in TURNS:
-        angle = sweep(0.52, turn, 0.52, samples=samples)
-        torque = model.response(angle, first) + noise * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn}", **options))
-    return curves
 
 
 def parameters(model):
@@ -61,7 +49,7 @@ def fitted(curves, start):
 @pytest.mark.parametrize("angle_unit", ["deg", "rad"])
 def test_derivatives_are_those_of_the_numbers(elbow, angle_unit):
     model = elbow.in_unit(angle_unit)
-    curves = family(model, 0.05)
+    curves = family(model, noise=0.05)
     found = coordinates_of(model, 0.0, fitted_start=False)
     assert found.names == PARAMETERS
     np.testing.assert_allclose(found.values, parameters(model))
@@ -71,7 +59,7 @@ def test_derivatives_are_those_of_the_numbers(elbow, angle_unit):
 
 
 def test_covariance_under_white_noise_is_the_textbook_formula(elbow):
-    curves = family(elbow, 0.05)
+    curves = family(elbow, noise=0.05)
     J = jacobian(elbow, curves)
     J = J / np.linalg.norm(J, axis=0)
     sizes = [one.torque.size for one in curves]
@@ -81,7 +69,7 @@ def test_covariance_under_white_noise_is_the_textbook_formula(elbow):
 
 def test_standard_errors_know_noise_in_proportion_to_the_torque(elbow):
     """Those of even noise are 30 % too small for the parameters of large torques."""
-    exact, trials, start = family(elbow, 0.0), 100, parameters(elbow)
+    exact, trials, start = family(elbow, noise=0.0), 100, parameters(elbow)
     torque = np.concatenate([one.torque for one in exact])
     rng = np.random.default_rng(5)
 
@@ -100,10 +88,15 @@ def test_standard_errors_know_noise_in_proportion_to_the_torque(elbow):
 
 def test_standard_errors_are_those_of_many_noisy_fits(elbow):
     noise, trials = 0.01, 150
-    fits = [refined(family(elbow, noise, seed), parameters(elbow)) for seed in range(trials)]
+    fits = [
+        refined(family(elbow, noise=noise, seed=seed), parameters(elbow)) for seed in range(trials)
+    ]
     spread = np.std([fit.parameters for fit in fits], axis=0, ddof=1)
     stated = np.mean(
-        [uncertainty(elbow, family(elbow, noise, seed)).standard_errors for seed in range(10)],
+        [
+            uncertainty(elbow, family(elbow, noise=noise, seed=seed)).standard_errors
+            for seed in range(10)
+        ],
         axis=0,
     )
     # The deviation of a standard deviation is 1 / sqrt(2 n) of it, 6 % here.
@@ -118,7 +111,7 @@ def test_intervals_and_bands_cover_the_truth_as_often_as_they_say(elbow, memory)
     truth = parameters(elbow)
     probe = Curve(sweep(0.52, 1.4, 0.8, 1.3), np.zeros(len(sweep(0.52, 1.4, 0.8, 1.3))), "probe")
     for seed in range(trials):
-        curves = family(elbow, 0.0)
+        curves = family(elbow, noise=0.0)
         rng = np.random.default_rng([seed, 3])
         curves = [
             replace(one, torque=one.torque + 0.05 * slow_noise(one.torque.size, memory, rng))
@@ -137,7 +130,7 @@ def test_intervals_and_bands_cover_the_truth_as_often_as_they_say(elbow, memory)
 
 @pytest.mark.parametrize("name", ["asymmetric", "bouc-wen", "prandtl-ishlinskii", "preisach"])
 def test_every_model_has_intervals_and_samples(elbow, name):
-    fit = identify(family(elbow, 0.05), model=name)
+    fit = identify(family(elbow, noise=0.05), model=name)
     found = fit.uncertainty(samples=2)
     assert found.names[-1] == "initial_torque"
     assert (found.intervals[:, 0] <= found.values).all()
@@ -150,7 +143,7 @@ def test_every_model_has_intervals_and_samples(elbow, name):
 
 
 def test_a_binding_certificate_makes_intervals_one_sided(shoulder):
-    curves = family(replace(shoulder, alpha=1.05 * shoulder.alpha), 0.05)
+    curves = family(replace(shoulder, alpha=1.05 * shoulder.alpha), noise=0.05)
     fit = identify(curves)
     assert "limit of the certificate" in " ".join(map(str, fit.remarks))
     low, high = fit.uncertainty().intervals.T
@@ -163,7 +156,7 @@ def test_published_sets_are_poorly_known():
     condition = {}
     for name, row in TABLE_2.items():
         model = JilesAtherton(**dict(zip(PARAMETERS, row, strict=True)), angle_unit="deg")
-        condition[name] = uncertainty(model, family(model, 0.05)).condition
+        condition[name] = uncertainty(model, family(model, noise=0.05)).condition
     assert all(100 < value < 1e6 for value in condition.values())
     assert max(condition.values()) > 1e4
 
@@ -171,7 +164,7 @@ def test_published_sets_are_poorly_known():
 def test_an_interval_without_an_end_is_reported(table_2):
     # Far below saturation Man is a straight line, and only its slope Ms / (3a) acts.
     model = table_2["elbow-mpso"]
-    found = uncertainty(model, family(model, 0.05))
+    found = uncertainty(model, family(model, noise=0.05))
     assert (found.intervals[:2, 1] > 50 * found.values[:2]).all()
     assert (found.intervals[:2, 0] > 0).all()
     assert np.isfinite(found.intervals[2:]).all()
@@ -181,7 +174,7 @@ def test_an_interval_without_an_end_is_reported(table_2):
 
 
 def test_a_sloppy_direction_keeps_its_word(elbow):
-    curves = family(elbow, 0.05)
+    curves = family(elbow, noise=0.05)
     likelihood = Likelihood(CurveObjective(curves), parameters(elbow))
     growth = (1.01**2 - 1) * likelihood.cost
     _, _, directions = np.linalg.svd(likelihood.jacobian(likelihood.best), full_matrices=False)
@@ -196,7 +189,7 @@ def test_a_sloppy_direction_keeps_its_word(elbow):
 @pytest.mark.parametrize("name", ["elbow", "shoulder"])
 def test_samples_are_certified_seeded_and_predict(name, request):
     truth = request.getfixturevalue(name)
-    curves = family(truth, 0.05)
+    curves = family(truth, noise=0.05)
     fit = certified_fit(curves, rng=0)
     found = uncertainty(fit.model, curves, samples=20, seed=3)
     again = uncertainty(fit.model, curves, samples=20, seed=3)
@@ -215,7 +208,7 @@ def test_samples_are_certified_seeded_and_predict(name, request):
 
 
 def test_the_torque_at_the_beginning_is_one_parameter_more(elbow):
-    curves = family(elbow, 0.05, first=0.8)
+    curves = family(elbow, noise=0.05, first=0.8)
     fit = certified_fit(curves, rng=0, initial_torque="identified")
     found = uncertainty(
         fit.model, curves, initial_torque=fit.initial_torque, fitted_start=True, samples=2
@@ -229,7 +222,7 @@ def test_the_torque_at_the_beginning_is_one_parameter_more(elbow):
 
 
 def test_weights_count_like_repetitions(elbow):
-    once = family(elbow, 0.05)
+    once = family(elbow, noise=0.05)
     heavy = [replace(once[0], weight=3.0), *once[1:]]
     thrice = [*(replace(once[0], name=f"{i}") for i in range(3)), *once[1:]]
     weighted, repeated = (uncertainty(elbow, curves) for curves in (heavy, thrice))
@@ -241,20 +234,20 @@ def test_weights_count_like_repetitions(elbow):
 
 def test_a_model_with_an_angle_range_counts_in_its_range(elbow):
     limited = Clipped(model=elbow, angle_range=(0.52, 1.0))
-    curves = family(limited, 0.05)
+    curves = family(limited, noise=0.05)
     assert uncertainty(limited, curves).noise.deviation == pytest.approx(0.05, rel=0.1)
     assert uncertainty(elbow, curves).noise.deviation > 0.1
 
 
 def test_curves_kept_out_do_not_count(elbow):
-    curves = family(elbow, 0.05)
+    curves = family(elbow, noise=0.05)
     far = Curve(curves[0].angle, 2 * curves[0].torque, "other", "predict")
     alone, beside = uncertainty(elbow, curves), uncertainty(elbow, [*curves, far])
     np.testing.assert_array_equal(alone.intervals, beside.intervals)
 
 
 def test_bad_input(elbow):
-    curves = family(elbow, 0.05)
+    curves = family(elbow, noise=0.05)
     with pytest.raises(InputError, match="samples is -1"):
         uncertainty(elbow, curves, samples=-1)
     with pytest.raises(InputError, match="0 samples in all"):
