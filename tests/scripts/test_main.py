@@ -195,16 +195,3 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
     (message,) = capsys.readouterr().err.splitlines()
     assert "\x1b" not in message
     assert os.linesep not in message
-
-
-@pytest.mark.parametrize("workers", ["-7", "0"])
-@pytest.mark.parametrize("command", ["reproduce li-2022", "identify"])
-def test_workers(capsys, tmp_path, command, workers):
-    from activesuit.assets import curves_path
-
-    more = [str(curves_path("elbow"))] if command == "identify" else []
-    with pytest.raises(SystemExit):
-        main([*command.split(), *more, "--workers", workers, "--out", str(tmp_path / "out")])
-    message = capsys.readouterr().err
-    assert f"workers is {workers}: use 1 or more, or -1 for all cores" in message
-    assert not list(tmp_path.iterdir())

@@ -14,7 +14,7 @@ from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
-from helpers import shorten_tasks, without_volume_shares
+from helpers import fails, shorten_tasks, without_volume_shares
 from trained_runs import ENVIRONMENT, write_card
 
 OWN = '''
@@ -89,13 +89,6 @@ def run_folder(path, **config):
 def set_(*given):
     """Options of which each argument is one `--set`."""
     return ArmOptions(set=tuple(tuple(one.split()) for one in given))
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    return capsys.readouterr().err.strip().splitlines()[-1]
 
 
 def test_without_a_run_the_usual_holds():

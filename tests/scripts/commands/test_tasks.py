@@ -1,7 +1,6 @@
 """`activesuit tasks`, and the options --task and --level."""
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -9,20 +8,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import TASKS
 from activesuit.envs.levels import LEVELS
 from activesuit.scripts.commands import tasks as command
-from activesuit.scripts.main import main
-from helpers import shorten_tasks
-
-
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    return capsys.readouterr().err
+from helpers import run, shorten_tasks
 
 
 @pytest.fixture
@@ -96,29 +82,3 @@ def test_a_recorded_motion_is_simulated(capsys, tmp_path, undrawn):
     reported = simulated(capsys, tmp_path, "--task", file)
     assert reported["failures"] == 0
     assert reported["task"] == str(file)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["tasks", "--only", "Hamer"], "unknown task 'Hamer'.*did you mean 'Hammer'"),
-        (
-            ["tasks", "--table", "--levels", "hard"],
-            "unknown level 'hard': use one of faults",
-        ),
-        (["tasks", "--table", "--episodes", "7"], "episodes is 7: use at least 8"),
-        (["simulate", "--task", "Hamer"], "unknown task 'Hamer'"),
-        (["simulate", "--task", "none.csv"], "cannot read the motion 'none.csv'"),
-        (["simulate", "--level", "hard"], "unknown level 'hard'"),
-        (
-            ["simulate", "--task", "Hammer", "--env", "ActiveSuit/Hammer-v0"],
-            "--task is 'Hammer', and --env is .*: give one of them",
-        ),
-    ],
-)
-def test_mistakes_are_one_sentence(capsys, tmp_path, monkeypatch, arguments, message):
-    monkeypatch.chdir(tmp_path)
-    error = fails(capsys, *arguments).strip()
-    assert re.search(message, error), error
-    assert error.count("\n") == 0
-    assert not list(tmp_path.iterdir())
