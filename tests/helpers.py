@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 from itertools import count, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,10 +16,41 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import HysteresisModel
 from activesuit.identification import Curve
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
+from activesuit.scripts.main import main
 from activesuit.scripts.output import RunFolder
 
 NUMBERS = count()
 PATIENCE = 600  # [s], longest wait for another process or a server, far more than any takes
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
+    """Runs a command that succeeds; returns what it prints."""
+    main([str(one) for one in arguments])
+    return capsys.readouterr().out
+
+
+def fails(capsys: pytest.CaptureFixture[str], *arguments: object, shown: bool = False) -> str:
+    """Runs a command that must end with exit code 2 and one sentence, which it returns.
+
+    Before the sentence there may be lines about progress; nothing is printed unless `shown`.
+    """
+    with pytest.raises(SystemExit) as stop:
+        main([str(one) for one in arguments])
+    captured = capsys.readouterr()
+    assert stop.value.code == 2, arguments
+    assert shown or captured.out == ""
+    assert "Traceback" not in captured.out + captured.err
+    message = captured.err.strip().splitlines()[-1]
+    assert message.startswith("activesuit: "), message
+    return message
+
+
+def content(folder: Path) -> dict[Path, bytes | None]:
+    """Returns everything in a folder: the bytes of files, None for folders."""
+    paths = (path for path in folder.rglob("*"))
+    return {
+        path.relative_to(folder): path.read_bytes() if path.is_file() else None for path in paths
+    }
 
 
 def sweep(*turns: float, samples: int = 200) -> np.ndarray:

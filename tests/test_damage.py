@@ -5,6 +5,7 @@ import importlib.util
 from damage import KINDS, attack
 
 
+@pytest.mark.slow
 def test_damaged_inputs_are_one_sentence_each():
     assert len(KINDS) >= 60
     wrong: list[str] = []

@@ -51,6 +51,7 @@ def examples(name):
     return [block for block in found if has_muscles or not NEEDS_MUSCLES.search(block)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PAGES if examples(name)])
 def test_examples_of_a_page_run_in_order(name, folder):
     if name == "gpu.md":
@@ -60,6 +61,7 @@ def test_examples_of_a_page_run_in_order(name, folder):
         exec(compile(block, f"{name}, example {number}", "exec"), names)
 
 
+@pytest.mark.slow
 def test_the_learner_in_mujoco_warp_runs(folder, capsys):
     pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
     pytest.importorskip("torch")
@@ -71,6 +73,7 @@ def test_the_learner_in_mujoco_warp_runs(folder, capsys):
     assert re.search(r"effort with motors off \d", capsys.readouterr().out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_draw_their_pictures(name, folder):
     assert (FIGURES / f"{name}.png").exists()

@@ -4,19 +4,20 @@ import csv
 import json
 import subprocess
 import sys
+from contextlib import suppress
 from functools import partial
-from pathlib import Path
 
 import pytest
-from activesuit.assets import FOLDER, JOINTS, curves_path, load_suit
+from activesuit.assets import JOINTS, curves_path, load_suit
 from activesuit.benchmarks import engine as engine_bench
 from activesuit.benchmarks import env as env_bench
 from activesuit.benchmarks import identify as identify_bench
 from activesuit.benchmarks import starts
+from activesuit.benchmarks.bench import bench
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import Search, identify, load_curves
 from activesuit.scripts.main import COMMANDS, MOVED, main
-from helpers import in_this_process, shorten_tasks
+from helpers import fails, in_this_process, run, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
 FEW = ["--episodes", "8", "--json"]
@@ -28,31 +29,17 @@ def short(monkeypatch):
     shorten_tasks(monkeypatch, 0.5)
 
 
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
-
-
 def identified(capsys, *arguments) -> str:
     """Runs `identify`, whose model may not describe the curves: exit code 0 or 3."""
-    try:
+    with suppress(SystemExit):
         main([str(argument) for argument in ("identify", *arguments)])
-    except SystemExit as stop:
-        assert stop.code == 3
     return capsys.readouterr().out
 
 
-def fails(capsys, *arguments) -> str:
-    """Runs a command that must fail: exit code 2, one sentence, no traceback."""
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    captured = capsys.readouterr()
-    assert stop.value.code == 2
-    assert "Traceback" not in captured.out + captured.err
-    assert captured.out == ""
-    message = captured.err.strip().splitlines()[-1]
-    assert message.startswith("activesuit: error: ")
-    return message
+FIT_FILES = {  # of `identify --out`
+    *(".activesuit", "suit.json", "result.json", "trials.csv", "report.html", "report.json"),
+    *("loops.csv", "loops.png", "loops.svg"),
+}
 
 
 def test_identify_prints_json(capsys):
@@ -68,18 +55,7 @@ def test_identify_prints_json(capsys):
 def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     out = run(capsys, "identify", ELBOW, "--out", tmp_path / "fit")
     assert "suit.json" in out
-    names = {path.name for path in (tmp_path / "fit").iterdir()}
-    assert names == {
-        ".activesuit",
-        "suit.json",
-        "result.json",
-        "trials.csv",
-        "loops.csv",
-        "loops.png",
-        "loops.svg",
-        "report.html",
-        "report.json",
-    }
+    assert {path.name for path in (tmp_path / "fit").iterdir()} == FIT_FILES
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
     assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
@@ -88,6 +64,7 @@ def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
     assert json.loads(out)["scores"]["oracle"]["failures"] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn", "short")
 def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     run(capsys, "identify", ELBOW, "--out", tmp_path / "one")
@@ -209,20 +186,20 @@ def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_p
     }
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("short")
 def test_validate_scores_one_suit_on_another(capsys, tmp_path):
-    arguments = ["validate", "published-2022", "--plant", "mock-suit", "--out", tmp_path]
-    result = json.loads(run(capsys, *arguments, *FEW))
-    (cell,) = result["cells"]
+    pair = ["published-2022", "--plant", "mock-suit", "--episodes", "8"]
+    out = run(capsys, "validate", *pair, "--out", tmp_path)
+    (cell,) = json.loads((tmp_path / "result.json").read_text())["cells"]
     assert (cell["believed"], cell["plant"]) == ("published-2022", "mock-suit")
     assert cell["torque"]["joints"]["elbow_flexion"]["nrmse"]["high"] < 0.05
-    assert json.loads((tmp_path / "result.json").read_text()) == result
-    out = run(capsys, *arguments, "--episodes", "8")
     assert f"published-2022: {cell['verdict']} for shoulder_flexion from" in out
     assert "beside the true model's" in out
     assert "valid up to 5%, usable up to 15%, not valid beyond" in out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("short")
 def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
     suits = ["emu-like", "mock-suit"]
@@ -244,6 +221,7 @@ def test_validate_predicts_held_out_curves(capsys):
     assert "worst one decides" in run(capsys, "validate", "mock-suit", "--held-out", ELBOW)
 
 
+@pytest.mark.slow
 def test_simulate_writes_the_motion(capsys, tmp_path):
     out = run(
         capsys, "simulate", "--gravity", "moon", "--policy", "oracle", "--out", tmp_path, "--json"
@@ -257,7 +235,11 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
         assert (tmp_path / f"{figure}.svg").read_text().rstrip().endswith("</svg>")
 
 
-@pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
+SLOW = [pytest.param(topic, marks=pytest.mark.slow) for topic in ("env", "identify")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("topic", ["hysteresis", "engine", *SLOW])
 def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
     monkeypatch.setattr(starts, "run_all", in_this_process)
@@ -267,7 +249,8 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
         monkeypatch.setattr(engine_bench, name, few)
     for name, few in (("STEPS", 50), ("SOME", 8), ("MANY", 32), ("WORKERS", 2), ("LONG", 640)):
         monkeypatch.setattr(env_bench, name, few)
-    result = json.loads(run(capsys, "bench", topic, "--repeats", "1", "--json"))
+    bench(topic, repeats=1, json=True)
+    result = json.loads(capsys.readouterr().out)
     assert any(row["ratio"] for row in result["rows"])
     for row in result["rows"]:
         if row["ratio"] is None:  # measured alone, against a limit
@@ -278,87 +261,6 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
         assert row["ratio"] == pytest.approx(row["reference"] / row["ours"])
         assert row["met"] == (row["target"] is None or row["ratio"] >= row["target"])
         assert row["unit"].split("/")[0] in ("ns", "us", "ms")
-
-
-MISTAKES = [
-    (["identify", "none.csv"], "No such file"),
-    (["identify", "{bad}/text.csv"], "line 3: torque_nm is 'x'"),
-    (["identify", "{bad}/degrees.csv"], "more than a full turn"),
-    (["identify", "{bad}/other.csv", "--out", "{bad}/out"], "give --joint"),
-    (["identify", ELBOW, "--trials", "0"], "trials is 0"),
-    (["identify", ELBOW, "--trials", "1000000000"], "trials is 1000000000: use at most 10,000,000"),
-    (["evaluate", "--episodes", "1000000000"], "episodes is 1000000000: use at most"),
-    (
-        ["measure", "rig", "--repeats", "1000000000", "--out", "{bad}/out"],
-        "repeats is 1000000000: use at most",
-    ),
-    (["identify", ELBOW, "--out", "{bad}/text.csv"], "--out"),
-    (["identify", ELBOW, "--joint", "knee", "--out", "{bad}/out"], "unknown joint 'knee'"),
-    (["evaluate", "--env", "ActiveSuit/Elbow-v0"], "did you mean 'ActiveSuit/ElbowFlexion-v0'"),
-    (["evaluate", "--policies", "magic"], "unknown policy 'magic'"),
-    (["evaluate", "--episodes", "0"], "episodes is 0"),
-    (["evaluate", "--episodes", "7"], "episodes is 7: use at least 8"),
-    (
-        ["validate", "emu-like", "--plant", "mock-suit", "--episodes", "7"],
-        "episodes is 7: use at least 8",
-    ),
-    (["demo", "--episodes", "7", "--out", "{bad}/out"], "episodes is 7: use at least 8"),
-    (["evaluate", "--table", "--gravity", "moon"], "--table has its own suits, places and"),
-    (["evaluate", "--gravity", "venus"], "unknown gravity 'venus'"),
-    (["evaluate", "--suit", "published-2022"], "certificate margin is -0.245"),
-    (["simulate", "--policy", "magic", "--out", "{bad}/out"], "unknown policy"),
-    (["simulate", "--suit", "{bad}/cut.json", "--out", "{bad}/out"], "not complete JSON"),
-    (["validate", "{bad}/cut.json"], "not complete JSON"),
-    (
-        ["validate", "emu-like", "--plant", "emu-like", "--policy", "compensation:suit=mock-suit"],
-        "has a suit: leave that out, as the believed suits are given",
-    ),
-    (["validate", "mock-suit", "--plant", "nope"], "unknown suit 'nope'"),
-    (["validate"], "no suit is given"),
-    (["validate", "mock-suit", "--samples", "--held-out", ELBOW], "leave one out"),
-    (["validate", "mock-suit", "--samples"], "'mock-suit' has no samples of what"),
-    (
-        ["validate", "mock-suit", "--plant", "mock-suit", "--policy", "magic"],
-        "unknown policy 'magic'",
-    ),
-    (["validate", "emu-like", "--plant", "mock-suit", "--joint", "elbow_flexion"], "add --held"),
-    (["validate", "mock-suit", "--held-out", "{bad}/other.csv"], "give --joint"),
-    (["suits", "nope"], "unknown suit 'nope'"),
-    (["bench", "--repeats", "0"], "repeats is 0"),
-    (["identify", ELBOW, "--seed", "-1"], "seed is -1"),
-    (["identify", ELBOW, "--model", "preisach", "--method", "pso"], "has the method 'certified'"),
-    (["identify", ELBOW, "--objective", "sse"], "objective is 'sse': method 'certified' always"),
-    (["identify", ELBOW, "--samples", "-1"], "samples is -1"),
-    (["identify", ELBOW, "--workers", "0"], "workers is 0"),
-    (["identify", ELBOW, "--base", "nope", "--out", "{bad}/out"], "unknown suit 'nope'"),
-    (["identify", ELBOW, "--base", "mock-suit"], "--base mock-suit needs --out"),
-    (["evaluate", "--seed", "-1"], "seed is -1"),
-    (["simulate", "--seed", "-1", "--out", "{bad}/out"], "seed is -1"),
-    (["demo", "--trials", "0", "--out", "{bad}/out"], "trials is 0"),
-    (["demo", "--episodes", "0", "--out", "{bad}/out"], "episodes is 0"),
-    (["demo", "--seed", "-5", "--out", "{bad}/out"], "seed is -5"),
-]
-
-
-@pytest.mark.parametrize(("arguments", "message"), MISTAKES)
-def test_mistakes(capsys, tmp_path, arguments, message):
-    header = "curve,angle_rad,torque_nm\n"
-    (tmp_path / "text.csv").write_text(header + "A,0,0\nA,1,x\n")
-    (tmp_path / "degrees.csv").write_text(header + "A,20,0\nA,60,3\n")
-    (tmp_path / "other.csv").write_text(Path(ELBOW).read_text())
-    whole = (FOLDER / "suits" / "mock-suit.json").read_text()
-    (tmp_path / "cut.json").write_text(whole[: len(whole) // 2])
-    before = sorted(path.name for path in tmp_path.iterdir())
-    arguments = [argument.format(bad=tmp_path) for argument in arguments]
-    assert message in fails(capsys, *arguments)
-    left = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert sorted(path.name for path in left) == before  # nothing half-written
-
-
-@pytest.mark.parametrize("mistake", [("--episodes", "0"), ("--policies", "magic")])
-def test_a_mistake_leaves_no_empty_folder(capsys, tmp_path, mistake):
-    fails(capsys, "evaluate", *mistake, "--out", tmp_path / "out")
-    assert not any(tmp_path.iterdir())
 
 
 def test_unknown_option_and_missing_argument(capsys):
@@ -376,7 +278,7 @@ def test_unknown_and_missing_command(capsys):
     assert "unknown part of measure 'suit': use one of design, rig" in fails(
         capsys, "measure", "suit"
     )
-    old = "'tune' was a name of version 0.2: write 'benchmark tune' instead"
+    old = "'tune' is no command since version 0.3: run python examples/tune.py"
     assert old in fails(capsys, "tune", "--evaluations", 3)
 
 
@@ -400,7 +302,7 @@ def test_help_lists_every_command_as_its_own_help_begins(capsys):
         assert f" {sentence.removesuffix('.')}" in own
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["bench", "--help"]])
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"]])
 def test_only_the_command_asked_for_is_imported(arguments):
     command = [sys.executable, "-X", "importtime", "-m", "activesuit.scripts.main", *arguments]
     report = subprocess.run(command, check=True, capture_output=True, text=True).stderr
@@ -409,6 +311,7 @@ def test_only_the_command_asked_for_is_imported(arguments):
     assert not {"numba", "mujoco", "scipy", "matplotlib", "activesuit.scripts.demo"} & loaded
 
 
+@pytest.mark.slow
 def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     out = tmp_path / "auto"
     result = json.loads(run(capsys, "identify", ELBOW, "--method", "auto", "--json"))
@@ -424,34 +327,18 @@ def test_identify_auto_chooses_and_writes(capsys, tmp_path, undrawn):
     text = run(capsys, "identify", ELBOW, "--method", "auto", "--samples", 0, "--out", out)
     assert "bands of nominal 90 % over kinds of model" in text
     assert result["why"] in text
-    names = {path.name for path in out.iterdir()}
-    assert names == {
-        ".activesuit",
-        "suit.json",
-        "result.json",
-        "trials.csv",
-        "loops.csv",
-        "loops.png",
-        "loops.svg",
-        "report.html",
-        "report.json",
-    }
+    assert {path.name for path in out.iterdir()} == FIT_FILES
     assert json.loads((out / "result.json").read_text()) == result
     model = load_suit(out / "suit.json").joints["elbow_flexion"].model
     assert model == model_from_dict(result["model"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "model",
     [
-        "asymmetric",
-        "bouc-wen",
-        "hinged-stops",
-        "prandtl-ishlinskii",
-        "preisach",
-        "dahl",
-        "duhem",
-        "clipped",
+        *("asymmetric", "bouc-wen", "hinged-stops", "prandtl-ishlinskii", "preisach", "dahl"),
+        *("duhem", "clipped"),
     ],
 )
 def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, undrawn, short):

@@ -49,6 +49,7 @@ def run(folder: Path, *arguments: object) -> subprocess.CompletedProcess:
     )
 
 
+@pytest.mark.slow
 def test_a_model_of_an_extension_is_a_choice(tmp_path):
     shown = run(installed(tmp_path, MODULE), "identify", "--help")
     assert shown.returncode == 0

@@ -10,6 +10,7 @@ from activesuit.errors import InputError
 from activesuit.files import scratch_prefix
 from activesuit.scripts.folders import RunFolder, close_folders
 from activesuit.scripts.main import main
+from helpers import content, fails
 
 ELBOW = str(curves_path("elbow"))
 WRITERS = {
@@ -30,23 +31,7 @@ def closed():
     close_folders()
 
 
-def content(folder):
-    return {
-        path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()
-    }
-
-
-def refuses(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    captured = capsys.readouterr().err  # which may begin with a line about what is compiled
-    assert "Traceback" not in captured
-    message = captured.strip().splitlines()[-1]
-    assert message.startswith("activesuit: error: ")
-    return message
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize("command", WRITERS)
 def test_a_folder_of_something_else_is_refused(capsys, tmp_path, command):
     if command == "train":
@@ -54,12 +39,13 @@ def test_a_folder_of_something_else_is_refused(capsys, tmp_path, command):
     (tmp_path / "elbow_flexion.csv").write_text("measured")
     (tmp_path / "config.json").write_text("{}")
     before = content(tmp_path)
-    message = refuses(capsys, *WRITERS[command], "--out", tmp_path)
+    message = fails(capsys, *WRITERS[command], "--out", tmp_path)
     assert "(config.json, elbow_flexion.csv)" in message
     assert "--force" in message
     assert content(tmp_path) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", WRITERS)
 def test_a_run_of_another_command_is_refused(capsys, tmp_path, command):
     if command == "train":
@@ -67,11 +53,12 @@ def test_a_run_of_another_command_is_refused(capsys, tmp_path, command):
     RunFolder(tmp_path, "measure").json("config.json", {})
     close_folders()
     before = content(tmp_path)
-    message = refuses(capsys, *WRITERS[command], "--out", tmp_path)
+    message = fails(capsys, *WRITERS[command], "--out", tmp_path)
     assert f"holds a run of measure, not of {command}" in message
     assert content(tmp_path) == before
 
 
+@pytest.mark.slow
 def test_a_second_run_replaces_its_own_files_only(tmp_path, capsys):
     main(["measure", "rig", "--out", str(tmp_path)])
     first = content(tmp_path)
@@ -82,7 +69,7 @@ def test_a_second_run_replaces_its_own_files_only(tmp_path, capsys):
     capsys.readouterr()
     before = content(tmp_path)
     arguments = ["measure", "rig", "--joint", "wrist_flexion", "--out", tmp_path]
-    assert "was not written by this command" in refuses(capsys, *arguments)
+    assert "was not written by this command" in fails(capsys, *arguments)
     assert content(tmp_path) == before  # all of the first run, nothing of the second
     main([*map(str, arguments), "--force"])
     assert (tmp_path / "wrist_flexion.csv").read_text() != "measured"
@@ -162,10 +149,10 @@ def test_a_path_that_is_none():
 
 def test_a_mistake_leaves_nothing(capsys, tmp_path):
     out = tmp_path / "new" / "out"
-    refuses(capsys, "identify", ELBOW, "--trials", "0", "--out", out)
+    fails(capsys, "identify", ELBOW, "--trials", "0", "--out", out)
     assert list(tmp_path.iterdir()) == []
     tmp_path.joinpath("empty").mkdir()
-    refuses(capsys, "identify", ELBOW, "--trials", "0", "--out", tmp_path / "empty")
+    fails(capsys, "identify", ELBOW, "--trials", "0", "--out", tmp_path / "empty")
     assert list(tmp_path.rglob("*")) == [tmp_path / "empty"]
 
 

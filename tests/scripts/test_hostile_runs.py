@@ -123,6 +123,7 @@ OPTIONS = {
 OF_TRAINING = ("algo", "steps")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["evaluate", "simulate", "resume"])
 @pytest.mark.parametrize("given", [*CARDS, *OPTIONS], ids=lambda text: text[:60])
 def test_damaged_card(capsys, tmp_path, foreign, command, given):

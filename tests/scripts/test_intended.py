@@ -2,7 +2,6 @@
 
 import json
 
-import pytest
 from activesuit.assets import curves_path
 from activesuit.scripts.main import main
 
@@ -48,29 +47,3 @@ def test_a_motion_outside_the_fitted_range_is_a_sentence(capsys, tmp_path):
     assert [sentence[:40] for sentence in reported["shortfalls"]] == [
         "the intended motion moves at up to 0.9 r"
     ]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--for", "Minorloops"], "did you mean 'MinorLoops'"),
-        (["--for", "none.csv"], "cannot read the motion 'none.csv'"),
-        (["--for", "MinorLoops", "--joint", "knee"], "unknown joint 'knee'"),
-        (["--for", "{folder}/still.csv"], "stays at the angle 1 rad"),
-        (["--for", "{folder}/back.csv"], "line 3: the time runs back from 1 to 0 s"),
-    ],
-)
-def test_mistakes(capsys, tmp_path, arguments, sentence):
-    (tmp_path / "still.csv").write_text("angle_rad\n1\n1\n")
-    (tmp_path / "back.csv").write_text("time_s,angle_rad\n1,0\n0,1\n")
-    with pytest.raises(SystemExit) as stop:
-        run(capsys, *(one.format(folder=tmp_path) for one in arguments))
-    assert stop.value.code == 2
-    assert sentence in capsys.readouterr().err
-
-
-def test_a_task_needs_the_joint(capsys, tmp_path):
-    (tmp_path / "mine.csv").write_bytes(curves_path("elbow").read_bytes())
-    with pytest.raises(SystemExit):
-        main(["identify", str(tmp_path / "mine.csv"), "--for", "MinorLoops"])
-    assert "cannot tell which joint" in capsys.readouterr().err

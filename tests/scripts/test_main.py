@@ -9,7 +9,7 @@ import sys
 import mujoco
 import numpy as np
 import pytest
-from activesuit.assets import Suit, curves_path, load_suit, save_suit
+from activesuit.assets import Suit, load_suit, save_suit
 from activesuit.scripts import main as main_module
 from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
@@ -188,13 +188,3 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
     (message,) = capsys.readouterr().err.splitlines()
     assert "\x1b" not in message
     assert os.linesep not in message
-
-
-@pytest.mark.parametrize("workers", ["-7", "0"])
-@pytest.mark.parametrize("command", ["benchmark run", f"identify {curves_path('elbow')}"])
-def test_workers(capsys, tmp_path, command, workers):
-    with pytest.raises(SystemExit):
-        main([*command.split(), "--workers", workers, "--out", str(tmp_path / "out")])
-    message = capsys.readouterr().err
-    assert f"workers is {workers}: use 1 or more, or -1 for all cores" in message
-    assert not list(tmp_path.iterdir())

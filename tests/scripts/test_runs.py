@@ -14,7 +14,7 @@ from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
-from helpers import shorten_tasks, without_volume_shares
+from helpers import fails, shorten_tasks, without_volume_shares
 from trained_runs import ENVIRONMENT, write_card
 
 OWN = '''
@@ -89,13 +89,6 @@ def run_folder(path, **config):
 def set_(*given):
     """Options of which each argument is one `--set`."""
     return ArmOptions(set=tuple(tuple(one.split()) for one in given))
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    return capsys.readouterr().err.strip().splitlines()[-1]
 
 
 def test_without_a_run_the_usual_holds():
@@ -315,6 +308,7 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     assert json.loads(capsys.readouterr().out)["env"] == own
 
 
+@pytest.mark.slow
 def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
     shorten_tasks(monkeypatch, 0.5)
     from activesuit.assets import load_suit, save_suit
@@ -334,6 +328,7 @@ def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
     assert "shoulder_flexion: nothing to assist" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch, tmp_path):
     shorten_tasks(monkeypatch, 0.5)
     suit = str(tmp_path / "suit.json")

@@ -99,5 +99,6 @@ def test_noun_phrases_and_clauses_are_none(text, tmp_path):
     assert not prose.Line(tmp_path, 1, text).is_fragment
 
 
+@pytest.mark.slow
 def test_the_package_has_few(capsys):
     assert prose.main() == 0, capsys.readouterr().out

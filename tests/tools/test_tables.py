@@ -8,6 +8,7 @@ from activesuit.tools.sentences import FACTS
 from activesuit.tools.tables import DOCS, TABLES, page, sensor_suites
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES)
 def test_a_page_is_what_the_code_says(name):
     assert (DOCS / name).read_text(encoding="utf-8") == page(name), (
@@ -15,6 +16,7 @@ def test_a_page_is_what_the_code_says(name):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FACTS)
 def test_sentences_have_the_numbers_of_the_kept_results(name):
     text = " ".join((DOCS / name).read_text(encoding="utf-8").split())

@@ -22,6 +22,7 @@ class Parallel:
         return None
 
 
+@pytest.mark.slow
 def test_a_study_goes_on_with_other_trials(tmp_path, monkeypatch, capsys):
     """A trial that was stopped does not count, and none is tried twice."""
     tried = []

@@ -10,7 +10,7 @@ from activesuit.envs.benchmark import run_trial
 from activesuit.scripts.commands import benchmark as command
 from activesuit.scripts.main import main
 from activesuit.scripts.reports import leaderboard
-from helpers import short_benchmark
+from helpers import fails, run, short_benchmark
 from pages import checked_page
 
 SMALL = (
@@ -19,18 +19,6 @@ SMALL = (
     *("--workers", "1", "--backend", "threading"),
 )
 FILES = ("results.jsonl", "tables.md")
-
-
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    return capsys.readouterr().err
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -46,6 +34,7 @@ def whole(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_goes_on_to_the_same_bytes(capsys, tmp_path, whole, monkeypatch):
     folder, count = tmp_path / "run", 0
 
@@ -89,6 +78,7 @@ def test_a_damaged_trial_is_named(capsys, tmp_path, whole, content, message):
     assert "delete it" in reported
 
 
+@pytest.mark.slow
 def test_a_policy_of_the_working_folder(capsys, tmp_path, monkeypatch):
     (tmp_path / "my_policies.py").write_text(
         "class Fails:\n"
@@ -125,6 +115,7 @@ def test_it_prints_standings(capsys, whole):
     assert [one["policy"] for one in found][:2] == ["unsuited", "suited"]
 
 
+@pytest.mark.slow
 def test_results_of_several_people_merge(capsys, tmp_path, whole):
     other = tmp_path / "other"
     changed = ["gravity" if one == "compensation" else one for one in SMALL if one != "none"]
@@ -153,20 +144,6 @@ def test_names_have_no_markup_in_tables(capsys, tmp_path, whole):
 def test_two_policies_are_compared_motion_by_motion(capsys, whole):
     out = run(capsys, "benchmark", "compare", whole, "--policies", "none", "compensation")
     assert "relief of compensation less that of none" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["run", "x.jsonl"], "run takes no results"),
-        (["table"], "there are no results"),
-        (["table", "nowhere"], "cannot read the results"),
-        (["run", "--suite", "huge"], "unknown suite 'huge'"),
-        (["run", "--policies", "compensation:leed=1"], "did you mean 'lead'"),
-    ],
-)
-def test_mistakes(capsys, tmp_path, arguments, message):
-    assert message in fails(capsys, "benchmark", *arguments)
 
 
 def test_another_benchmark_in_the_folder(capsys, whole):

@@ -52,6 +52,7 @@ def sketched(undrawn, monkeypatch):
     shorten_tasks(monkeypatch, 0.5)
 
 
+@pytest.mark.slow
 def test_needs_no_torch(run):
     assert "mujoco" in run[1]
     assert not {"torch", "stable_baselines3"} & set(run[1])
@@ -119,6 +120,7 @@ def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch
             assert history[-1] == pytest.approx(fits[joint][method]["fitness"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, undrawn):
     def unavailable(self, model, data):
         raise RenderingUnavailableError("no OpenGL context")
@@ -169,6 +171,7 @@ def test_interrupt_before_the_first_fit(tmp_path, monkeypatch, capsys):
     assert json.loads((tmp_path / "fits.json").read_text()) == {"shoulder": {}, "elbow": {}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("part", "number"), [("loops_figure", 1), ("evaluate", 1), ("trajectory_figure", 1)]
 )
@@ -186,6 +189,7 @@ def test_interrupt_after_the_fits_says_how_to_go_on(tmp_path, monkeypatch, capsy
     assert "Torque, believed less true" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("sketched")
 def test_interrupting_a_second_demo_keeps_the_first(folder, tmp_path, monkeypatch, capsys):
     shutil.copytree(folder, tmp_path, dirs_exist_ok=True)

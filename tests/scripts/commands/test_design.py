@@ -6,21 +6,7 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.identification import load_curves, load_motion, save_curves
-from activesuit.scripts.main import main
-
-
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main([str(argument) for argument in arguments])
-    assert stop.value.code == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    return captured.err
+from helpers import run
 
 
 def test_design_rig_identify(capsys, tmp_path, undrawn):
@@ -68,27 +54,3 @@ def test_it_begins_where_the_curves_begin(capsys, tmp_path):
     run(capsys, "measure", "design", tmp_path / "down.csv", "--out", tmp_path / "new.csv")
     angle = load_motion(tmp_path / "new.csv").angle
     assert (angle[0], angle.min()) == (1, pytest.approx(0.2))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        ([], "give a file of curves, or --range LOW HIGH in rad, and not both"),
-        (["none.csv"], "cannot read the curves 'none.csv'"),
-        ([curves_path("elbow"), "--range", 0, 1], "and not both"),
-        (["--range", 1, 0], "--range is 1 to 0 rad: give the smaller angle first"),
-        (["--range", 0, 90], "end is 90 rad, more than a full turn"),
-        (["--range", 0, 1, "--min-rate", 0], "min_rate is 0 rad/s: give a number above 0"),
-        (["--range", 0, 1, "--max-rate", 0.01], "min_rate is 0.02 and max_rate 0.01 rad/s"),
-        (["--range", 0, 1, "--out", "{file}"], "--force"),
-    ],
-)
-def test_mistakes(capsys, tmp_path, monkeypatch, arguments, sentence):
-    monkeypatch.chdir(tmp_path)
-    file = tmp_path / "file"
-    file.write_text("")
-    said = fails(capsys, "measure", "design", *(str(one).format(file=file) for one in arguments))
-    assert said.startswith("activesuit: error: ")
-    assert sentence in said
-    assert list(tmp_path.iterdir()) == [file]
-    assert file.read_text() == ""

@@ -17,6 +17,7 @@ from activesuit.envs.policies.network import (
 )
 from activesuit.scripts.commands import export as command
 from activesuit.scripts.main import main
+from helpers import fails
 from trained_runs import OBSERVATION, card, write_network
 
 ROOT = Path(__file__).parents[3]
@@ -68,18 +69,6 @@ def runs(content, runtime):
         return lambda given: module.ReferenceEvaluator(content).run(None, given)
     session = module.InferenceSession(content, providers=["CPUExecutionProvider"])
     return lambda given: session.run(None, given)
-
-
-def fails(capsys, *arguments):
-    """Returns the one sentence of a command that must fail with exit code 2."""
-    with pytest.raises(SystemExit) as stop:
-        main(["export", *map(str, arguments)])
-    captured = capsys.readouterr()
-    assert stop.value.code == 2
-    assert captured.out == ""
-    assert "Traceback" not in captured.err
-    (line,) = captured.err.splitlines()
-    return line
 
 
 @pytest.mark.parametrize("runtime", ["onnx", "onnxruntime"])
@@ -136,7 +125,7 @@ def test_a_difference_is_refused(capsys, tmp_path, monkeypatch, run):
     out = tmp_path / "policy.onnx"
     found = {"ONNX reference": 1e-7, "onnxruntime": 2e-5}
     monkeypatch.setattr(onnx_export, "differences", lambda model, network: found)
-    message = fails(capsys, run, "--onnx", "--out", out)
+    message = fails(capsys, "export", run, "--onnx", "--out", out)
     assert "differs from its network by 2.0e-05 (onnxruntime), and at most 1e-05" in message
     assert not out.exists()
 
@@ -155,30 +144,15 @@ def test_numbers_that_32_bits_cannot_have(capsys, tmp_path):
     one = network()
     weights = {**one.weights, "layer.0.weight": one.weights["layer.0.weight"] * np.float64(1e300)}
     folder = made(tmp_path / "run", Network(weights, "tanh", squashed=False))
-    assert "too large for 32-bit" in fails(capsys, folder, "--onnx", "--out", tmp_path / "a")
-
-
-def test_mistakes(capsys, tmp_path, run):
-    assert "no format is given: add either --onnx" in fails(capsys, run)
-    assert "two formats are given: add either --onnx" in fails(capsys, run, "--onnx", "--c")
-    message = fails(capsys, run, "--onnx", "--payload", 2)
-    assert "--payload is 2.0, and an ONNX model has none: leave it out" in message
-    message = fails(capsys, run, "--onnx", "--joint", "elbow_flexion")
-    assert "--joint is 'elbow_flexion', and an ONNX model has none" in message
-    assert "required" in fails(capsys, "--onnx")
-    assert "has no readable policy.json" in fails(capsys, tmp_path, "--onnx")
-    assert "has no readable policy.json" in fails(capsys, tmp_path / "nosuch", "--onnx")
-    for name in ("compensation", "compensation:lead=0.03"):
-        message = fails(capsys, name, "--onnx")
-        assert f"the policy '{name}' is no network: give the folder of a training run" in message
-    (run / "policy.safetensors").write_bytes(b"")
-    assert "do not belong together" in fails(capsys, run, "--onnx")
+    assert "too large for 32-bit" in fails(
+        capsys, "export", folder, "--onnx", "--out", tmp_path / "a"
+    )
 
 
 def test_a_card_of_another_network(capsys, run):
     for name, content in files_of(card(), network(inputs=5)).items():
         (run / name).write_bytes(content)
-    message = fails(capsys, run, "--onnx")
+    message = fails(capsys, "export", run, "--onnx")
     assert "has 5 inputs and 2 outputs, and its card says 12 and 2" in message
 
 
@@ -187,18 +161,22 @@ def test_an_lstm_without_a_layer(capsys, run):
     damaged = SimpleNamespace(weights=weights, activation="tanh", squashed=False)
     for name, content in files_of(card(), damaged).items():
         (run / name).write_bytes(content)
-    assert "readable network (the network has no layer.0.weight" in fails(capsys, run, "--onnx")
+    assert "readable network (the network has no layer.0.weight" in fails(
+        capsys, "export", run, "--onnx"
+    )
 
 
 def test_places_that_are_taken(capsys, tmp_path, run):
     out = tmp_path / "policy.onnx"
     out.write_text("mine")
-    assert "exists: give another name, or add --force" in fails(capsys, run, "--onnx", "--out", out)
-    assert "is a folder: give the name" in fails(capsys, run, "--onnx", "--out", tmp_path)
+    assert "exists: give another name, or add --force" in fails(
+        capsys, "export", run, "--onnx", "--out", out
+    )
+    assert "is a folder: give the name" in fails(capsys, "export", run, "--onnx", "--out", tmp_path)
     assert out.read_text() == "mine"
     pytest.importorskip("onnx")
     nowhere = tmp_path / "nosuch" / "policy.onnx"
-    assert "choose a folder that exists" in fails(capsys, run, "--onnx", "--out", nowhere)
+    assert "choose a folder that exists" in fails(capsys, "export", run, "--onnx", "--out", nowhere)
     main(["export", str(run), "--onnx", "--out", str(out), "--force"])
     assert out.read_bytes() != b"mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["policy.onnx", "run"]
@@ -207,7 +185,7 @@ def test_places_that_are_taken(capsys, tmp_path, run):
 def test_without_the_extra(capsys, tmp_path, monkeypatch, run):
     monkeypatch.setitem(sys.modules, "onnx", None)
     monkeypatch.delitem(sys.modules, "activesuit.envs.policies.onnx_export", raising=False)
-    message = fails(capsys, run, "--onnx", "--out", tmp_path / "policy.onnx")
+    message = fails(capsys, "export", run, "--onnx", "--out", tmp_path / "policy.onnx")
     assert "pip install -e '.[onnx]' -c constraints.txt" in message
     assert sorted(path.name for path in tmp_path.iterdir()) == ["run"]
 

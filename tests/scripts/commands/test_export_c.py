@@ -9,6 +9,7 @@ from activesuit.envs.model import ArmConfig, resisting_joints
 from activesuit.hysteresis import BoucWen, HysteresisModel, Viscoelastic
 from activesuit.scripts.main import main
 from c_programs import answers, compiled
+from helpers import fails
 
 STEPS = """#include <stdio.h>
 #include "suit.h"
@@ -30,13 +31,6 @@ int main(void)
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def fails(capsys, *arguments):
-    with pytest.raises(SystemExit) as stop:
-        main(["export", *map(str, arguments)])
-    assert stop.value.code == 2
-    return capsys.readouterr().err
 
 
 def saved(name="own.json", **joints):
@@ -105,18 +99,6 @@ def test_one_joint(folder):
     assert "elbow_flexion" not in text
 
 
-def test_mistakes(folder, capsys):
-    assert "unknown suit 'nosuch'" in fails(capsys, "nosuch", "--c")
-    message = fails(capsys, "mock-suit", "--c", "--joint", "knee")
-    assert "unknown joint of this suit 'knee': use one of elbow_flexion" in message
-    assert "--payload is 3.0, and a suit has none" in fails(
-        capsys, "mock-suit", "--c", "--payload", 3
-    )
-    assert "begin it with a letter" in fails(capsys, "mock-suit", "--c", "--out", "3.h")
-    assert "--allow-uncertified" in fails(capsys, "published-2022", "--c")
-    assert not list(folder.iterdir())
-
-
 def test_policies(folder, capsys):
     main(["export", "compensation:lead=0.03", "--c", "--gravity", "moon", "--payload", "2"])
     text = " ".join((folder / "compensation.h").read_text().replace("\n *", " ").split())
@@ -135,23 +117,25 @@ def test_policies(folder, capsys):
 def test_policies_that_cannot_be_exported(folder, capsys):
     (folder / "run").mkdir()
     for name in ("adaptive", "none", "run", "compensation:guard=true"):
-        message = fails(capsys, name, "--c")
+        message = fails(capsys, "export", name, "--c")
         assert f"{name.partition('=')[0]}" in message
         assert "cannot be exported as C code: use one of transparent, gravity" in message
-    message = fails(capsys, "compensation", "--c", "--joint", "elbow_flexion")
+    message = fails(capsys, "export", "compensation", "--c", "--joint", "elbow_flexion")
     assert "--joint is 'elbow_flexion', and a policy has none" in message
-    assert "unknown suit" in fails(capsys, "compensation:suit=nosuch", "--c")
-    assert "unknown option" in fails(capsys, "compensation:leed=1", "--c")
-    message = fails(capsys, "compensation", "--c", "--coupling", "none")
+    assert "unknown suit" in fails(capsys, "export", "compensation:suit=nosuch", "--c")
+    assert "unknown option" in fails(capsys, "export", "compensation:leed=1", "--c")
+    message = fails(capsys, "export", "compensation", "--c", "--coupling", "none")
     assert "needs motors, and coupling is 'none'" in message
     (folder / "broken.json").write_text("{")
-    assert "broken.json" in fails(capsys, "broken.json", "--c")
+    assert "broken.json" in fails(capsys, "export", "broken.json", "--c")
     assert not list(folder.glob("*.h"))
 
 
 def test_a_file_that_is_there_stays(folder, capsys):
     (folder / "mock-suit.h").write_text("mine")
-    assert "exists: give another name, or add --force" in fails(capsys, "mock-suit", "--c")
+    assert "exists: give another name, or add --force" in fails(
+        capsys, "export", "mock-suit", "--c"
+    )
     assert (folder / "mock-suit.h").read_text() == "mine"
     main(["export", "mock-suit", "--c", "--force"])
     assert (folder / "mock-suit.h").read_text() != "mine"

@@ -12,7 +12,7 @@ from activesuit.assets import curves_path, load_suit
 from activesuit.hysteresis import BoucWen, Viscoelastic
 from activesuit.identification import Curve, Curves, save_curves
 from activesuit.scripts.main import main
-from helpers import sweep
+from helpers import fails, sweep
 
 ELBOW = curves_path("elbow")
 
@@ -22,16 +22,6 @@ def run(capsys, *arguments, code=0) -> str:
         main(["identify", *map(str, arguments)])
     assert not code or stop.value.code == code
     return capsys.readouterr().out
-
-
-def fails(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main(["identify", *map(str, arguments)])
-    assert stop.value.code == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err
 
 
 @pytest.fixture
@@ -65,7 +55,7 @@ def test_cycles_are_averaged_on_request(capsys, tmp_path, elbow):
     assert "mean of the cycles after the first: 4 of bench" in run(capsys, file, "--average-cycles")
     result = json.loads(run(capsys, file, "--average-cycles", "--json"))
     assert result["nrmse"] < 0.015
-    assert "curve '0.87' has 2 branches" in fails(capsys, ELBOW, "--average-cycles")
+    assert "curve '0.87' has 2 branches" in fails(capsys, "identify", ELBOW, "--average-cycles")
 
 
 def written(tmp_path, *rows, header="curve,angle_rad,torque_nm,time_s"):
@@ -95,7 +85,7 @@ BAD = {
 @pytest.mark.parametrize("case", BAD)
 def test_bad_curves_get_one_sentence(capsys, tmp_path, case):
     lines, said = BAD[case]
-    assert said in fails(capsys, written(tmp_path, *lines))
+    assert said in fails(capsys, "identify", written(tmp_path, *lines))
 
 
 def test_a_motion_beyond_the_fitted_range_is_reported_with_both_ranges(capsys, tmp_path):
@@ -104,19 +94,6 @@ def test_a_motion_beyond_the_fitted_range_is_reported_with_both_ranges(capsys, t
     out = " ".join(run(capsys, ELBOW, "--for", far).split())
     assert "the intended motion goes from 0.5 to 1.9 rad, the curves from 0.52 to 1.57 rad" in out
     assert "describes the curves, not beyond" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--samples", "-1"], "samples is -1"),
-        (["--rate", "viscous", "--method", "pso"], "which the method 'pso' does not fit"),
-        (["--rate", "viscous"], "has no times"),
-        (["--rate", "fast"], "fast"),
-    ],
-)
-def test_wrong_arguments_get_one_sentence(capsys, arguments, said):
-    assert said in fails(capsys, ELBOW, *arguments)
 
 
 DEGREE = np.pi / 180
@@ -189,6 +166,7 @@ def test_what_the_record_leaves_open_is_said_where_the_suit_is_made(laboratory_s
     assert "suit: it resists elbow flexion only; --base mock-suit adds the other joints" in said
 
 
+@pytest.mark.slow
 def test_a_given_tare_needs_no_note(capsys, tmp_path):
     record = laboratory(tmp_path / "rohdaten.csv")
     said = " ".join(run(capsys, record, "--model", "bouc-wen").split())
@@ -197,6 +175,7 @@ def test_a_given_tare_needs_no_note(capsys, tmp_path):
     assert "do not determine the offset" not in said
 
 
+@pytest.mark.slow
 def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit, capsys):
     folder, _ = laboratory_suit
     suit = str(folder / "fit/suit.json")
@@ -214,6 +193,7 @@ def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit,
     assert "drawn among" not in said  # no sample was
 
 
+@pytest.mark.slow
 def test_an_offset_that_is_not_determined_is_not_fitted_and_nothing_is_lost(
     laboratory_suit, capsys, tmp_path
 ):
@@ -242,17 +222,3 @@ def test_several_files_with_named_columns(capsys, tmp_path, elbow):
     result = json.loads(run(capsys, *files, *options, "--decimal", ",", "--json"))
     assert result["nrmse"] < 1e-3
     assert len(result["reading"]) == 3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--columns", "angle"], "--columns has 'angle': give NAME=VALUE"),
-        (["--units", "angle=deg", "angle=rad"], "--units has 'angle' twice"),
-        (["--columns", "angel=2"], "unknown kind of column 'angel'"),
-        (["--units", "torque=stone"], "'stone' is no unit of torque"),
-        (["--decimal", ";"], "decimal is ';': give '.' or ','"),
-    ],
-)
-def test_wrong_descriptions_of_a_file_get_one_sentence(capsys, arguments, said):
-    assert said in fails(capsys, ELBOW, *arguments)

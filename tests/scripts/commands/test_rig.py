@@ -8,15 +8,10 @@ from activesuit.assets import load_suit
 from activesuit.identification import load_curves
 from activesuit.scripts.commands import rig as command
 from activesuit.scripts.main import main
-
-WAY = "time_s,angle_rad\n0,0.52\n5,1.0\n"
-
-
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
+from helpers import run
 
 
+@pytest.mark.slow
 def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     out = run(capsys, "measure", "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
@@ -62,55 +57,6 @@ def test_what_is_written(capsys, tmp_path, undrawn):
         "predict",
         "fit",
     ]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--turns", "3.0"], "turn is 3 rad: give an angle in the range of elbow_flexion"),
-        (["--rate", "0"], "rate is 0 rad/s: give 0.01 to 0.5"),
-        (["--noise", "-1"], "noise is -1 N·m: give 0 or more"),
-        (["--joint", "knee"], "unknown joint of suit 'mock-suit' 'knee'"),
-        (["--suit", "nope"], "unknown suit 'nope'"),
-        (["--predict", "1.1"], "predict has 1.1 rad: give some of the turns, 0.87, 1.05"),
-        (["--turns", "1.0", "--predict", "1.0"], "predict has all turns"),
-        (["--out", "{file}/out"], "choose another --out"),
-        (["--motion", "{file}"], "is empty: give a header 'time_s,angle_rad'"),
-        (["--motion", "none.csv"], "cannot read the motion 'none.csv'"),
-    ],
-)
-def test_mistakes(capsys, tmp_path, arguments, sentence):
-    file = tmp_path / "file"
-    file.write_text("")
-    arguments = [argument.format(file=file) for argument in arguments]
-    with pytest.raises(SystemExit) as stop:
-        main(["measure", "rig", "--out", str(tmp_path / "out"), *arguments])
-    captured = capsys.readouterr()
-    assert stop.value.code == 2
-    assert captured.out == ""
-    (message,) = captured.err.splitlines()
-    assert message.startswith(f"activesuit: error: {sentence}") or sentence in message
-    assert list(tmp_path.iterdir()) == [file]
-
-
-@pytest.mark.parametrize(
-    ("text", "arguments", "sentence"),
-    [
-        ("angle_rad\n0.52\n1\n", [], "has no column time_s: add it"),
-        (WAY, ["--predict", "1.0"], "--predict belongs to first-order curves"),
-        (WAY, ["--turns", "1.0"], "turns is (1.0,) beside a motion"),
-        (WAY.replace("5,", "0.1,"), [], "at 4.8 rad/s: give 0.01 to 0.5 rad/s"),
-        (WAY.replace("1.0", "3.0"), [], "3 rad: give an angle in the range of elbow_flexion"),
-    ],
-)
-def test_mistakes_with_a_motion(capsys, tmp_path, text, arguments, sentence):
-    path = tmp_path / "motion.csv"
-    path.write_text(text)
-    with pytest.raises(SystemExit) as stop:
-        main(["measure", "rig", "--motion", str(path), "--out", str(tmp_path / "out"), *arguments])
-    assert stop.value.code == 2
-    assert sentence in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_an_interrupted_measurement_leaves_nothing(capsys, tmp_path, monkeypatch):

@@ -189,23 +189,3 @@ def test_the_figure_has_a_panel_for_every_joint(name, tmp_path):
         joint.replace("_", " ") for joint in suit.joints
     ]
     assert suit.label in figure.get_suptitle()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["emulike"], "unknown suit 'emulike'.*did you mean 'emu-like'"),
-        (["emu-like", "--pressure", "-5"], "pressure is -5 kPa: give 0 to 110 kPa"),
-        (["emu-like", "--pressure", "29600"], "pressure is 29600 kPa: give 0 to 110"),
-        (["mock-suit", "--pressure", "40"], "'mock-suit' does not tell at which.*leave pressure"),
-        (["--pressure", "40"], "--pressure is 40.0, but of which suit: give one of emu-like, "),
-        (["--export", "a.json"], "--export is a.json, but of which suit"),
-        (["--out", "figures"], "--out is figures, but of which suit"),
-        (["emu-like", "--export", "{folder}/none/a.json"], "cannot write .*choose a folder"),
-        (["emu-like", "--out", "{folder}/file"], "cannot make the folder .* choose another --out"),
-    ],
-)
-def test_mistakes(capsys, tmp_path, arguments, message):
-    (tmp_path / "file").touch()
-    _, sentence = fails(capsys, *(text.format(folder=tmp_path) for text in arguments))
-    assert re.search(message, sentence)

@@ -79,6 +79,7 @@ def weights(out, name):
     return b"".join(one.numpy().tobytes() for one in numbers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "more", "evaluations"),
     [("ppo", [], 3), ("ppo", ["--patience", "1"], 2), ("sac", [], 3), ("student", [], 3)],

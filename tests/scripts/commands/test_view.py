@@ -23,13 +23,8 @@ from activesuit.scripts import browser, output
 from activesuit.scripts.commands import animate, view
 from activesuit.scripts.film import filmed
 from activesuit.scripts.main import main
-from helpers import PATIENCE, shorten_tasks
+from helpers import PATIENCE, fails, run, shorten_tasks
 from matplotlib.image import imread
-
-
-def run(capsys, *arguments) -> str:
-    main([str(argument) for argument in arguments])
-    return capsys.readouterr().out
 
 
 @pytest.fixture(scope="module")
@@ -66,67 +61,6 @@ def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
         assert pictures[-1].shape == (120, 160, 3)
     for one, other in itertools.combinations(pictures, 2):
         assert np.abs(one - other).max() > 0.3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--snapshot", "arm.jpg"], "snapshot is 'arm.jpg': use a name that ends with .png"),
-        (["--snapshot", "arm.png", "--web"], "both web and snapshot are given: use one of them"),
-        (["--snapshot", "arm.png", "--draw", "muscles"], "both draw and snapshot are given"),
-        (["--snapshot", "arm.png", "--pose", "sit"], "unknown pose 'sit': use one of home, reach"),
-        (["--snapshot", "arm.png", "--width", "0"], "the picture size is 0 x 960"),
-        (["--snapshot", "arm.png", "--height", "9999"], "height is 9999: use 1 to 4096 pixels"),
-        (["--snapshot", "no/arm.png"], "cannot write 'no/arm.png'"),
-        (["--coupling", "glue"], "unknown coupling 'glue'"),
-        (["--policy", "magic"], "unknown policy 'magic'"),
-        (["--seed", "-1"], "seed is -1: use at least 0"),
-        (["--snapshot", "arm.png", "--quality", "best"], "unknown render_quality 'best'"),
-        (["--web", "--port", "70000"], "port is 70000: use 1 to 65535, or 0 for one that is free"),
-        (["--web", "--host", "192.0.2.77"], "nothing can listen on host '192.0.2.77', port 0"),
-        (["--web", "--host", "no-such.invalid"], "nothing can listen on host 'no-such.invalid'"),
-        (["--web", "--host", ""], "host is '': use localhost"),
-        ([], "no window can be opened here: use --snapshot FILE.png for a picture, or --web"),
-    ],
-)
-def test_mistakes_of_view(capsys, tmp_path, monkeypatch, no_display, arguments, sentence):
-    monkeypatch.chdir(tmp_path)
-    assert sentence in mistake(capsys, "view", *arguments)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
-    ("arguments", "sentence"),
-    [
-        (["--out", "arm.avi"], "out is 'arm.avi': use a name that ends with .gif or .mp4"),
-        (["--out", "no/arm.gif"], "cannot write 'no/arm.gif'"),
-        (["--policy", "magic"], "unknown policy 'magic'"),
-        (["--gravity", "sun"], "unknown gravity 'sun'"),
-        (["--camera", "top"], "unknown camera 'top'"),
-        (["--quality", "best"], "unknown render_quality 'best': use one of fast, fine"),
-        (["--fps", "30"], "fps is 30: use 1, 2, 4, 5, 10, 20, 25 or 50, which divide the control"),
-        (["--fps", "0"], "fps is 0: use 1, 2,"),
-        (["--width", "961"], "width is 961: use an even number of pixels from 120 to 1920"),
-        (["--height", "0"], "height is 0: use an even number of pixels"),
-        (["--env", "Ant-v5"], "no arm of ActiveSuit"),
-        (["--seed", "-1"], "seed is -1: use at least 0"),
-    ],
-)
-def test_mistakes_of_animate(capsys, tmp_path, monkeypatch, arguments, sentence):
-    monkeypatch.chdir(tmp_path)
-    assert sentence in mistake(capsys, "animate", *arguments)
-    assert list(tmp_path.iterdir()) == []
-
-
-def mistake(capsys, *arguments) -> str:
-    with pytest.raises(SystemExit) as stop:
-        main(list(arguments))
-    assert stop.value.code == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    message = captured.err.strip().splitlines()[-1]
-    assert message.startswith("activesuit: error: ")
-    return message
 
 
 @pytest.mark.parametrize("coupling", ["rigid", "cuffs", "none"])
@@ -189,14 +123,14 @@ def test_an_animation_is_a_loop(capsys, tmp_path, monkeypatch, opengl):
     assert lines[-1].startswith("panels beside the arm: 100 % after ")
     assert [path.name for path in tmp_path.iterdir()] == ["arm.gif"]
     frames = loop(tmp_path / "arm.gif")
-    again = mistake(capsys, "animate", "--out", "arm.gif", *small)
+    again = fails(capsys, "animate", "--out", "arm.gif", *small)
     assert "exists: give another name, or add --force" in again
     # The other format gets the same pictures, which take long to draw.
     monkeypatch.setattr(animate, "_film", lambda *given: list(frames.astype(np.uint8)))
     assert run(capsys, "animate", "--out", "arm.mp4", *small) == "wrote arm.mp4\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.gif", "arm.mp4"]
     loop(tmp_path / "arm.mp4")
-    again = mistake(capsys, "animate", "--out", "arm.mp4", *small)
+    again = fails(capsys, "animate", "--out", "arm.mp4", *small)
     assert "exists: give another name, or add --force" in again
 
 
@@ -264,18 +198,11 @@ def test_filming_changes_nothing(opengl, short):
     arms.close()
 
 
-def test_simulate_refuses_an_unknown_film(capsys, tmp_path):
-    out = ["--out", str(tmp_path / "run")]
-    message = mistake(capsys, "simulate", "--video", "avi", *out)
-    assert "unknown video 'avi': use one of gif, mp4" in message
-    assert not (tmp_path / "run").exists()
-
-
 def test_mp4_without_its_extra_is_one_sentence(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     for command in (["animate", "--out", "arm.mp4"], ["simulate", "--video", "mp4"]):
         monkeypatch.chdir(tmp_path)
-        assert "needs the extra activesuit[video]" in mistake(capsys, *command)
+        assert "needs the extra activesuit[video]" in fails(capsys, *command)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -284,7 +211,7 @@ def test_a_snapshot_replaces_nothing_unasked(capsys, tmp_path, opengl):
     path.write_text("mine")
     small = ["--width", "40", "--height", "30", "--quality", "fast"]
     arguments = ["view", "--snapshot", str(path), *small]
-    assert "exists: give another name, or add --force" in mistake(capsys, *arguments)
+    assert "exists: give another name, or add --force" in fails(capsys, *arguments)
     assert path.read_text() == "mine"
     run(capsys, *arguments, "--force")
     assert imread(path).shape[:2] == (30, 40)
@@ -364,7 +291,7 @@ def test_a_viewer_that_answers_everyone_is_not_announced():
 def test_a_taken_port_is_one_sentence(capsys):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        message = mistake(capsys, "view", "--web", "--port", str(port))
+        message = fails(capsys, "view", "--web", "--port", str(port))
     assert f"nothing can listen on host 'localhost', port {port} (Address already in use)" in (
         message
     )

@@ -70,6 +70,7 @@ def fails(capsys, folder) -> str:
     return captured.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", RUNS)
 def test_the_page_is_made_from_the_folder_alone(runs, command):
     page = checked_page(runs(command))

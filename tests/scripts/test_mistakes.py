@@ -1,0 +1,319 @@
+"""Mistakes in options, a table a command: each is one sentence, and nothing changes on disk."""
+
+import shlex
+import shutil
+
+import pytest
+from activesuit.assets import FOLDER, curves_path
+from helpers import content, fails
+from trained_runs import make_run
+
+HEADER = "curve,angle_rad,torque_nm\n"
+WAY = "time_s,angle_rad\n0,0.52\n5,{}\n"
+WHOLE = (FOLDER / "suits" / "mock-suit.json").read_text(encoding="utf-8")
+FILES = {  # of the folder in which the commands run, beside elbow.csv
+    "text.csv": HEADER + "A,0,0\nA,1,x\n",
+    "degrees.csv": HEADER + "A,20,0\nA,60,3\n",
+    "cut.json": WHOLE[: len(WHOLE) // 2],
+    "broken.json": "{",
+    "empty": "",
+    "still.csv": "angle_rad\n1\n1\n",
+    "back.csv": "time_s,angle_rad\n1,0\n0,1\n",
+    "untimed.csv": "angle_rad\n0.52\n1\n",
+    "way.csv": WAY.format(1.0),
+    "quick.csv": WAY.format(1.0).replace("5,", "0.1,"),
+    "wide.csv": WAY.format(3.0),
+}
+
+IDENTIFY = {
+    "none.csv": "No such file",
+    "text.csv": "line 3: torque_nm is 'x'",
+    "degrees.csv": "more than a full turn",
+    "other.csv --out out": "give --joint",
+    "other.csv --for MinorLoops": "cannot tell which joint",
+    "elbow.csv --trials 0": "trials is 0",
+    "elbow.csv --trials 1000000000": "trials is 1000000000: use at most 10,000,000",
+    "elbow.csv --out empty": "--out",
+    "elbow.csv --joint knee --out out": "unknown joint 'knee'",
+    "elbow.csv --seed -1": "seed is -1",
+    "elbow.csv --model preisach --method pso": "has the method 'certified'",
+    "elbow.csv --objective sse": "objective is 'sse': method 'certified' always",
+    "elbow.csv --samples -1": "samples is -1",
+    "elbow.csv --workers 0": "workers is 0: use 1 or more, or -1 for all cores",
+    "elbow.csv --workers -7": "workers is -7: use 1 or more",
+    "elbow.csv --base nope --out out": "unknown suit 'nope'",
+    "elbow.csv --base mock-suit": "--base mock-suit needs --out",
+    "elbow.csv --for Minorloops": "did you mean 'MinorLoops'",
+    "elbow.csv --for none.csv": "cannot read the motion 'none.csv'",
+    "elbow.csv --for MinorLoops --joint knee": "unknown joint 'knee'",
+    "elbow.csv --for still.csv": "stays at the angle 1 rad",
+    "elbow.csv --for back.csv": "line 3: the time runs back from 1 to 0 s",
+    "elbow.csv --columns angle": "--columns has 'angle': give NAME=VALUE",
+    "elbow.csv --columns angel=2": "unknown kind of column 'angel'",
+    "elbow.csv --units angle=deg angle=rad": "--units has 'angle' twice",
+    "elbow.csv --units torque=stone": "'stone' is no unit of torque",
+    "elbow.csv --decimal ';'": "decimal is ';': give '.' or ','",
+    "elbow.csv --rate viscous --method pso": "which the method 'pso' does not fit",
+    "elbow.csv --rate viscous": "has no times",
+    "elbow.csv --rate fast": "fast",
+    "elbow.csv --average-cycles": "curve '0.87' has 2 branches",
+}
+EVALUATE = {
+    "--episodes 1000000000": "episodes is 1000000000: use at most",
+    "--episodes 0 --out out": "episodes is 0",
+    "--episodes 7": "episodes is 7: use at least 8",
+    "--policies magic --out out": "unknown policy 'magic'",
+    "--env ActiveSuit/Elbow-v0": "did you mean 'ActiveSuit/ElbowFlexion-v0'",
+    "--env CartPole-v1": "'CartPole-v1' is no arm of ActiveSuit",
+    "--env Nothing-v0": "unknown environment 'Nothing-v0'",
+    "--table --gravity moon": "--table has its own suits, places and",
+    "--gravity venus": "unknown gravity 'venus'",
+    "--suit published-2022": "certificate margin is -0.245",
+    "--seed -1": "seed is -1",
+}
+SIMULATE = {
+    "--out out --policy magic": "unknown policy",
+    "--out out --suit cut.json": "not complete JSON",
+    "--out out --seed -1": "seed is -1",
+    "--out out --video avi": "unknown video 'avi': use one of gif, mp4",
+    "--task Hamer": "unknown task 'Hamer'",
+    "--task none.csv": "cannot read the motion 'none.csv'",
+    "--level hard": "unknown level 'hard'",
+    "--task Hammer --env ActiveSuit/Hammer-v0": "--task is 'Hammer', and --env is",
+}
+VALIDATE = {
+    "": "no suit is given",
+    "cut.json": "not complete JSON",
+    "emu-like --plant mock-suit --episodes 7": "episodes is 7: use at least 8",
+    "emu-like --plant emu-like --policy compensation:suit=mock-suit": "has a suit: leave that out",
+    "mock-suit --plant nope": "unknown suit 'nope'",
+    "mock-suit --samples --held-out elbow.csv": "leave one out",
+    "mock-suit --samples": "'mock-suit' has no samples of what",
+    "mock-suit --plant mock-suit --policy magic": "unknown policy 'magic'",
+    "emu-like --plant mock-suit --joint elbow_flexion": "add --held",
+    "mock-suit --held-out other.csv": "give --joint",
+}
+RIG = {
+    "--repeats 1000000000": "repeats is 1000000000: use at most",
+    "--turns 3.0": "turn is 3 rad: give an angle in the range of elbow_flexion",
+    "--rate 0": "rate is 0 rad/s: give 0.01 to 0.5",
+    "--noise -1": "noise is -1 N·m: give 0 or more",
+    "--joint knee": "unknown joint of suit 'mock-suit' 'knee'",
+    "--suit nope": "unknown suit 'nope'",
+    "--predict 1.1": "predict has 1.1 rad: give some of the turns, 0.87, 1.05",
+    "--turns 1.0 --predict 1.0": "predict has all turns",
+    "--out empty/out": "choose another --out",
+    "--motion empty": "is empty: give a header 'time_s,angle_rad'",
+    "--motion none.csv": "cannot read the motion 'none.csv'",
+    "--motion untimed.csv": "has no column time_s: add it",
+    "--motion way.csv --predict 1.0": "--predict belongs to first-order curves",
+    "--motion way.csv --turns 1.0": "turns is (1.0,) beside a motion",
+    "--motion quick.csv": "at 4.8 rad/s: give 0.01 to 0.5 rad/s",
+    "--motion wide.csv": "3 rad: give an angle in the range of elbow_flexion",
+}
+DESIGN = {
+    "": "give a file of curves, or --range LOW HIGH in rad, and not both",
+    "none.csv": "cannot read the curves 'none.csv'",
+    "elbow.csv --range 0 1": "and not both",
+    "--range 1 0": "--range is 1 to 0 rad: give the smaller angle first",
+    "--range 0 90": "end is 90 rad, more than a full turn",
+    "--range 0 1 --min-rate 0": "min_rate is 0 rad/s: give a number above 0",
+    "--range 0 1 --max-rate 0.01": "min_rate is 0.02 and max_rate 0.01 rad/s",
+    "--range 0 1 --out empty": "--force",
+}
+SUITS = {
+    "nope": "unknown suit 'nope'",
+    "emulike": "did you mean 'emu-like'",
+    "emu-like --pressure -5": "pressure is -5 kPa: give 0 to 110 kPa",
+    "emu-like --pressure 29600": "pressure is 29600 kPa: give 0 to 110",
+    "mock-suit --pressure 40": "leave pressure",
+    "--pressure 40": "--pressure is 40.0, but of which suit: give one of emu-like, ",
+    "--export a.json": "--export is a.json, but of which suit",
+    "--out figures": "--out is figures, but of which suit",
+    "emu-like --export none/a.json": "choose a folder",
+    "emu-like --out empty": "choose another --out",
+}
+VIEW = {
+    "": "no window can be opened here: use --snapshot FILE.png for a picture, or --web",
+    "--snapshot arm.jpg": "snapshot is 'arm.jpg': use a name that ends with .png",
+    "--snapshot arm.png --web": "both web and snapshot are given: use one of them",
+    "--snapshot arm.png --draw muscles": "both draw and snapshot are given",
+    "--snapshot arm.png --pose sit": "unknown pose 'sit': use one of home, reach",
+    "--snapshot arm.png --width 0": "the picture size is 0 x 960",
+    "--snapshot arm.png --height 9999": "height is 9999: use 1 to 4096 pixels",
+    "--snapshot no/arm.png": "cannot write 'no/arm.png'",
+    "--snapshot arm.png --quality best": "unknown render_quality 'best'",
+    "--coupling glue": "unknown coupling 'glue'",
+    "--policy magic": "unknown policy 'magic'",
+    "--seed -1": "seed is -1: use at least 0",
+    "--web --port 70000": "port is 70000: use 1 to 65535, or 0 for one that is free",
+    "--web --host 192.0.2.77": "nothing can listen on host '192.0.2.77', port 0",
+    "--web --host no-such.invalid": "nothing can listen on host 'no-such.invalid'",
+    "--web --host ''": "host is '': use localhost",
+}
+ANIMATE = {
+    "--out arm.avi": "out is 'arm.avi': use a name that ends with .gif or .mp4",
+    "--out no/arm.gif": "cannot write 'no/arm.gif'",
+    "--policy magic": "unknown policy 'magic'",
+    "--gravity sun": "unknown gravity 'sun'",
+    "--camera top": "unknown camera 'top'",
+    "--quality best": "unknown render_quality 'best': use one of fast, fine",
+    "--fps 30": "fps is 30: use 1, 2, 4, 5, 10, 20, 25 or 50, which divide the control",
+    "--fps 0": "fps is 0: use 1, 2,",
+    "--width 961": "width is 961: use an even number of pixels from 120 to 1920",
+    "--height 0": "height is 0: use an even number of pixels",
+    "--env Ant-v5": "no arm of ActiveSuit",
+    "--seed -1": "seed is -1: use at least 0",
+}
+BENCHMARK = {
+    "run x.jsonl": "run takes no results",
+    "run --suite huge": "unknown suite 'huge'",
+    "run --policies compensation:leed=1": "did you mean 'lead'",
+    "run --set suit=none --out out": "and the suite decides it",
+    "run --set reward=mine:reward --out out": "and the suite decides it",
+    "table": "there are no results",
+    "table nowhere": "cannot read the results",
+}
+C_CODE = {
+    "nosuch": "unknown suit 'nosuch'",
+    "mock-suit --joint knee": "unknown joint of this suit 'knee': use one of elbow_flexion",
+    "mock-suit --payload 3": "--payload is 3.0, and a suit has none",
+    "mock-suit --out 3.h": "begin it with a letter",
+    "published-2022": "--allow-uncertified",
+    "adaptive": "cannot be exported as C code: use one of transparent, gravity",
+    "none": "cannot be exported as C code",
+    "run": "cannot be exported as C code",
+    "compensation:guard=true": "cannot be exported as C code",
+    "compensation --joint elbow_flexion": "--joint is 'elbow_flexion', and a policy has none",
+    "compensation:suit=nosuch": "unknown suit",
+    "compensation:leed=1": "unknown option",
+    "compensation --coupling none": "needs motors, and coupling is 'none'",
+    "broken.json": "broken.json",
+}
+ONNX = {
+    "": "required",
+    "run --c": "two formats are given: add either --onnx",
+    "run --payload 2": "--payload is 2.0, and an ONNX model has none: leave it out",
+    "run --joint elbow_flexion": "--joint is 'elbow_flexion', and an ONNX model has none",
+    "nosuch": "has no readable policy.json",
+    "other": "has no readable policy.json",
+    "compensation": "the policy 'compensation' is no network: give the folder of a training run",
+    "compensation:lead=0.03": "the policy 'compensation:lead=0.03' is no network",
+    "run --out empty": "exists: give another name, or add --force",
+    "run --out other": "is a folder: give the name",
+}
+TRAIN = {
+    "--residual compensator": "unknown policy 'compensator'",
+    "--residual activesuit.envs.policies:NoAssist": "unknown policy that a network",
+    "--residual compensation --residual-scale 5": "residual scale is 5",
+    "--residual-scale 0.1": "given without --residual",
+    "--reward nothing": "the reward 'nothing' cannot be imported",
+    "--reward own_rewards:nothing": "cannot be imported (AttributeError",
+    "--belief nothing": "unknown suit 'nothing'",
+    "--samples": "make a suit file with `activesuit identify --samples`",
+    "--motions 3": "motions is 3",
+    "--patience 0": "patience is 0",
+    "--seeds 4-2": "lowest first",
+    "--seeds 1,1": "a seed twice",
+    f"--seeds {'9' * 5000}": "give whole numbers, as 0-9 or 0,3,5",
+    "--seeds few": "give whole numbers, as 0-9 or 0,3,5",
+    "--seeds 1 --seed 1": "--seed and --seeds are given",
+    "--teacher compensation --residual none": "leave --residual out",
+    "--teacher compensation --patience 2": "leave --patience out",
+    "--teacher compensation --hyperparameters x.yml": "leave --hyperparameters out",
+    "--teacher compensation --resume": "no model.zip to resume",
+    "--teacher compensation --normalize": "leave --normalize out",
+    "--resume": "no model.zip to resume",
+    "--algo dqn": "unknown algo 'dqn'",
+    "--trust": "--trust is given without --resume",
+    "--torch-threads 0": "torch-threads is 0",
+    "--steps 0": "steps is 0",
+    "--seed -1": "seed is -1",
+    "--seed 4294967296": "seed is 4294967296: use at most 4,294,967,295",
+    "--rows 0": "rows is 0",
+    "--hyperparameters x.yml": "cannot read the hyperparameters 'x.yml'",
+    "--task Knitting": "unknown task 'Knitting'",
+    "--sensors eyes": "unknown",
+    "--out run": "holds a trained run: add --resume",
+}
+BEGUN = {  # what shows when the arms act, after the folder of the training is made
+    "--residual adaptive --sensors encoders": "needs the sensors encoders, inter",
+    "--residual compensation --normalize": "normalize=True: make it without",
+    "--reward own_rewards:nan": "is nan in row 0 of",
+    "--reward own_rewards:scalar": "has the shape ()",
+    "--reward own_rewards:failing": "fails (KeyError",
+}
+RESUME = {  # of the run in run/, whose network has learned nothing
+    "--seed 5": "has --seed 5, and the run",
+    "--algo sac": "has --algo 'sac', and the run",
+    "--rows 9": "has --rows 9, and the run",
+    "--level shift": "has --level 'shift', and the run",
+    "--sensors emg": "has --sensors ['emg'], and the run",
+    "--teacher adaptive": "has --teacher 'adaptive', and the run",
+    "--residual compensation": "was trained without: leave --residual out",
+    "--hyperparameters x.yml": "cannot read the hyperparameters 'x.yml'",
+    "--gravity earth": "was trained with 'moon': leave --gravity out",
+    "--steps 0": "steps is 0",
+}
+MISTAKES = {
+    "identify": IDENTIFY,
+    "evaluate": EVALUATE,
+    "simulate": SIMULATE,
+    "validate": VALIDATE,
+    "measure rig --out out": RIG,
+    "measure design": DESIGN,
+    "suits": SUITS,
+    "view": VIEW,
+    "animate": ANIMATE,
+    "benchmark": BENCHMARK,
+    "export --c": C_CODE,
+    "export --onnx": ONNX,
+    "train --task ArmTracking --gravity microgravity --out new": TRAIN,
+    "train --resume --trust --out run": RESUME,
+    "export run": {"": "no format is given: add either --onnx"},
+    "demo --out out": {
+        "--episodes 7": "episodes is 7: use at least 8",
+        "--episodes 0": "episodes is 0",
+        "--trials 0": "trials is 0",
+        "--seed -5": "seed is -5",
+    },
+    "tasks": {
+        "--only Hamer": "did you mean 'Hammer'",
+        "--table --levels hard": "unknown level 'hard': use one of faults",
+        "--table --episodes 7": "episodes is 7: use at least 8",
+    },
+}
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch, tmp_path_factory):
+    """The working folder of the commands, with the files that they read."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / "other").mkdir()
+    for name in ("elbow.csv", "other.csv"):
+        shutil.copy(curves_path("elbow"), tmp_path / name)
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", MISTAKES)
+def test_a_mistake_is_one_sentence_and_changes_nothing(capsys, folder, command):
+    if command.startswith(("train", "export")):
+        pytest.importorskip("stable_baselines3")
+        make_run(folder / "run")
+    before = content(folder)
+    for given, message in MISTAKES[command].items():
+        said = fails(capsys, *shlex.split(f"{command} {given}"), shown=command == "suits")
+        assert message in said, given
+        assert content(folder) == before, given
+
+
+def test_a_mistake_that_the_arms_show_is_one_sentence(capsys, folder):
+    pytest.importorskip("stable_baselines3")
+    for given, message in BEGUN.items():
+        command = f"train --task ArmTracking --gravity microgravity --out new {given}"
+        assert message in fails(capsys, *shlex.split(command)), given
