@@ -2,6 +2,7 @@
 
 import importlib.util
 
+import pytest
 from damage import KINDS, attack
 
 

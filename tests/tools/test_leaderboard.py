@@ -1,5 +1,6 @@
 """The leaderboard is what the command makes of the committed results."""
 
+import pytest
 from activesuit.tools.leaderboard import PAGE, leaderboard
 
 
