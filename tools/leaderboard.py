@@ -20,7 +20,7 @@ TITLE = "# Leaderboard"
 
 def leaderboard(results: Path = RESULTS) -> str:
     """Returns the page of a file of results."""
-    return page(Standings(read_results([results])), TITLE, f"figures/{FIGURE.name}")
+    return page(Standings(read_results([results])), TITLE, f"figures/{FIGURE.name}", {})
 
 
 def main() -> None:
