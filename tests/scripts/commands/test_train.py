@@ -722,9 +722,9 @@ def test_a_damaged_checkpoint_of_a_student(student, tmp_path, capsys):
 def test_an_interrupted_round_of_a_student_is_lost_and_nothing_else(
     student, tmp_path, monkeypatch, capsys
 ):
-    from activesuit.scripts.training.distillation import _Student
+    from activesuit.scripts.training import distillation
 
-    learn, calls = _Student.learn, []
+    learn, calls = distillation._Student.learn, []
 
     def interrupted_late(self, kept):
         calls.append(1)
@@ -734,7 +734,7 @@ def test_an_interrupted_round_of_a_student_is_lost_and_nothing_else(
 
     out = tmp_path / "out"
     with monkeypatch.context() as patch:
-        patch.setattr(_Student, "learn", interrupted_late)
+        patch.setattr(distillation._Student, "learn", interrupted_late)
         said = fails(capsys, *student_command(out, 7, *STUDENT), shown=True)
     assert f"the last checkpoint is kept in {out}; go on with --resume" in said
     with np.load(out / "model.zip") as file:
