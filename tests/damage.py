@@ -652,9 +652,7 @@ OPTION_KINDS = [
     Kind("options: nothing given", said(["identify"], ["validate"])),
     Kind(
         "options: unknown",
-        said(
-            [*IDENTIFY, "--nosuch", "1"], ["suits", "--x"], [*SIMULATE, "extra"], ["bench", "--y"]
-        ),
+        said([*IDENTIFY, "--nosuch", "1"], ["suits", "--x"], [*SIMULATE, "extra"]),
     ),
     Kind(
         "options: without a value",

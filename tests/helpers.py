@@ -34,6 +34,7 @@ def fails(capsys: pytest.CaptureFixture[str], *arguments: object, shown: bool = 
 
     Before the sentence there may be lines about progress; nothing is printed unless `shown`.
     """
+    capsys.readouterr()
     with pytest.raises(SystemExit) as stop:
         main([str(one) for one in arguments])
     captured = capsys.readouterr()

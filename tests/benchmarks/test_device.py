@@ -4,8 +4,8 @@ import json
 
 import pytest
 from activesuit.benchmarks import device
+from activesuit.benchmarks.__main__ import main
 from activesuit.hysteresis.references import EXAMPLES
-from activesuit.scripts.main import main
 from c_programs import need_compiler
 
 pytestmark = pytest.mark.slow
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 def test_c_code_of_all_examples(capsys):
     need_compiler()
-    main(["bench", "device", "--json"])
+    main(["device", "--json"])
     rows = json.loads(capsys.readouterr().out)["rows"]
     assert [row["model"] for row in rows] == [e.name for one in EXAMPLES.values() for e in one]
     for row in rows:
@@ -25,6 +25,6 @@ def test_c_code_of_all_examples(capsys):
 def test_without_a_compiler(capsys, monkeypatch):
     monkeypatch.setattr(device, "compiler", lambda: None)
     with pytest.raises(SystemExit) as stop:
-        main(["bench", "device"])
+        main(["device"])
     assert stop.value.code == 2
     assert "there is no C compiler: install cc, gcc or clang" in capsys.readouterr().err

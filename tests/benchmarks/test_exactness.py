@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.benchmarks import exactness
+from activesuit.benchmarks.__main__ import main
 from activesuit.hysteresis import MODELS, TABLE_2, Viscoelastic
 from activesuit.hysteresis.references import integrate, reference_of, turn_indices
-from activesuit.scripts.main import main
 
 pytestmark = pytest.mark.slow
 
@@ -30,7 +30,7 @@ WRONG = {
 
 
 def test_every_way_gives_the_same_torque(capsys):
-    main(["bench", "exactness", "--json"])
+    main(["exactness", "--json"])
     result = json.loads(capsys.readouterr().out)
     names = [row["model"] for row in result["rows"]]
     assert names == list(CASES)

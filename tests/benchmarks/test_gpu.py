@@ -4,7 +4,7 @@ import json
 
 import pytest
 from activesuit.benchmarks import gpu
-from activesuit.scripts.main import main
+from activesuit.benchmarks.__main__ import main
 from helpers import assert_refused
 
 pytestmark = pytest.mark.slow
@@ -31,5 +31,5 @@ def test_numbers_of_worlds_are_checked():
 
 def test_worlds_belong_to_gpu(capsys):
     with pytest.raises(SystemExit, match="2"):
-        main(["bench", "engine", "--worlds", "4"])
+        main(["engine", "--worlds", "4"])
     assert "--worlds belongs to gpu, not to engine" in capsys.readouterr().err

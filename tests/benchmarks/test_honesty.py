@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 from activesuit.benchmarks import honesty
+from activesuit.benchmarks.__main__ import main
 from activesuit.benchmarks.honesty import bands, truths
 from activesuit.hysteresis import BoucWen
-from activesuit.scripts.main import main
 
 pytestmark = pytest.mark.slow
 
@@ -78,12 +78,12 @@ def test_a_contact_that_only_pushes_dissipates_and_rests():
 
 def test_options_of_honesty_are_refused_elsewhere(capsys):
     with pytest.raises(SystemExit):
-        main(["bench", "engine", "--quick"])
+        main(["engine", "--quick"])
     said = capsys.readouterr().err
     assert "--quick, --seed, --out and --force belong to honesty, not to engine" in said
 
 
 def test_the_command_prints_all_tables(capsys, monkeypatch, tmp_path):
     monkeypatch.setattr(honesty, "CELLS", {name: [] for name in honesty.CELLS})
-    main(["bench", "honesty", "--repeats", "1", "--out", str(tmp_path / "h"), "--json"])
+    main(["honesty", "--repeats", "1", "--out", str(tmp_path / "h"), "--json"])
     assert json.loads(capsys.readouterr().out)["cases"] == []

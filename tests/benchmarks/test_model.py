@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from activesuit.benchmarks import effort, model
-from activesuit.scripts.main import main
+from activesuit.benchmarks.__main__ import main
 
 pytestmark = pytest.mark.slow
 
@@ -20,7 +20,7 @@ def result():
         patch.setattr(model, "STEPS", 100)
         patch.setattr(effort, "EPISODES", 2)
         patch.setattr(effort, "suit_names", lambda: ["mock-suit", "emu-like"])
-        main(["bench", "model", "--repeats", "1", "--json"])
+        main(["model", "--repeats", "1", "--json"])
     return json.loads(text.getvalue())
 
 

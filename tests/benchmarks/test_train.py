@@ -4,7 +4,7 @@ import json
 
 import pytest
 from activesuit.benchmarks import train
-from activesuit.scripts.main import main
+from activesuit.benchmarks.__main__ import main
 from activesuit.scripts.training import hyperparameters
 
 pytestmark = pytest.mark.slow
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 def test_without_the_extra_one_sentence_says_so(capsys, monkeypatch):
     monkeypatch.setitem(hyperparameters.ALGORITHMS, "ppo", ("no_such_package", "PPO"))
     with pytest.raises(SystemExit) as stop:
-        main(["bench", "train"])
+        main(["train"])
     assert stop.value.code == 2
     assert "training by ppo needs no-such-package: use `make train`" in capsys.readouterr().err
 
@@ -29,7 +29,7 @@ def test_ratios_shares_and_goals(capsys, monkeypatch):
         train, "BEFORE", {"n_envs": 2, "n_steps": 8, "batch_size": 8, "n_epochs": 2}
     )
     monkeypatch.setattr(train, "AS_LONG", {"n_envs": 2, "n_steps": 16})
-    main(["bench", "train", "--repeats", "2", "--json"])
+    main(["train", "--repeats", "2", "--json"])
     result = json.loads(capsys.readouterr().out)
     pairs = [row for row in result["rows"] if row["ratio"] is not None]
     assert [row["target"] for row in pairs] == [3.0, None, None]

@@ -122,7 +122,7 @@ def test_the_drawn_convergence_ends_at_the_printed_fitness(tmp_path, monkeypatch
 
 @pytest.mark.slow
 def test_without_opengl_it_says_so_and_goes_on(tmp_path, monkeypatch, capsys, undrawn):
-    def unavailable(self, model, data):
+    def unavailable(self, model, data, beside):
         raise RenderingUnavailableError("no OpenGL context")
 
     monkeypatch.setattr(Renderer, "picture", unavailable)

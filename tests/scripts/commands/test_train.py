@@ -319,7 +319,6 @@ HYPERPARAMETERS = {  # content of a file below "default:", and its mistake
         "{n_epochs: true}": "n_epochs in .* is True: use a number",
         "{policy_kwargs: 5}": "policy_kwargs in .* is 5: input should be a valid dictionary",
         "{policy_kwargs: {n: 5}}": "ppo refuses its hyperparameters",
-        "\nCartPole-v1: {gamma: 0.9}": r"give hyperparameters|is None",
     },
     "sac": {
         "{train_freq: [4, episode]}": "use a number of steps, as episodes end at any time",
@@ -338,6 +337,8 @@ def test_mistakes_in_hyperparameters(tmp_path, capsys, algo):
     for content, message in HYPERPARAMETERS[algo].items():
         file.write_text(f"default: {content}")
         assert re.search(message, fails(capsys, "train", "--algo", algo, *given)), content
+    file.write_text("CartPole-v1: {gamma: 0.9}")
+    assert "nor 'default': name one of them" in fails(capsys, "train", "--algo", algo, *given)
 
 
 @pytest.mark.slow
