@@ -41,11 +41,7 @@ def numbers(name: str, values: Any, unit: str) -> tuple[float, ...]:
 
 
 def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
-    """Checks that a value is a whole number of at least `least`.
-
-    Raises:
-        InputError: It is no whole number, smaller, or larger than `most`.
-    """
+    """Checks that a value is a whole number of at least `least`."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InputError(f"{name} is {shown(value)}: use a whole number of at least {least}")
     if value < least:
@@ -55,11 +51,7 @@ def at_least(name: str, value: int, least: int, most: int = MOST) -> None:
 
 
 def check_seed(value: int) -> None:
-    """Checks a seed of random numbers.
-
-    Raises:
-        InputError: It is no whole number from 0 to `HIGHEST_SEED`.
-    """
+    """Checks a seed of random numbers."""
     at_least("seed", value, 0, HIGHEST_SEED)
 
 
@@ -75,31 +67,19 @@ def once(what: str, names: Iterable[object]) -> None:
 
 
 def workers(value: int) -> None:
-    """Checks a number of workers: at least 1, or -1 for all cores.
-
-    Raises:
-        InputError: It is another number.
-    """
+    """Checks a number of workers: at least 1, or -1 for all cores."""
     if isinstance(value, bool) or not isinstance(value, Integral) or (value < 1 and value != -1):
         raise InputError(f"workers is {shown(value)}: use 1 or more, or -1 for all cores")
 
 
 def within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    """Checks that a value is a number from `low` to `high`.
-
-    Raises:
-        InputError: It is not a number, or outside that range.
-    """
+    """Checks that a value is a number from `low` to `high`."""
     if isinstance(value, bool) or not (isinstance(value, Real) and low <= value <= high):
         raise InputError(f"{name} is {shown(value)}: use a number from {low:g} to {high:g}{unit}")
 
 
 def flag(name: str, value: bool) -> None:
-    """Checks that a value is True or False; the text "no", for example, would count as true.
-
-    Raises:
-        InputError: It is neither.
-    """
+    """Checks that a value is True or False; the text "no", for example, would count as true."""
     if not isinstance(value, bool):
         raise InputError(f"{name} is {shown(value)}: use True or False")
 

@@ -86,9 +86,6 @@ def refuse_old_names(given: Iterable[str], renamed: Mapping[str, str]) -> None:
     Args:
         given: Names of options, or of keys of a file.
         renamed: The new name of each old one.
-
-    Raises:
-        InputError: An old name is among them; the message has the new one.
     """
     for name in given:
         if name in renamed:

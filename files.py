@@ -29,9 +29,6 @@ def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str =
         what: What the file should be, as the error message calls it ("suit").
         largest: Greatest number of bytes.
         fix: What to do with a longer one, as the error message says it.
-
-    Raises:
-        InputError: The file cannot be read, or is too long.
     """
     try:
         with Path(path).open("rb") as file:
@@ -56,10 +53,6 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     Args:
         path: Path of the file to write.
         force: True to replace a file that is there, False to refuse it.
-
-    Raises:
-        InputError: The path is not free, see `check_target`; the folder does not exist or cannot be
-            written, or the disk is full.
     """
     path = Path(path)
     check_target(path, force=force)
@@ -99,9 +92,6 @@ def check_target(path: Path, *, force: bool = True) -> None:
     Args:
         path: Path of the file to write.
         force: True if a regular file that is there may be replaced.
-
-    Raises:
-        InputError: A link, a folder or a device is there; or a file, and `force` is False.
     """
     try:
         mode = path.lstat().st_mode

@@ -23,10 +23,6 @@ def read_json(path: str | os.PathLike[str], what: str, fix: str = REMAKE) -> Any
         path: Path of the file.
         what: What the file should be, as the error message calls it ("suit").
         fix: What to do with a file that is no JSON, as the error message says it.
-
-    Raises:
-        InputError: The file cannot be read, is too large, is no JSON, has one name twice in an
-            object, or nests deeper than any file of ours.
     """
     content = content_of(path, what, LARGEST)
     try:
@@ -47,9 +43,6 @@ def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = 
         name: Name of the file.
         what: What the file should be, as the error message calls it ("card of a policy").
         fix: What to do with a wrong file, as the error message says it.
-
-    Raises:
-        InputError: The content is not as the model has it.
     """
     try:
         return model.model_validate(content)
@@ -62,11 +55,7 @@ def modelled(content: Any, model: type[Model], name: str, what: str, fix: str = 
 
 
 def parse_json(text: str, name: str, fix: str = REMAKE) -> Any:
-    """Returns the content of JSON text; `name` begins the error messages, and `fix` ends them.
-
-    Raises:
-        InputError: It is no JSON, has one name twice in an object, or nests too deep.
-    """
+    """Returns the content of JSON text; `name` begins the error messages, and `fix` ends them."""
     try:
         content = json.loads(text, object_pairs_hook=_object, parse_int=_integer)
         _check_depth(content)

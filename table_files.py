@@ -66,10 +66,6 @@ def read_table(
         expected: Headers that are known, as a phrase for messages.
         is_header: Function that knows the header by its cells; None if the file has none.
         decimal: The decimal mark, "." or ","; by default the numbers show it.
-
-    Raises:
-        InputError: It is no such table, has no header that is known, or its decimal mark is not
-            clear; while rows are read, a line has another number of cells than the header.
     """
     if decimal not in (None, ".", ","):
         raise InputError(f"decimal is {shown(decimal)}: give '.' or ','")

@@ -74,9 +74,6 @@ def unit_of(text: str, quantity: str) -> Unit:
     Args:
         text: The unit. A factor may stand before it, and what the column is in behind a slash.
         quantity: "angle", "torque" or "time".
-
-    Raises:
-        InputError: It is no unit of that quantity.
     """
     match = SCALED.fullmatch(text.strip())
     number, name = match.groups() if match else (None, text)

@@ -74,9 +74,6 @@ class Episodes:
         terminated: Whether an episode ended by failure, shape (n,).
         truncated: Whether an episode is over, shape (n,).
         effort_scale: Effort of the suited arm over strength, by which rewards are scaled.
-
-    Raises:
-        InputError: An argument is out of its range; the message names it.
     """
 
     def __init__(
@@ -248,11 +245,7 @@ class Episodes:
         return {"config": self.identity(), **self._arrays(rows)}
 
     def restore(self, rows: Rows, state: Any) -> None:
-        """Restores what `state` returned, also in other rows; they then continue bit for bit.
-
-        Raises:
-            InputError: The state is not from `state`, or is of other arms; nothing has changed.
-        """
+        """Restores what `state` returned, also in other rows; they then continue bit for bit."""
         present, wearers = self._arrays(rows), max(1, len(self.setup.randomize.wearers))
         check_state(state, self.identity(), present, self.simulation.model, wearers)
         self._restore(rows, state)
@@ -461,11 +454,7 @@ def _refuse_infinite(action: Array, rows: Rows | None) -> None:
 
 
 def checked_seed(seed: Any) -> int:
-    """Returns a seed.
-
-    Raises:
-        InputError: The seed is no whole number from 0 to 2^63 - 1.
-    """
+    """Returns a seed."""
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer):
         raise InputError(f"seed is {shown(seed)}: give a whole number of at least 0, or None")
     if not 0 <= seed <= HIGHEST_SEED:

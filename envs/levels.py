@@ -52,9 +52,6 @@ def with_level(options: Mapping[str, Any]) -> dict[str, Any]:
 
     Terms of `randomize` replace those of the level one by one. A level's options for suits or
     cuffs are left out where there are none, and the pressure of its suit for another suit.
-
-    Raises:
-        InputError: There is no such level, or randomize is no dict of terms.
     """
     given = {name: value for name, value in options.items() if name != "level"}
     level = options.get("level", NOMINAL)

@@ -111,9 +111,6 @@ class Observer:
         layout: Slice of the observation that contains each part, by the name of the part; with a
             history the newest comes first, and the layout is that of the newest.
         space: Observation space of one row.
-
-    Raises:
-        InputError: These arms do not have a suite, or `history` is out of its range.
     """
 
     def __init__(
@@ -169,11 +166,7 @@ def _pick(measured, belief, observation, picked) -> None:
 
 
 def checked_sensors(given: Sequence[str]) -> tuple[str, ...]:
-    """Returns the names of sensor suites.
-
-    Raises:
-        InputError: The value is not a list of known names, each of them once.
-    """
+    """Returns the names of sensor suites."""
     if isinstance(given, str) or not isinstance(given, Sequence):
         raise InputError(f"sensors is {shown(given)}: give a list of suites, such as ['encoders']")
     for name in given:

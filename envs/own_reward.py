@@ -23,9 +23,6 @@ class OwnReward:
 
     Args:
         given: The function, or its place as "package.module:function".
-
-    Raises:
-        InputError: There is no such function.
     """
 
     def __init__(self, given: str | Rewarding) -> None:
@@ -37,11 +34,7 @@ class OwnReward:
             )
 
     def __call__(self, terms: Mapping[str, Array], measured: Mapping[str, NDArray]) -> Array:
-        """Returns the reward of n rows, shape (n,).
-
-        Raises:
-            InputError: The function fails, or returns something else than n finite numbers.
-        """
+        """Returns the reward of n rows, shape (n,)."""
         rows = measured["lost"].shape
         try:
             found = np.asarray(self._function(terms, measured), float)

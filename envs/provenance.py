@@ -82,9 +82,6 @@ def check_settings(config: Any, prefix: str) -> None:
     Args:
         config: Dataclass of the numbers.
         prefix: Words before the name of a field in a message.
-
-    Raises:
-        InputError: A number is out of its range.
     """
     for one in fields(config):
         known: Setting | None = one.metadata.get("setting")

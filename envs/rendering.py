@@ -91,9 +91,6 @@ class Renderer:
             smooth edges and reflections.
         picture_dt: Simulated time between pictures [s]; before it has passed, `picture` returns the
             last one again.
-
-    Raises:
-        InputError: The size or the quality is not valid.
     """
 
     # Why OpenGL does not work in this process: a second attempt could abort it.

@@ -154,9 +154,6 @@ class ResidualVecEnv(VecEnvWrapper):
 
     Attributes:
         residual: Policy and scale as plain data, for the card of what is trained.
-
-    Raises:
-        InputError: The policy cannot act on these arms.
     """
 
     def __init__(self, venv: ArmVecEnv, policy: AnyPolicy, scale: float = SCALE) -> None:

@@ -53,11 +53,7 @@ class Header:
         self.include(Path(__file__).with_suffix(".h"))
 
     def include(self, path: Path) -> None:
-        """Adds the code of a file, and before it what it includes, each file once.
-
-        Raises:
-            InputError: There is no such file.
-        """
+        """Adds the code of a file, and before it what it includes, each file once."""
         path = path.resolve()
         if path not in self._included:
             self._included.add(path)
@@ -201,11 +197,7 @@ def stepped(model: HysteresisModel, state: State, angle: Array, dt: float) -> Ar
 
 
 def identifier(name: str) -> str:
-    """Returns a name with an underscore for each character that no name in C may have.
-
-    Raises:
-        InputError: No letter is at its beginning.
-    """
+    """Returns a name with an underscore for each character that no name in C may have."""
     found = re.sub(r"[^A-Za-z0-9_]", "_", name)
     if not re.match("[A-Za-z]", found):
         raise InputError(
@@ -248,11 +240,7 @@ def _numbers(model: Wrapper) -> list[float]:
 
 
 def literal(value: float) -> str:
-    """Returns a number in C.
-
-    Raises:
-        InputError: It is not finite, or too large for 32 bits.
-    """
+    """Returns a number in C."""
     if not abs(value) <= LARGEST:
         raise InputError(
             f"the model has the number {value:g}, and C code for 32-bit numbers needs at most "

@@ -56,11 +56,7 @@ class PoleError(InputError):
 
 
 def checked_range(angle_range: tuple[float, float]) -> tuple[float, float]:
-    """Returns a range as two ascending angles [rad], which may be infinite.
-
-    Raises:
-        InputError: `angle_range` is not two ascending angles.
-    """
+    """Returns a range as two ascending angles [rad], which may be infinite."""
     try:
         low, high = map(float, angle_range)
     except (TypeError, ValueError):

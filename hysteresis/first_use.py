@@ -73,11 +73,7 @@ class FirstUse(event.Listener):
 
 
 def check_cache() -> None:
-    """Checks that there is a cache of kernels, and that nobody else can put code into it.
-
-    Raises:
-        InputError: There is none, or other users may write to it.
-    """
+    """Checks that there is a cache of kernels, and that nobody else can put code into it."""
     folder = os.environ.get(CACHE, "")
     if os.name == "posix" and os.path.isdir(folder):
         found = os.stat(folder)

@@ -13,11 +13,7 @@ NEGLIGIBLE = 1e-15  # share of the largest term below which a leading one change
 
 
 def coefficients(name: str, values: Numbers) -> tuple[float, ...]:
-    """Returns the coefficients of a polynomial, constant first [N·m/rad^i].
-
-    Raises:
-        InputError: They are no finite numbers, none or more than six.
-    """
+    """Returns the coefficients of a polynomial, constant first [N·m/rad^i]."""
     found = numbers(name, values, UNIT)
     if len(found) > LARGEST_DEGREE + 1:
         raise InputError(

@@ -113,9 +113,6 @@ def choose(
         workers: Number of threads, which share the candidates.
         options: Options of the candidates' fits, by model.
         on_candidate: Function that gets each candidate as soon as it was tried.
-
-    Raises:
-        InputError: There is too little to leave out, or no candidate could be fitted.
     """
     asked = questions(curves)
     calls = [partial(_candidate, name, curves, asked, seed, options.get(name, {})) for name in FITS]

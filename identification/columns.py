@@ -52,11 +52,7 @@ class Wanted(NamedTuple):
     units: Mapping[str, str]
 
     def check(self) -> None:
-        """Checks names and units.
-
-        Raises:
-            InputError: One is unknown.
-        """
+        """Checks names and units."""
         for name in self.columns:
             if name not in COLUMNS:
                 raise unknown_name("kind of column", name, COLUMNS)
@@ -77,12 +73,7 @@ class Wanted(NamedTuple):
 
 
 def columns_of(table: Table, wanted: Wanted) -> dict[str, Column]:
-    """Returns the columns of a table by what they are, at least those of angle and torque.
-
-    Raises:
-        InputError: A name stands for several columns, or a unit is missing, unknown, or named in
-            two ways.
-    """
+    """Returns the columns of a table by what they are, at least those of angle and torque."""
     found = {}
     for kind in COLUMNS:
         places = _candidates(table.header, kind, wanted)

@@ -106,9 +106,6 @@ def corrected(
         measured: The curves to fit.
         corrections: What to take off.
         fitted: Certified fit of the model to curves.
-
-    Raises:
-        InputError: A correction cannot be found.
     """
     offset = found_tare(measured, corrections.tare, lambda curves: fitted(curves).loss)
     family, measured = tared(family, offset), tared(measured, offset)

@@ -236,9 +236,6 @@ def drawn(
         initial_torque: Torque with which the joint begins [N·m]; or "measured".
         samples: Number of models.
         seed: Seed of all that is drawn.
-
-    Raises:
-        InputError: A number is below 0, or the kind of a member has no fit.
     """
     at_least("samples", samples, 0)
     check_seed(seed)

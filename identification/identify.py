@@ -134,9 +134,6 @@ def prepared(
         corrections: What is taken off.
         start: Torque at the beginning, as an option of that fit.
         seed: Seed of its random numbers.
-
-    Raises:
-        InputError: The curves cannot be used, or a correction cannot be found.
     """
     family = averaged(Curves(curves), corrections)
     measured = thinned(_measured(family))
@@ -151,11 +148,7 @@ def prepared(
 
 
 def refuse_unknown(given: dict[str, Any]) -> None:
-    """Refuses names that are no options; those of version 0.2 with the new name.
-
-    Raises:
-        InputError: There are any.
-    """
+    """Refuses names that are no options; those of version 0.2 with the new name."""
     refuse_old_names(given, OLD_NAMES)
     for name in given:
         known = ("model", "method", "corrections", "initial_torque", "seed", "workers", "needed")
@@ -179,11 +172,7 @@ def _measured(curves: Curves) -> Curves:
 
 
 def refuse_weights(curves: Sequence[Curve]) -> None:
-    """Refuses curves of unlike weights, which most fits would ignore.
-
-    Raises:
-        InputError: There are any.
-    """
+    """Refuses curves of unlike weights, which most fits would ignore."""
     weights = [curve.weight for curve in curves]
     if min(weights) < max(weights):
         raise InputError(

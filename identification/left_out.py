@@ -51,9 +51,6 @@ def questions(curves: Sequence[Curve]) -> list[Question]:
     fit includes that part too (a rolling origin, Tashman 2000, Int. J. Forecasting 16(4)). Here too
     the known part has reached all angles of the left-out one, unless each cycle of the record is
     larger than those before, as in protocols of structural tests: then predictions reach beyond it.
-
-    Raises:
-        InputError: There is no curve, or one record has too few reversals.
     """
     if len(curves) > 1:
         reach = [float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves]

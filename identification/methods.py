@@ -161,11 +161,7 @@ def method_of(
     objective: str | None = None,
     normalize: str | None = None,
 ) -> Method:
-    """Returns a method from its name and plain values; None stands for one that is left out.
-
-    Raises:
-        InputError: The name is unknown, or the method would ignore a value.
-    """
+    """Returns a method from its name and plain values; None stands for one that is left out."""
     if isinstance(given, Method):
         return given
     if given == "auto":
@@ -192,11 +188,7 @@ def method_of(
 def check_together(
     method: Method, model: str, corrections: Corrections, initial_torque: InitialTorque | None
 ) -> None:
-    """Refuses a method, a model, corrections and a beginning that do not go together.
-
-    Raises:
-        InputError: They do not, or the model is unknown.
-    """
+    """Refuses a method, a model, corrections and a beginning that do not go together."""
     if model not in FITS:
         raise unknown_name("model", model, FITS)
     method.check(model)
@@ -224,11 +216,7 @@ def _only_default(name: str, model: str) -> None:
 
 
 def check_beginning(initial_torque: InitialTorque | None) -> None:
-    """Refuses a given torque at the beginning of curves, where fits identify it.
-
-    Raises:
-        InputError: It is given.
-    """
+    """Refuses a given torque at the beginning of curves, where fits identify it."""
     if initial_torque not in (None, "identified"):
         raise InputError(
             f"initial_torque is {initial_torque!r}: the fits of other models than "

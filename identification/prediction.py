@@ -24,11 +24,7 @@ def torque_errors(
 
 
 def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curve) -> Array:
-    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there.
-
-    Raises:
-        InputError: The model depends on the rate, and the curve has no times.
-    """
+    """Returns a model's torque along a curve [N·m]; infinite if it meets the pole there."""
     start = curve.torque[0] if initial_torque == "measured" else initial_torque
     try:
         if isinstance(model, Viscoelastic):
@@ -39,11 +35,7 @@ def predicted(model: HysteresisModel, initial_torque: InitialTorque, curve: Curv
 
 
 def times_of(curve: Curve) -> Array:
-    """Returns the times of a curve [s].
-
-    Raises:
-        InputError: It has none.
-    """
+    """Returns the times of a curve [s]."""
     if curve.time is None:
         raise InputError(
             f"curve {curve.name!r} has no times, and the model depends on the rate: add the column "

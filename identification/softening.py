@@ -100,9 +100,6 @@ def found_softening(
         curves: Curves to fit.
         count: Cycles of all curves.
         fit: Fit of a model to curves.
-
-    Raises:
-        InputError: The curves have too few cycles.
     """
     if count.total < NEARLY * FEWEST:
         raise InputError(

@@ -16,11 +16,7 @@ FLAT = 1.02  # ratio to the least error: where another offset fits as well, none
 
 
 def checked_tare(tare: Tare) -> None:
-    """Checks the offset of a torque sensor.
-
-    Raises:
-        InputError: It is no number, "zero" or "fit".
-    """
+    """Checks the offset of a torque sensor."""
     if not isinstance(tare, str):
         number("tare", tare, "N·m")
     elif tare not in ("zero", "fit"):
@@ -43,9 +39,6 @@ def found_tare(curves: Sequence[Curve], tare: Tare, error: Callable[[Curves], fl
         tare: The offset; "zero" takes the mean torque with which the curves begin, "fit" the one
             that a fit of the model prefers.
         error: Function from curves to the error of the model fitted to them, over their peak.
-
-    Raises:
-        InputError: The model fits with any offset.
     """
     family = Curves(curves)
     if tare == "zero":

@@ -108,11 +108,7 @@ class ArmOptions:
 
 
 def usual_size(given: Mapping[str, Any]) -> dict[str, float]:
-    """Returns stature [m] and mass [kg] of a wearer of whom only the sex may be given.
-
-    Raises:
-        InputError: There is no such sex.
-    """
+    """Returns stature [m] and mass [kg] of a wearer of whom only the sex may be given."""
     person = Person(sex=given.get("sex", _USUAL.wearer.sex))
     return {"stature": person.stature, "mass": person.mass}
 
@@ -121,9 +117,6 @@ def flat_options(config: dict[str, Any]) -> dict[str, Any]:
     """Returns options of an environment by the names of flags, where there are such.
 
     Other fields of wearer and payload have their place as their name, such as "payload.inertia".
-
-    Raises:
-        InputError: Wearer or payload is no dict of fields.
     """
     flags = {place: name for name, place in _NESTED.items()}
     flat = {name: value for name, value in config.items() if name not in _GROUPS}

@@ -22,12 +22,7 @@ LIBRARIES = {"dask": ("distributed",), "ray": ("ray", "ray.util.joblib")}
 
 
 def check_backend(backend: Backend, workers: int) -> None:
-    """Checks, before any work is done, that `run_all` can use a backend.
-
-    Raises:
-        InputError: `workers` is neither -1 nor at least 1, or a package of the backend is not
-            installed.
-    """
+    """Checks, before any work is done, that `run_all` can use a backend."""
     check_workers(workers)
     if backend == "ray" and not os.environ.get("RAY_ADDRESS"):
         # The ports of a cluster of our own are open to the network, and whoever connects may run
@@ -57,9 +52,6 @@ def run_all(
         arguments: Tuples of arguments, one for each call.
         backend: Name of the backend.
         workers: Number of calls at the same time; -1 uses all cores, or the whole cluster.
-
-    Raises:
-        InputError: See `check_backend`.
     """
     check_backend(backend, workers)
     pending = list(arguments)

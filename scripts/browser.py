@@ -23,9 +23,6 @@ def check_address(host: str, port: int) -> None:
     Args:
         host: Address of this machine, or a name of one.
         port: Port; 0 for any that is free.
-
-    Raises:
-        InputError: It is not an address of this machine, or the port is taken or not allowed.
     """
     if not 0 <= port <= 65535:
         raise InputError(f"port is {shown(port)}: use 1 to 65535, or 0 for one that is free")
@@ -55,10 +52,6 @@ def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
         host: Address to listen on.
         port: Port; 0 for the first free one from 8080.
         panels: Plugins of the viewer that draw panels.
-
-    Raises:
-        InputError: MuJoCo's viewer does not listen on this machine alone or answers everyone. It is
-            raised where the handle is used.
     """
     from mujoco.studio import app, launch_thread, plugin, viewer_protocol, web_viewer
     from mujoco.studio.web import web_server

@@ -7,11 +7,7 @@ from ..errors import InputError, unknown_name
 
 
 def joint_of(path: Path, joint: str | None) -> str:
-    """Returns the joint that a curve file belongs to: `joint`, or what the file name says.
-
-    Raises:
-        InputError: There is no such joint, or the name says none.
-    """
+    """Returns the joint that a curve file belongs to: `joint`, or what the file name says."""
     if joint is not None:
         if joint not in JOINTS:
             raise unknown_name("joint", joint, JOINTS)

@@ -18,9 +18,6 @@ def load_extensions() -> None:
     """Imports the modules that installed packages name in the entry point group "activesuit".
 
     That reads a file of every installed package, so only the first call does it.
-
-    Raises:
-        InputError: One of them cannot be imported.
     """
     for extension in entry_points(group=GROUP):
         _load(extension)

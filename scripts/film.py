@@ -81,11 +81,7 @@ def filmed(arms: ArmVectorEnv, stride: int, begin: int = 0) -> Iterator[Film]:
 
 
 def stride_of(fps: int, control_dt: float) -> int:
-    """Returns the number of control periods between pictures.
-
-    Raises:
-        InputError: `fps` does not divide the control rate, or is too high.
-    """
+    """Returns the number of control periods between pictures."""
     rate = round(1 / control_dt)
     usable = [n for n in range(1, min(rate, FASTEST) + 1) if rate % n == 0]
     if fps not in usable:
@@ -105,9 +101,6 @@ def film_writer(
         kind: Format, gif or mp4.
         name: Name of the option that says so.
         value: Value of that option; by default the format.
-
-    Raises:
-        InputError: The format is unknown, or its extra is not installed.
     """
     if kind not in FILMS:
         raise unknown_name(name, kind, list(FILMS))

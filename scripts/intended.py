@@ -36,9 +36,6 @@ def intended_motions(path: Path, use: str | None, joint: str | None) -> list[Mot
         path: Path of the file of curves, whose name may tell the joint.
         use: Name of a task, path of a CSV file of a motion, or "any"; None for no use.
         joint: Name of the joint, if it is given.
-
-    Raises:
-        InputError: There is no such task or file, or nobody says which joint the curves are of.
     """
     if use is None or use == ANY:
         return []

@@ -151,11 +151,7 @@ def _run(arguments: Sequence[str]) -> None:
 
 
 def command_of(arguments: Sequence[str]) -> tuple[str, Callable[..., None], Sequence[str]]:
-    """Returns the name of a command, its function, and the arguments behind its name.
-
-    Raises:
-        InputError: There is no such command.
-    """
+    """Returns the name of a command, its function, and the arguments behind its name."""
     for old, new in MOVED.items():
         if list(arguments[: old.count(" ") + 1]) == old.split():
             raise InputError(f"{old!r} is no command since version 0.3: run {new}")

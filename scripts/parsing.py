@@ -58,11 +58,7 @@ def _sentence(box: str) -> str:
 
 
 def named_values(option: str, given: Sequence[str]) -> dict[str, str]:
-    """Returns the values of an option that is given as NAME=VALUE, by name.
-
-    Raises:
-        InputError: One has another form, or a name is there twice.
-    """
+    """Returns the values of an option that is given as NAME=VALUE, by name."""
     found: dict[str, str] = {}
     for one in given:
         name, sign, value = one.partition("=")

@@ -72,11 +72,7 @@ class Record:
 
 
 def command_of_folder(folder: Path) -> str:
-    """Returns the name of the command that a run folder belongs to.
-
-    Raises:
-        InputError: It is no run folder.
-    """
+    """Returns the name of the command that a run folder belongs to."""
     path = folder / RECORD
     if path.is_symlink() or not path.is_file():
         raise InputError(

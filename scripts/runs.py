@@ -126,11 +126,7 @@ def scene(
 
 
 def refuse_observed(options: Mapping[str, Any], policies: Sequence[PolicySpec | str]) -> None:
-    """Refuses options of the observation where it follows from the policies.
-
-    Raises:
-        InputError: No policy takes what there is, and such an option is given.
-    """
+    """Refuses options of the observation where it follows from the policies."""
     given = [name for name in OBSERVATION if name in options]
     if given and policies and all(one in BOUNDS or needed_options(one) for one in policies):
         raise InputError(
@@ -174,11 +170,7 @@ def _of_level(level: str, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def run_options(folder: str) -> dict[str, Any]:
-    """Returns the options of the command line with which a run was trained.
-
-    Raises:
-        InputError: The folder is not a training run, or an option is unknown or cannot be used.
-    """
+    """Returns the options of the command line with which a run was trained."""
     found = environment_of(folder)
     found = {name: value for name, value in found.items() if name not in OBSERVATION}
     env = found["env"].removeprefix(OUR_MODULE)

@@ -43,11 +43,7 @@ def settings(given: Sequence[str]) -> dict[str, Any]:
 
 
 def value_of(name: str, text: str) -> Any:
-    """Returns the value of an option: JSON, a list of words in brackets, or a word.
-
-    Raises:
-        InputError: It is JSON that cannot be used.
-    """
+    """Returns the value of an option: JSON, a list of words in brackets, or a word."""
     if text in _AS_IN_PYTHON:
         return _AS_IN_PYTHON[text]
     try:
@@ -69,9 +65,6 @@ def joined(flags: Mapping[str, Any], others: Mapping[str, Any], of: str = "") ->
         flags: Options that flags give.
         others: Options that `--set` gives.
         of: Name of the option whose fields these are, with a dot.
-
-    Raises:
-        InputError: Both give an option, with different values.
     """
     found = dict(others)
     for name, value in flags.items():

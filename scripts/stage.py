@@ -34,9 +34,6 @@ class Stage:
     Attributes:
         env: The arm.
         live: What is shown and what may be chosen.
-
-    Raises:
-        InputError: The arm, the policy or the drawing cannot be made.
     """
 
     def __init__(self, chosen: Scene, seed: int, *, draw: str | None = None) -> None:

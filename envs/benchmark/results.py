@@ -192,11 +192,7 @@ def _agree(one: Result, other: Result) -> bool:
 
 
 def read_text(path: Path, what: str = "results") -> str:
-    """Returns the text of a file of results.
-
-    Raises:
-        InputError: It cannot be read, is too long or no UTF-8.
-    """
+    """Returns the text of a file of results."""
     try:
         return content_of(path, what, LARGEST).decode("utf-8")
     except UnicodeDecodeError as error:

@@ -213,11 +213,7 @@ def _best_known(plan: Run, others: Sequence[Run]) -> Run:
 
 
 def named_policies(policies: Policies) -> dict[str, Runnable]:
-    """Returns what to evaluate, by name: a policy as data, the name of a bound, or a function.
-
-    Raises:
-        InputError: A policy is unknown or no policy, two have one name, or there is none.
-    """
+    """Returns what to evaluate, by name: a policy as data, the name of a bound, or a function."""
     if isinstance(policies, str):
         raise InputError(f"policies is {policies!r}: give a list of names, such as [{policies!r}]")
     if not isinstance(policies, Mapping | Sequence):

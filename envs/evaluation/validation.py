@@ -207,11 +207,7 @@ def validate(
 
 
 def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
-    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is.
-
-    Raises:
-        InputError: The policy has a suit already, or `policy_spec` raises it.
-    """
+    """Returns a policy that believes a suit, if it takes the option `suit`; otherwise as it is."""
     spec = policy_spec(policy)
     if "suit" in spec.options:
         raise InputError(
@@ -226,12 +222,7 @@ def with_belief(policy: AnyPolicy, suit: AnySuit) -> PolicySpec:
 def believed_joints(
     env_id: str, believed: Mapping[str, AnySuit], policy: AnyPolicy, **env_options: Any
 ) -> dict[str, dict[str, SuitJoint]]:
-    """Returns the assisted joints that each believed suit and the true one resist, as believed.
-
-    Raises:
-        InputError: The policy cannot believe a suit here, or a suit resists none of the assisted
-            joints that the true one resists.
-    """
+    """Returns the assisted joints that each believed suit and the true one resist, as believed."""
     arms = make_arms(env_id, 1, **{**env_options, **needed_options(policy)})
     config, found = arms.episodes.simulation.config, {}
     needed = [joint for joint in ASSISTED if joint in resisting_joints(config)]

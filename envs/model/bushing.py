@@ -102,9 +102,6 @@ def attach_bushing(
         exo_site: Name of a site on the other body, whose axes are those of the bushing.
         bushing: Springs and dampers of the bushing.
         sensors: Whether to add the three sensors.
-
-    Raises:
-        InputError: a site is unknown, both are on one body, or the name is taken.
     """
     sites = {site.name: site for site in spec.sites}
     for site in (limb_site, exo_site):
@@ -140,9 +137,6 @@ def replace_bushing(
             in place.
         name: Name of the bushing.
         bushing: New springs and dampers.
-
-    Raises:
-        InputError: There is no such bushing, or the state belongs to another model.
     """
     _parameters(mj_model, plugin_state, name)[:] = bushing.parameter_vector
 
@@ -158,9 +152,6 @@ def move_bushing(
             in place.
         name: Name of the bushing.
         by: Vector that is added to its `offset` [m], shape (3,).
-
-    Raises:
-        InputError: There is no such bushing, or the state belongs to another model.
     """
     _parameters(mj_model, plugin_state, name)[-3:] += by
 

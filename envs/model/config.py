@@ -202,11 +202,7 @@ _NESTED = {"wearer": Person(), "exo": Exo(), "payload": Payload()}
 
 
 def nested(name: str, value: Any, default: Config) -> Config:
-    """Returns `value`; if it is a dict, returns `default` with the fields in it replaced.
-
-    Raises:
-        InputError: `value` is neither, or a field is unknown or cannot be used.
-    """
+    """Returns `value`; if it is a dict, returns `default` with the fields in it replaced."""
     if isinstance(value, type(default)):
         return value
     if isinstance(value, Mapping):
@@ -236,9 +232,6 @@ def place_of(what: str, given: Any) -> str:
     Args:
         what: What the name is, for the message.
         given: A name among `PLACES`.
-
-    Raises:
-        InputError: There is no such place.
     """
     if not isinstance(given, str) or given not in PLACES:
         raise unknown_name(what, given, PLACES)

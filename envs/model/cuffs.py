@@ -121,9 +121,6 @@ def couple(
         misalignment: Vector from the wearer's shoulder center to the exoskeleton's: forward,
             outward, up [m].
         excess: Length of each link of the exoskeleton, less that of the wearer's segment [m].
-
-    Raises:
-        InputError: The model has no exoskeleton of its own to couple.
     """
     if spec.body("exo_hand") is None or spec.joint("exo_wrist_flexion") is not None:
         raise InputError("the model is not the arm of arm.xml with its rigid exoskeleton: give it")

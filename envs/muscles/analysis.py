@@ -131,11 +131,7 @@ class Shared(NamedTuple):
 
 
 def check_wearer(simulation: Simulation) -> None:
-    """Checks, before anything moves, that muscles can give the wearer's torque.
-
-    Raises:
-        InputError: The extra `muscles` is missing, or the wearer tires.
-    """
+    """Checks, before anything moves, that muscles can give the wearer's torque."""
     MyoArm.load()
     if simulation.fatigue:
         raise InputError(
@@ -151,9 +147,6 @@ def demand_of(trace: Trace | Moments, arm: MyoArm, *, threads: int = 0) -> Deman
         trace: The motion, or some moments of one.
         arm: The muscles.
         threads: Number of threads; 0 uses all cores.
-
-    Raises:
-        InputError: The motion has fewer than three samples, or the wearer tires.
     """
     if len(trace.time) < 3:
         raise InputError(
@@ -247,11 +240,7 @@ def antagonists(arms: Array, torque: Array) -> Array:
 
 
 def strength_scale(trace: Trace | Moments) -> float:
-    """Returns the wearer's strength over that of the average man.
-
-    Raises:
-        InputError: Not all muscles of the wearer are stronger by the same factor.
-    """
+    """Returns the wearer's strength over that of the average man."""
     low, high = strength_limits(_average(), trace.angle, np.zeros_like(trace.angle))
     ratio = trace.strength / np.stack([-low, high], axis=1)
     if trace.fatigue is not None or ratio.max() > (1 + ALIKE) * ratio.min():

@@ -47,9 +47,6 @@ class LiveMuscles:
 
     Args:
         simulation: The arm.
-
-    Raises:
-        InputError: The extra `muscles` is missing, or the wearer tires.
     """
 
     def __init__(self, simulation: Simulation) -> None:

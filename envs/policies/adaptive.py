@@ -45,9 +45,6 @@ class Adaptive(ModelBased):
         delay: Age of the torque between person and suit [s], 0 to 0.5.
         lead: Time by which the motors answer late [s], 0 to 0.2.
         friction: Share of the motors' friction that is cancelled, 0 to 1.
-
-    Raises:
-        InputError: An option is out of its range.
     """
 
     sensors: ClassVar[tuple[str, ...]] = ("encoders", "interaction")

@@ -153,11 +153,7 @@ def policy_spec(given: AnyPolicy, *, beside: Sequence[str] = (), trust: bool = F
 
 
 def maker_of(name: str, beside: Sequence[str] = ()) -> Callable[..., Policy] | None:
-    """Returns the class of a policy; None for a trained one, shipped or the folder of a run.
-
-    Raises:
-        InputError: There is no such policy, folder, module or class.
-    """
+    """Returns the class of a policy; None for a trained one, shipped or the folder of a run."""
     if name in POLICIES:
         return POLICIES[name]
     if folder_of(name):
@@ -293,10 +289,6 @@ def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Pol
         network: Its network.
         plant: What the policy may know of the arms.
         name: Name or folder of the policy, for messages.
-
-    Raises:
-        InputError: The network observes something else than these arms show, or it corrects a
-            policy that is none of this package.
     """
     trained = TrainedPolicy(card, network, plant, name)
     if card.residual is None:
@@ -305,11 +297,7 @@ def network_policy(card: Card, network: Network, plant: Plant, name: str) -> Pol
 
 
 def residual_of(given: AnyPolicy, scale: float) -> Residual:
-    """Returns a policy that a network shall correct as plain data, a suit file as its content.
-
-    Raises:
-        InputError: The policy is none of this package, or the scale is out of its range.
-    """
+    """Returns a policy that a network shall correct as plain data, a suit file as its content."""
     spec = policy_spec(given)
     if spec.name not in POLICIES:
         raise unknown_name("policy that a network corrects", spec.name, POLICIES)
@@ -321,11 +309,7 @@ def residual_of(given: AnyPolicy, scale: float) -> Residual:
 
 
 def base_of(residual: Residual) -> PolicySpec:
-    """Returns the policy that a network corrects, which runs no code of others.
-
-    Raises:
-        InputError: It is no policy of this package.
-    """
+    """Returns the policy that a network corrects, which runs no code of others."""
     name = residual.policy.get("name")
     if name not in POLICIES:
         raise unknown_name("policy that a network corrects", str(name), POLICIES)

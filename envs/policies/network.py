@@ -232,11 +232,7 @@ def contract_of(observation: Mapping[str, Any]) -> str:
 
 
 def read_card(folder: str | os.PathLike[str]) -> Card:
-    """Returns the card of a policy.
-
-    Raises:
-        InputError: There is none, or it is not one.
-    """
+    """Returns the card of a policy."""
     path = Path(folder) / CARD
     if not path.is_file():
         raise InputError(
@@ -254,11 +250,7 @@ def read_card(folder: str | os.PathLike[str]) -> Card:
 
 
 def read_network(folder: str | os.PathLike[str], card: Card) -> Network:
-    """Returns the network of a folder; only numbers are read.
-
-    Raises:
-        InputError: There are no weights yet, or they are damaged or of another card.
-    """
+    """Returns the network of a folder; only numbers are read."""
     from safetensors import SafetensorError
     from safetensors.numpy import load
 

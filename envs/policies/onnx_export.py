@@ -30,9 +30,6 @@ def onnx_model(card: Card, network: Network) -> onnx.ModelProto:
     Args:
         card: Card of the policy, which becomes the model's metadata.
         network: Network of the policy.
-
-    Raises:
-        InputError: The card names an unknown sensor suite.
     """
     inputs = [_described("observation", ["batch", network.inputs], "See the metadata.")]
     outputs = [

@@ -81,9 +81,6 @@ def own_policy(
         motors: Number of motors.
         *given: Its arguments.
         **options: Its options.
-
-    Raises:
-        InputError: The code fails, or what it makes has no `reset` or `act`.
     """
     try:
         policy = make(*given, **options)

@@ -47,9 +47,6 @@ class PredictiveSampling(Compensation):
         horizon: Time that a plan covers [s], 0.02 to 0.5.
         spread: Standard deviation of the knots over the motors' peaks, 0 to 0.5.
         seed: Seed of the samples.
-
-    Raises:
-        InputError: An option is out of its range.
     """
 
     def __init__(

@@ -127,11 +127,7 @@ def _versions() -> dict[str, str]:
 
 
 def network_of(model: Any) -> Network:
-    """Returns the network that makes the mean action of a trained model; see `save_policy`.
-
-    Raises:
-        InputError: It has parts that a policy cannot have.
-    """
+    """Returns the network that makes the mean action of a trained model; see `save_policy`."""
     if isinstance(model, Network):
         return model
     from torch import nn

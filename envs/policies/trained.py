@@ -71,11 +71,7 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """Returns how a policy was trained: algo, seed, steps, and what else its card says.
-
-    Raises:
-        InputError: The folder has no card, or a value cannot be used.
-    """
+    """Returns how a policy was trained: algo, seed, steps, and what else its card says."""
     path, found = Path(folder) / CARD, dict(read_card(folder).training)
     if not isinstance(found.get("algo"), str):
         raise InputError(
@@ -94,22 +90,14 @@ def training_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
 
 
 def portable(suit: str) -> str | dict[str, Any]:
-    """Returns a suit for a card: the name of a shipped one, or the content of a file.
-
-    Raises:
-        InputError: There is no such suit.
-    """
+    """Returns a suit for a card: the name of a shipped one, or the content of a file."""
     if suit in suit_names():
         return suit
     return json.loads(load_suit(suit).model_dump_json(exclude_none=True))
 
 
 def check_portable(suit: Any) -> None:
-    """Refuses a suit of a card that names a file, as a card of others could name any.
-
-    Raises:
-        InputError: It is the path of a file.
-    """
+    """Refuses a suit of a card that names a file, as a card of others could name any."""
     if isinstance(suit, str) and suit not in (NO_SUIT, *suit_names()):
         raise InputError(
             f"the card names the suit {shown(suit)}: a card names shipped suits, or has the "
@@ -125,9 +113,6 @@ class TrainedPolicy:
         network: Its network.
         plant: What the policy may know of the arms.
         name: Name or folder of the policy, for messages.
-
-    Raises:
-        InputError: The network observes something else than these arms show.
     """
 
     def __init__(self, card: Card, network: Network, plant: Plant, name: str) -> None:

@@ -188,11 +188,7 @@ def _readings(
 
 
 def _move(config: RigConfig, rig: mujoco.MjModel, name: str, plan: Plan) -> Array:
-    """Returns twist and angle of the joint [rad] at each step of a plan, shape (n, 2).
-
-    Raises:
-        InputError: The motor cannot follow, or the suit's model meets its pole.
-    """
+    """Returns twist and angle of the joint [rad] at each step of a plan, shape (n, 2)."""
     data = mujoco.MjData(rig)
     data.qpos[:] = _start(config)
     command, sensors = data.ctrl, data.sensordata

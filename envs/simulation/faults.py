@@ -38,9 +38,6 @@ class Faults:
         stuck: Joints whose encoders stay at their angle, with a rate of zero.
         stopped: Joints whose motors lose their power.
         since: Time at which encoders stick and motors stop [s].
-
-    Raises:
-        InputError: A value is outside its range, or a joint has no encoder or motor.
     """
 
     torque_bias: float = setting(0.0, "N·m", -50, 50)

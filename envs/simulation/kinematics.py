@@ -281,11 +281,7 @@ def follow(
 
 
 def through_places(arm: Arm, places: Array, start: Array, dt: float) -> tuple[Array, Array, Array]:
-    """Returns the motion whose grip goes through places that are `dt` apart.
-
-    Raises:
-        InputError: See `Arm.postures`.
-    """
+    """Returns the motion whose grip goes through places that are `dt` apart."""
     from scipy.interpolate import CubicSpline  # slow to import
 
     angle = arm.postures(places, start)

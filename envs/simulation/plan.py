@@ -48,9 +48,6 @@ def checked_plan(plan: Plan, samples: int, ranges: Array, *, carries: bool, push
         ranges: Ranges of the joints [rad], shape (4, 2).
         carries: Whether the arms can carry a load that changes.
         pushes: Whether the model has motors that push the grip.
-
-    Raises:
-        InputError: The plan is no `Plan`, or the arms cannot carry it out.
     """
     if not isinstance(plan, Plan):
         raise InputError(f"the task's plan is {shown(plan)}: return a Plan")
@@ -106,9 +103,6 @@ def valid_motion(motion: Motion, samples: int, ranges: Array) -> Motion:
         motion: Angle, rate and acceleration.
         samples: Number of samples of an episode.
         ranges: Ranges of the joints [rad], shape (4, 2).
-
-    Raises:
-        InputError: The arrays are not finite, have other shapes, or leave the range of a joint.
     """
     if not isinstance(motion, list | tuple) or len(motion) != 3:
         raise InputError(

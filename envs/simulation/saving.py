@@ -60,10 +60,6 @@ def check_state(
         present: Present state of the rows to restore, array by array.
         model: Model of the environment.
         wearers: Number of persons whom a row may have as its wearer.
-
-    Raises:
-        InputError: The state belongs to another environment or to an episode that has diverged, or
-            a part of it is missing, has another type or shape, or numbers out of their bounds.
     """
     if not isinstance(state, dict):
         raise InputError(f"the state is a {type(state).__name__}: give the dict of get_state")

@@ -32,9 +32,6 @@ class Sensing:
         emg_noise: Standard deviation of the EMG's noise, over its size, before the low-pass.
         emg_lead: Time by which the EMG is ahead of the torque that it indicates [s].
         emg_cutoff: Low-pass of the EMG [Hz].
-
-    Raises:
-        InputError: A value is outside its range.
     """
 
     rate_cutoff: float = setting(

@@ -174,11 +174,7 @@ class Task:
 
 
 def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> None:
-    """Checks a pair of numbers.
-
-    Raises:
-        InputError: It is none.
-    """
+    """Checks a pair of numbers."""
     if not isinstance(given, list | tuple) or len(given) != 2:
         raise InputError(f"{name} is {shown(given)}: give two numbers")
     for value in given:
@@ -186,11 +182,7 @@ def check_pair(name: str, given: Any, unit: str, *, least: float = -LONGEST) -> 
 
 
 def check_range(name: str, given: Any, unit: str) -> None:
-    """Checks a least and a greatest number of 0 or more.
-
-    Raises:
-        InputError: It is none.
-    """
+    """Checks a least and a greatest number of 0 or more."""
     check_pair(name, given, unit, least=0.0)
     if given[0] > given[1]:
         raise InputError(f"{name} is {shown(given)}: give the smaller number first")

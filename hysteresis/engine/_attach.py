@@ -307,11 +307,7 @@ def _compiled_layout(mj_model: mujoco.MjModel, instance: int) -> tuple[int, ...]
 
 
 def _instances_at(mj_model: mujoco.MjModel, joint: str) -> list[int]:
-    """Returns the instances that `attach` has put on a joint.
-
-    Raises:
-        InputError: There is none.
-    """
+    """Returns the instances that `attach` has put on a joint."""
     kind = mujoco.mjtObj.mjOBJ_PLUGIN
     names = [mujoco.mj_id2name(mj_model, kind, i) or "" for i in range(mj_model.nplugin)]
     joints = [INSTANCE.fullmatch(name) for name in names]

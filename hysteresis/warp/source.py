@@ -101,11 +101,7 @@ class Source:
 
 
 def source_of(model: HysteresisModel) -> Source:
-    """Returns the code of a model.
-
-    Raises:
-        InputError: The model has no C code.
-    """
+    """Returns the code of a model."""
     header = _Members("as")
     # Zeros at the end of a memory get no table: with ones, its table has room for any memory.
     ones = np.ones(model.memory_size)

@@ -23,9 +23,6 @@ def common_torque(model: HysteresisModel, curves: Sequence[Curve]) -> float:
 
     One measured sample would bring its whole noise into a prediction. Where the model's certificate
     does not cover that beginning, it is the nearest that is covered.
-
-    Raises:
-        InputError: The model cannot begin so.
     """
 
     def residual(torque: Array) -> Array:

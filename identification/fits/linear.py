@@ -134,11 +134,7 @@ def _thresholds(reach: float, thresholds: int | Sequence[float]) -> Numbers:
 
 
 def usable(curves: Sequence[Curve]) -> Curves:
-    """Returns the curves with role "fit".
-
-    Raises:
-        InputError: There is no such curve, no torque changes, or no curve turns back.
-    """
+    """Returns the curves with role "fit"."""
     chosen = Curves(curves).fitted()
     if not chosen:
         raise InputError("there is no curve to fit: give at least one with role 'fit'")

@@ -53,9 +53,6 @@ def magnetic_fit(
         budget: Largest number of evaluations of the model on all curves.
         initial_torque: Magnetization with which every curve begins; "measured" is its first
             sample, "identified" one for all.
-
-    Raises:
-        InputError: The budget is too small, or the loops are those of a joint.
     """
     at_least("budget", budget, SCREENED + 1)
     _refuse_joints(curves)

@@ -76,11 +76,7 @@ class BesidePolynomial:
 
 
 def common_start(curves: Sequence[Curve]) -> float:
-    """Returns the angle [rad] at which all curves begin.
-
-    Raises:
-        InputError: The curves begin at different angles.
-    """
+    """Returns the angle [rad] at which all curves begin."""
     starts = [float(curve.angle[0]) for curve in curves]
     reach = max(float(np.abs(curve.angle - curve.angle[0]).max()) for curve in curves)
     if np.ptp(starts) > SAME_START * reach:
@@ -107,9 +103,6 @@ def search_shapes(
         screened: The number of Sobol points, a power of 2.
         budget: Largest number of evaluations.
         rng: Seed or generator of the Sobol scrambling.
-
-    Raises:
-        InputError: The budget does not suffice for the screening.
     """
     at_least("budget", budget, screened + 1)
     search = Search(problem, budget)

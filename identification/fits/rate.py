@@ -64,9 +64,6 @@ def fit_beside_rate(
         rate: "viscous", a dashpot, or "relaxing", a Maxwell element beside it.
         fit: Fit of the hysteresis model to curves, for the last round.
         quick: The same with less effort, for the rounds before.
-
-    Raises:
-        InputError: A curve has no times.
     """
     peak = max(float(np.abs(curve.torque).max()) for curve in curves)
     times = _times(curves) if rate == "relaxing" else np.empty(0)

@@ -137,9 +137,6 @@ def fit_model(
             element too ("relaxing").
         play: Whether a gap before it is fitted too ("fit"), or there is none ("none").
         **options: The options of the fit.
-
-    Raises:
-        InputError: See the fit; or `rate` is unknown, or a curve has no times for it.
     """
     takes = inspect.signature(FITS[name]).parameters
     less = {"budget": min(QUICK, options.get("budget", QUICK))} if "budget" in takes else {}

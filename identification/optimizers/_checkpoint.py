@@ -24,11 +24,7 @@ def pack(value: Any) -> Any:
 
 
 def unpack(name: str, value: Any, like: Any) -> Any:
-    """Returns a packed value as what it was, of the type and, for arrays, the shape of `like`.
-
-    Raises:
-        InputError: The shape of the value differs from that of `like`.
-    """
+    """Returns a packed value as what it was, of the type and, for arrays, the shape of `like`."""
     if not isinstance(like, np.ndarray):
         return list(value) if isinstance(like, list) else value
     array = np.array(value, dtype=np.float64)

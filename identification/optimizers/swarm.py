@@ -60,9 +60,6 @@ class Swarm(ABC):
         velocity_limit: Largest move per iteration, as a fraction of each parameter's range.
         target: Value that ends the run as soon as the best one is below it; None never does.
         rng: Seed or generator of all random numbers.
-
-    Raises:
-        InputError: Bounds or sizes are wrong.
     """
 
     # Attributes that change during a run; arrays keep their shape, so construction allocates them.
@@ -191,9 +188,6 @@ class Swarm(ABC):
             objective: Function that maps positions (n, d) to values (n,).
             callback: Function that gets the intermediate result after every iteration; it may raise
                 StopIteration.
-
-        Raises:
-            InputError: `tell` refuses the values.
         """
         while not self.stopped:
             self.tell(objective(self.ask()))
@@ -263,11 +257,7 @@ class Swarm(ABC):
 
 
 def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
-    """Returns the lower and upper bounds, shape (d,) each.
-
-    Raises:
-        InputError: The bounds are not d pairs (low, high) with low < high, or too large.
-    """
+    """Returns the lower and upper bounds, shape (d,) each."""
     pairs = np.array(bounds, dtype=np.float64)
     if pairs.ndim != 2 or pairs.shape[1] != 2 or pairs.size == 0:
         raise InputError(
@@ -283,11 +273,7 @@ def checked_bounds(bounds: Bounds) -> tuple[Array, Array]:
 
 
 def finite_scores(fitness: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Returns the values of positions of `shape` (n, d), (n,), infinite where not finite.
-
-    Raises:
-        InputError: The values do not have shape (n,).
-    """
+    """Returns the values of positions of `shape` (n, d), (n,), infinite where not finite."""
     values = np.asarray(fitness, dtype=np.float64)
     if values.shape != shape[:1]:
         raise InputError(

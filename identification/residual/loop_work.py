@@ -79,9 +79,6 @@ def refuse_driven(curves: Sequence[Curve]) -> None:
 
     Their loops give energy to the joint, and the torque falls where the angle rises. The first
     alone is no mistake: a joint that begins far from rest gives back what it had stored.
-
-    Raises:
-        InputError: The torque has the wrong sign.
     """
     whole = ("the loops of the curves give", curves)
     for which, some in (whole, *((f"curve {one.name!r} gives", [one]) for one in curves)):

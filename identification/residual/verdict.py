@@ -110,9 +110,6 @@ def judge(
         beyond: Whether the curves do not cover the intended motion; without such a motion, whether
             they contain no nested loops.
         searched: Whether a swarm or the like searched for least squares, and may have ended early.
-
-    Raises:
-        InputError: There are no more samples than numbers that the model fits.
     """
     family = thinned(curves, JUDGED)
     whole = -torque_errors(model, initial_torque, family)

@@ -313,9 +313,6 @@ def _refits(
         fitted_start: Whether the fit chooses that torque.
         samples: Number of models.
         seed: Seed of all that is drawn.
-
-    Raises:
-        InputError: The kind of model has no fit.
     """
     repetitions = _repetitions(model, initial_torque, curves, noise, allowed, samples, seed)
     found = []

@@ -216,11 +216,7 @@ def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> Non
 
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
-    """Opens the folder of a new benchmark, or of one that goes on.
-
-    Raises:
-        InputError: The folder holds another benchmark.
-    """
+    """Opens the folder of a new benchmark, or of one that goes on."""
     folder = RunFolder(out, "benchmark", force=force)
     folder.subfolder(TRIALS)
     wanted = _config(chosen)

@@ -85,11 +85,7 @@ def is_policy(what: str) -> bool:
 
 
 def refuse(given: dict[str, object], known: set[str], what: str) -> None:
-    """Refuses options that change nothing in what is exported.
-
-    Raises:
-        InputError: One of them is given.
-    """
+    """Refuses options that change nothing in what is exported."""
     for name, value in given.items():
         if value is not None and name not in known:
             option = f"--{name.replace('_', '-')}"

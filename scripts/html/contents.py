@@ -102,12 +102,7 @@ def contents(
 
 
 def read_contents(folder: Path) -> Contents:
-    """Returns what the report of a run says.
-
-    Raises:
-        InputError: The run has no finished results or is of another version, or the file is
-            damaged.
-    """
+    """Returns what the report of a run says."""
     path = folder / CONTENTS
     if not path.is_file():
         raise InputError(

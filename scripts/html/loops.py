@@ -72,11 +72,7 @@ def measured_rows(joint: str, curves: list[Curve]) -> Iterator[list[str]]:
 
 
 def loop_charts(folder: Path) -> Iterator[Chart]:
-    """Yields charts of each joint: fitted and held-out loops, and what the model leaves.
-
-    Raises:
-        InputError: The file is missing or damaged.
-    """
+    """Yields charts of each joint: fitted and held-out loops, and what the model leaves."""
     curves = _read(folder)
     for joint in dict.fromkeys(one.joint for one in curves):
         here = [one for one in curves if one.joint == joint]

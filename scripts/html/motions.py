@@ -77,9 +77,6 @@ def motion_blocks(folder: Path, contents: Contents) -> list[Block]:
     Args:
         folder: The run folder.
         contents: What its report says.
-
-    Raises:
-        InputError: A file is missing or damaged.
     """
     series = [(one, _series(folder, one)) for one in contents.motions[:FEW]]
     if not series:
@@ -145,11 +142,7 @@ def _angles(series: dict[str, Array], what: str) -> Array:
 
 
 class _Arm:
-    """The arm of a kept motion.
-
-    Raises:
-        InputError: The numbers that describe it have the wrong shapes.
-    """
+    """The arm of a kept motion."""
 
     def __init__(self, kept: KeptMotion) -> None:
         shapes = {"links": (len(JOINTS), MASS), "grip": (3,), "torso": (3,), "turn": (3, 3)}

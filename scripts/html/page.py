@@ -52,9 +52,6 @@ def build(folder: Path, title: str, lead: str, sections: Sequence[Section]) -> s
         title: Title of the page.
         lead: Line below the title.
         sections: Parts of the page.
-
-    Raises:
-        InputError: A picture cannot be read, or is too large.
     """
     charted = any(isinstance(block, Chart) for one in sections for block in one.blocks)
     plotly = plotly_source() if charted else None
@@ -254,11 +251,7 @@ def _own(name: str) -> str:
 
 
 def _inside_script(source: str) -> str:
-    """Returns a script that is about to stand inside a page.
-
-    Raises:
-        InputError: It holds what would end it there.
-    """
+    """Returns a script that is about to stand inside a page."""
     if re.search("</script|<!--", source, re.IGNORECASE):
         raise InputError("this version of plotly cannot stand in a page: install another one")
     return source

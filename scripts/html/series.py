@@ -25,10 +25,6 @@ def read_columns(
         name: Name of the file.
         texts: Names of columns of texts.
         numbers: Names of columns of numbers.
-
-    Raises:
-        InputError: The file is outside the folder, cannot be read, lacks a column, or has
-            something else than a number.
     """
     path = folder / name
     if Path(name).name != name or path.is_symlink():

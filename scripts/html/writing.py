@@ -43,12 +43,7 @@ def write_report(
 
 
 def report_page(folder: Path) -> str:
-    """Returns the page of a run, made from the files of its folder alone.
-
-    Raises:
-        InputError: The run has no finished results or is of another version, or a file is missing
-            or damaged.
-    """
+    """Returns the page of a run, made from the files of its folder alone."""
     found = read_contents(folder)
     if found.command not in SUBJECTS:
         raise unknown_name("command", found.command, SUBJECTS)

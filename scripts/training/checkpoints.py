@@ -66,9 +66,6 @@ def resumed_learner(algo: str, environments: Any, checkpoint: Checkpoint) -> Any
 
     What it learns next is what it would have learned without the break, to the last bit: see
     `_remember`.
-
-    Raises:
-        InputError: The file is damaged.
     """
     try:
         file = io.BytesIO(checkpoint.learner)

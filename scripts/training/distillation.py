@@ -53,10 +53,6 @@ def distill(
         options: Options of the student's environment.
         checkpoint: Checkpoint from which the training continues; None begins anew.
         torch_threads: Number of threads of torch.
-
-    Raises:
-        InputError: Torch is missing, the teacher cannot act, or the checkpoint is damaged or has
-            all steps.
     """
     try:
         import torch
@@ -163,10 +159,6 @@ class Lesson:
         periods: Number of control periods of a round.
         size: Number of values that the student observes.
         motors: Number of motors.
-
-    Raises:
-        InputError: Student or teacher observe normalized values, which differ from each other, or
-            they observe different beliefs.
     """
 
     def __init__(self, env: str, options: dict[str, Any], teacher: str, rows: int) -> None:

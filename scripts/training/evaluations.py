@@ -178,11 +178,7 @@ def _by_joint(whose: str, joints: tuple[str, ...], torques: list[Array]) -> dict
 
 
 def read_evaluations(folder: Path) -> dict[str, Any]:
-    """Returns what `Evaluations` has kept in the folder of a run; nothing where it has not.
-
-    Raises:
-        InputError: The file was changed.
-    """
+    """Returns what `Evaluations` has kept in the folder of a run; nothing where it has not."""
     path = folder / EVALUATIONS
     if not path.is_file():
         return {}

@@ -33,11 +33,7 @@ _LINEAR = "lin_"  # prefix of a number that falls to 0 at the end of the trainin
 
 
 def algorithm_class(name: str) -> Any:
-    """Returns the class of an algorithm, of Stable-Baselines3 or sb3-contrib.
-
-    Raises:
-        InputError: There is no such algorithm, or its package is not installed.
-    """
+    """Returns the class of an algorithm, of Stable-Baselines3 or sb3-contrib."""
     if name not in ALGORITHMS:
         raise unknown_name("algo", name, ALGORITHMS)
     module, kind = ALGORITHMS[name]
@@ -61,10 +57,6 @@ def hyperparameters(algo: str, env: str, path: Path | None = None) -> dict[str, 
 
     Returns:
         Arguments of the algorithm as plain data, with `policy`, `n_envs` and `n_timesteps`.
-
-    Raises:
-        InputError: The file cannot be read, has no part for the environment, or a hyperparameter is
-            unknown or of the wrong type.
     """
     algorithm_class(algo)  # reports an unknown one, or a missing extra
     name = f"assets/hyperparameters/{algo}.yml"

@@ -56,12 +56,7 @@ def training_environments(
 def new_learner(
     algo: str, environments: Any, folder: RunFolder, seed: int, settings: dict[str, Any]
 ) -> Any:
-    """Returns a learner that knows nothing yet.
-
-    Raises:
-        InputError: The algorithm refuses a hyperparameter, or no policy can be made of its
-            networks.
-    """
+    """Returns a learner that knows nothing yet."""
     logs = str(folder.subfolder("tensorboard"))
     usual = {"seed": seed, "device": "cpu", "tensorboard_log": logs}
     try:
@@ -81,11 +76,7 @@ def new_learner(
 
 
 def check_finite(learner: Any) -> None:
-    """Checks the numbers of a learner's networks.
-
-    Raises:
-        InputError: One is not finite.
-    """
+    """Checks the numbers of a learner's networks."""
     import torch
 
     if not all(torch.isfinite(one).all() for one in learner.policy.parameters()):

@@ -51,10 +51,6 @@ def learn(
         options: Options of the environment.
         checkpoint: Checkpoint from which the training continues; None begins anew.
         torch_threads: Number of threads of torch.
-
-    Raises:
-        InputError: The checkpoint is damaged or has all steps, or a hyperparameter or the reward
-            cannot be used.
     """
     env, training = card.environment["env"], card.training
     algo, seed, steps = training["algo"], training["seed"], training["steps"]

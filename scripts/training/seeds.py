@@ -23,11 +23,7 @@ Train = Callable[[Path, int], None]
 
 
 def seeds_of(text: str) -> list[int]:
-    """Returns seeds from "0-9" or "0,3,5", each once and in order.
-
-    Raises:
-        InputError: The text is neither, or names a seed twice or too many.
-    """
+    """Returns seeds from "0-9" or "0,3,5", each once and in order."""
     found: list[int] = []
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
