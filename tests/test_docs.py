@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt
 import pytest
 from activesuit.scripts.main import COMMANDS, command_of
 from activesuit.scripts.parsing import parsed
+from activesuit.tools import examples as command_examples
+from activesuit.tools import tutorials
 from c_programs import need_compiler
 from helpers import shorten_tasks
 
@@ -55,7 +57,7 @@ def examples(name):
 @pytest.mark.parametrize("name", [name for name in PAGES if examples(name)])
 def test_examples_of_a_page_run_in_order(name, folder):
     if name == "gpu.md":
-        pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+        pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")
     names = {"__name__": "__main__"}
     for number, block in enumerate(examples(name)):
         exec(compile(block, f"{name}, example {number}", "exec"), names)
@@ -63,7 +65,7 @@ def test_examples_of_a_page_run_in_order(name, folder):
 
 @pytest.mark.slow
 def test_the_learner_in_mujoco_warp_runs(folder, capsys):
-    pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+    pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")
     pytest.importorskip("torch")
     program = (DOCS / "learners" / "with_warp.py").read_text(encoding="utf-8")
     for usual, few in (("(4096, 150)", "(8, 2)"), ("(64, 50)", "(8, 2)"), ("5, 4.0", "5, 1.2")):
@@ -140,6 +142,21 @@ def test_a_command_line_has_options_that_there_are(line):
 def test_the_page_of_commands_has_an_example_of_each():
     shown = {command_of(line)[0] for line in command_lines(page("commands.md"))}
     assert shown == {*COMMANDS}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_examples_of_the_page_of_commands_run():
+    pytest.importorskip("sb3_contrib")
+    command_examples.main()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_tutorials_print_what_their_pages_show(monkeypatch):
+    pytest.importorskip("sb3_contrib")
+    monkeypatch.setattr("sys.argv", ["tutorials", "--check"])
+    tutorials.main()
 
 
 def test_all_pages_are_in_the_navigation():

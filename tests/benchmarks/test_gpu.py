@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_it_steps_worlds_with_and_without_hysteresis(monkeypatch, capsys):
-    pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+    pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")
     monkeypatch.setattr(gpu, "WORLD_STEPS", 6)
     gpu.report(1, [2, 3], json=True)
     found = json.loads(capsys.readouterr().out)

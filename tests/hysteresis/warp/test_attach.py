@@ -28,8 +28,8 @@ from maxwell_slip import MaxwellSlip
 
 pytestmark = pytest.mark.slow
 
-wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-gpu")
-mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-gpu")
+wp = pytest.importorskip("warp", reason="needs the extra gpu: make test-all")
+mjw = pytest.importorskip("mujoco_warp", reason="needs the extra gpu: make test-all")
 
 WORLDS, SAMPLES = 64, 10_000
 GIVEN, CLOSED = 3e-4, 1e-3  # N·m, largest difference on given motions, and in a closed loop
