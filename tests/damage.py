@@ -2,825 +2,477 @@
 
     python tests/damage.py --count 1000 --seed 0
 
-A kind of damage spoils one input of a command that is whole otherwise: a curve file, a suit file,
-the folder of a trained run, or an option. The command runs in this process. Damage
-that is refused must end with exit code 2, one sentence on stderr and no other change on disk;
-damage that is harmless (`HARMLESS`) must end with success; some may do either (`EITHER`).
+A kind of damage mutates one file that a command reads, one option that the parser of a command
+knows, or the place of the results; all else is whole. The command runs in this process.
+Damage that is refused must end with exit code 2, one sentence on stderr and no other change on
+disk; damage that is harmless must end with success; some may do either.
 """
 
 import argparse
 import contextlib
-import dataclasses
-import hashlib
+import functools
+import importlib.util
 import io
 import json
 import os
 import shutil
+import signal
 import sys
 import tempfile
 import time
 import traceback
+import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
+import tyro
+from activesuit.assets import JOINTS, curves_path, load_suit
+from activesuit.envs.policies.network import files_of, read_card, read_network
+from activesuit.scripts.main import command_of
+from activesuit.scripts.main import main as activesuit
+from trained_runs import make_run
 
-PREFIX = "activesuit: error: "
-LONGEST = 300  # characters after the prefix
-JUNK = {
-    "int": ["", "x", "1.5", "nan", "-99", "9" * 5000, "1e3", "\x1b[31m1", "one"],
-    "float": ["", "x", "nan", "inf", "1e400", "-1e9", "9" * 5000, "1,5", "0x1p3"],
-    "name": ["", "nosuch", "x" * 3000, "\x1b[31mred", "a\nb", "ä\u202eb", "../../etc", "a\0b"],
-}
-DEEP = "[" * 10_000 + "]" * 10_000
-HUGE = "9" * 5000
+PREFIX, LONGEST = "activesuit: error: ", 300  # of a sentence; characters after the prefix
+SECONDS = 5.0  # of computing, after which a command has accepted its input
+CODES = {"refused": {2}, "harmless": {0, 3}, "either": {0, 2, 3}}  # 3: no model describes the data
 
 Rng = np.random.Generator
-Damage = Callable[[Path, Rng], list[str]]  # spoils a folder of inputs, returns the arguments
+Mutation = Callable[[bytes, Rng], bytes | None]  # of a file; None removes it
+Outcomes = dict[str, dict[str, Mutation]]  # mutations by outcome and name
+Damage = Callable[[Path, Rng], list[str]]  # of a folder of inputs; returns the arguments
 
 
-@dataclasses.dataclass(frozen=True)
-class Kind:
-    """A kind of damage; `outcome` is "refused", "harmless" or "either"."""
-
-    name: str
-    damage: Damage
-    outcome: str = "refused"
-
-    @property
-    def family(self) -> str:
-        """Returns what it damages."""
-        return self.name.split(":")[0]
+def one_of(rng: Rng, choices: Any) -> Any:
+    return choices[rng.integers(len(choices))]
 
 
-# --- The inputs when they are whole -------------------------------------------------------------
+# --- Files --------------------------------------------------------------------------------------
+
+HUGE, LONG, DEEP = "9" * 5000, "x" * 5000, "[" * 10_000 + "]" * 10_000
+FOLDER = b"in place of the file"
 
 
-def curve_lines() -> list[str]:
-    """Returns the lines of a small curve file."""
-    from activesuit.hysteresis import TABLE_2
-
-    lines = ["curve,role,angle_rad,torque_nm"]
-    for turn, role in ((0.9, "fit"), (1.2, "fit"), (1.05, "predict")):
-        angle = np.concatenate([np.linspace(0.52, turn, 8), np.linspace(turn, 0.52, 8)[1:]])
-        torque = TABLE_2["elbow-sa-pso"].response(angle)
-        lines += [f"{turn},{role},{x:.6f},{y:.6f}" for x, y in zip(angle, torque, strict=True)]
-    return lines
+def flipped(old: bytes, rng: Rng) -> bytes:
+    new = np.frombuffer(old, np.uint8).copy()
+    new[rng.integers(len(new), size=rng.integers(1, 6))] = rng.integers(256)
+    return new.tobytes()
 
 
-def make_inputs(folder: Path, *, trained: bool) -> None:
-    """Makes a folder of whole inputs: elbow.csv, suit.json and run/."""
-    from activesuit.assets import load_suit
+FILE: dict[str, Mutation] = {
+    "missing": lambda old, rng: None,
+    "folder": lambda old, rng: FOLDER,
+    "empty": lambda old, rng: b"",
+    "binary": lambda old, rng: rng.bytes(2000),
+    "NUL": lambda old, rng: bytes(int(rng.integers(1, 9999))),
+    "another file": lambda old, rng: b"PK\x03\x04 nothing",
+}
+CUT: Mutation = lambda old, rng: old[: rng.integers(1, len(old) - 2)]  # noqa: E731
+SAME_TEXT: dict[str, Mutation] = {
+    "byte order mark": lambda old, rng: b"\xef\xbb\xbf" + old,
+    "CRLF": lambda old, rng: old.replace(b"\n", b"\r\n"),
+}
+BINARY: Outcomes = {"refused": {**FILE, "cut": CUT}, "either": {"bytes replaced": flipped}}
 
-    (folder / "elbow.csv").write_text("\n".join(curve_lines()) + "\n")
-    (folder / "motion.csv").write_text("time_s,angle_rad\n0,0.52\n2,1.1\n4,0.7\n6,0.9\n")
-    load_suit("mock-suit").save(folder / "suit.json")
-    shutil.copy(folder / "suit.json", folder / "whole.json")
-    shutil.copy(folder / "elbow.csv", folder / "whole.csv")
-    if trained:
-        from trained_runs import make_run
+# --- Tables -------------------------------------------------------------------------------------
 
-        make_run(folder / "run")
-
-
-# --- Curve files ----------------------------------------------------------------------------
-
-
-def curves(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites the curve file from its lines."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        path = folder / "elbow.csv"
-        content = change(path.read_text().splitlines(), rng)
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return ["identify", "elbow.csv", "--out", "out", *_some(rng, ["--model", "preisach"])]
-
-    return damage
+CELLS = ("", "x", "nan", "inf", "-inf", "1e400", HUGE, "1,5", "--1", "0x10", "\x1b[2J", '"1')
+FACTORS = (0.0, 1e-300, 180 / np.pi, 1e6, 1e300)  # of which an arm allows few
 
 
-def kept(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
-    """Returns harmless damage of a curve file, with a command that is fast where it succeeds."""
+def rows(change: Callable[[list[list[str]], Rng], Any]) -> Mutation:
+    """Returns a mutation of the rows of a table, the first of which is the header."""
 
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        curves(change)(folder, rng)
-        return ["identify", "elbow.csv", "--model", "prandtl-ishlinskii"]
+    def mutation(old: bytes, rng: Rng) -> bytes:
+        table = [line.split(",") for line in old.decode().splitlines()]
+        return "".join(",".join(row) + "\n" for row in change(table, rng) or table).encode()
 
-    return damage
-
-
-def cell(column: int, *values: str) -> Damage:
-    """Returns damage that puts one of some values into a random row of a column."""
-
-    def change(lines: list[str], rng: Rng) -> str:
-        i = int(rng.integers(1, len(lines)))
-        cells = lines[i].split(",")
-        cells[column] = values[rng.integers(len(values))]
-        return joined([*lines[:i], ",".join(cells), *lines[i + 1 :]])
-
-    return curves(change)
+    return mutation
 
 
-def column(number: int, value: Callable[[float], float]) -> Damage:
-    """Returns damage that changes a whole column of numbers."""
-
-    def change(lines: list[str], rng: Rng) -> str:
-        del rng
-        rows = [line.split(",") for line in lines]
-        for row in rows[1:]:
-            row[number] = repr(value(float(row[number])))
-        return joined([",".join(row) for row in rows])
-
-    return curves(change)
+def cell(table: list[list[str]], rng: Rng) -> None:
+    one_of(rng, table[1:])[rng.integers(len(table[0]))] = one_of(rng, CELLS)
 
 
-def header(*columns: str) -> Damage:
-    """Returns damage that replaces the header."""
-    return curves(lambda lines, rng: joined([columns[rng.integers(len(columns))], *lines[1:]]))
+def scaled(table: list[list[str]], rng: Rng) -> None:
+    i, factor = rng.integers(len(table[0])), one_of(rng, FACTORS)
+    for row in table[1:]:
+        row[i] = repr(float(row[i]) * factor) if row[i][-1].isdigit() else row[i]
 
 
-def joined(lines: Sequence[str]) -> str:
-    """Returns lines as a text."""
-    return "\n".join(lines) + "\n"
-
-
-def truncated(text: str, rng: Rng) -> str:
-    """Returns the beginning of a text."""
-    return text[: int(rng.integers(1, len(text) - 2))]
-
-
-def flipped(text: str, rng: Rng) -> bytes:
-    """Returns the bytes of a text, some of them replaced."""
-    content = bytearray(text.encode())
-    for i in rng.integers(len(content), size=int(rng.integers(1, 6))):
-        content[i] = rng.integers(256)
-    return bytes(content)
-
-
-def without_a_line(lines: list[str], rng: Rng) -> str:
-    """Returns a text without some of its lines."""
-    gone = set(rng.integers(len(lines), size=int(rng.integers(1, 10))).tolist())
-    return joined([line for i, line in enumerate(lines) if i not in gone])
-
-
-CURVES = [
-    Kind("curves: empty", curves(lambda lines, rng: "")),
-    Kind("curves: header only", curves(lambda lines, rng: joined(lines[:1]))),
-    Kind("curves: no header", curves(lambda lines, rng: joined(lines[1:]))),
-    Kind(
-        "curves: columns", header("curve,role,angle,torque_nm", "a,b,c,d", "curve,role,torque_nm,x")
-    ),
-    Kind("curves: column twice", header("curve,curve,angle_rad,torque_nm")),
-    Kind("curves: both angles", header("curve,angle_deg,angle_rad,torque_nm")),
-    Kind("curves: text for a number", cell(3, "x", "", "1,5", "--1", "1e", "0x10", "\x1b[2J")),
-    Kind("curves: not finite", cell(3, "nan", "inf", "-inf", "1e999", HUGE)),
-    Kind("curves: angle not finite", cell(2, "nan", "inf", "1e999", "", "x")),
-    Kind("curves: huge torque", cell(3, "1e9", "-1e300", "1e308")),
-    Kind("curves: degrees as radians", column(2, np.degrees)),
-    Kind("curves: tiny torques", column(3, lambda value: value * 1e-300)),
-    Kind("curves: zero torques", column(3, lambda value: 0.0)),
-    Kind("curves: no motion", column(2, lambda value: 0.52)),
-    Kind("curves: unknown role", cell(1, "test", "", "FIT", "x" * 2000)),
-    Kind(
-        "curves: nothing to fit",
-        curves(lambda lines, rng: joined(lines).replace(",fit", ",predict")),
-    ),
-    Kind("curves: no name", cell(0, "", "  ")),
-    Kind("curves: strange name", cell(0, "\x1b[31mred", "x" * 3000, "a\tb")),
-    Kind("curves: few samples", curves(lambda lines, rng: joined(lines[:4]))),
-    Kind("curves: ragged row", curves(lambda lines, rng: joined([*lines, "0.9,fit,1.0"]))),
-    Kind("curves: open quote", curves(lambda lines, rng: joined([*lines, '"0.9,fit,1.0,2.0']))),
-    Kind(
-        "curves: huge cell", curves(lambda lines, rng: joined([*lines, "x" * 200_000 + ",fit,1,2"]))
-    ),
-    Kind("curves: binary", curves(lambda lines, rng: rng.bytes(2000))),
-    Kind("curves: zero bytes", curves(lambda lines, rng: joined(lines).replace("0.52", "0\0", 1))),
-    Kind(
-        "curves: weight",
-        curves(
-            lambda lines, rng: joined(
-                [
-                    lines[0] + ",weight",
-                    *(f"{line},{('-1', 'nan', 'x', '0')[rng.integers(4)]}" for line in lines[1:]),
-                ]
-            )
+TABLE: Outcomes = {
+    "refused": {
+        **FILE,
+        "cell": rows(cell),
+        "cell too many": rows(lambda table, rng: [*table, [*table[-1], "1"]]),
+        "cell too few": rows(lambda table, rng: [*table, table[-1][1:]]),
+        "huge cell": rows(lambda table, rng: [*table, ["x" * 200_000, *table[-1][1:]]]),
+        "header only": rows(lambda table, rng: table[:1]),
+        "one sample": rows(lambda table, rng: table[:2]),
+        "no header": rows(lambda table, rng: table[1:]),
+        "column twice": rows(lambda table, rng: [[table[0][-1], *table[0][1:]], *table[1:]]),
+        "row twice": rows(lambda table, rng: [*table, one_of(rng, table)]),
+    },
+    "either": {
+        "cut": CUT,
+        "bytes replaced": flipped,
+        "scaled": rows(scaled),
+        "header": rows(lambda table, rng: [[one_of(rng, CELLS), *table[0][1:]], *table[1:]]),
+        "column gone": rows(
+            lambda table, rng: np.delete(table, rng.integers(len(table[0])), 1).tolist()
         ),
-    ),
-    Kind(
-        "curves: time",
-        curves(
-            lambda lines, rng: joined(
-                [
-                    lines[0] + ",time_s",
-                    *(f"{line},{('-1', 'nan', 'x', '0')[rng.integers(4)]}" for line in lines[1:]),
-                ]
-            )
-        ),
-    ),
-    Kind("curves: byte order mark", kept(lambda lines, rng: "\ufeff" + joined(lines)), "harmless"),
-    Kind("curves: CRLF", kept(lambda lines, rng: joined(lines).replace("\n", "\r\n")), "harmless"),
-    Kind("curves: spaces", kept(lambda lines, rng: joined(lines).replace(",", " , ")), "harmless"),
-    Kind(
-        "curves: comments",
-        kept(lambda lines, rng: joined(["# \x1b[31m", "", *lines, "#", ""])),
-        "harmless",
-    ),
-    Kind("curves: truncated", kept(lambda lines, rng: truncated(joined(lines), rng)), "either"),
-    Kind("curves: lines lost", kept(without_a_line), "either"),
-    Kind("curves: bytes replaced", kept(lambda lines, rng: flipped(joined(lines), rng)), "either"),
-    Kind(
-        "curves: shuffled",
-        kept(lambda lines, rng: joined([lines[0], *rng.permutation(lines[1:]).tolist()])),
-        "either",
-    ),
-]
-
-
-# --- Motion files ---------------------------------------------------------------------------
-
-
-def motion(change: Callable[[list[str], Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites the motion file from its lines."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        path = folder / "motion.csv"
-        write(path, change(path.read_text().splitlines(), rng))
-        if rng.random() < 0.5:
-            return ["measure", "rig", "--motion", "motion.csv", "--out", "out"]
-        return ["identify", "whole.csv", "--for", "motion.csv", "--model", "prandtl-ishlinskii"]
-
-    return damage
-
-
-def _cell(*values: str) -> Damage:
-    def change(lines: list[str], rng: Rng) -> str:
-        i, j = int(rng.integers(1, len(lines))), int(rng.integers(2))
-        cells = lines[i].split(",")
-        cells[j] = values[rng.integers(len(values))]
-        return joined([*lines[:i], ",".join(cells), *lines[i + 1 :]])
-
-    return motion(change)
-
-
-MOTIONS = [
-    Kind("motion: empty", motion(lambda lines, rng: "")),
-    Kind("motion: header only", motion(lambda lines, rng: joined(lines[:1]))),
-    Kind("motion: columns", motion(lambda lines, rng: joined(["time,angle", *lines[1:]]))),
-    Kind("motion: text for a number", _cell("x", "", "1,5", "--1", "\x1b[2J", HUGE)),
-    Kind("motion: not finite", _cell("nan", "inf", "-inf", "1e999")),
-    Kind("motion: time runs back", motion(lambda lines, rng: joined([*lines, lines[1]]))),
-    Kind("motion: ragged row", motion(lambda lines, rng: joined([*lines, "9999"]))),
-    Kind("motion: binary", motion(lambda lines, rng: rng.bytes(2000))),
-    Kind(
-        "motion: bytes replaced", motion(lambda lines, rng: flipped(joined(lines), rng)), "either"
-    ),
-    Kind("motion: truncated", motion(lambda lines, rng: truncated(joined(lines), rng)), "either"),
-]
-
-
-# --- JSON files -----------------------------------------------------------------------------
-
-
-def _deep(text: str, rng: Rng) -> str:
-    return DEEP if rng.random() < 0.5 else text.replace("{", '{"x": ' + DEEP + ", ", 1)
-
-
-def _twice(text: str, rng: Rng) -> str:
-    name = next(iter(json.loads(text)))
-    return text.replace("{", f'{{"{name}": 1, ', 1)
-
-
-BROKEN: dict[str, Callable[[str, Rng], str | bytes]] = {
-    "empty": lambda text, rng: "",
-    "truncated": truncated,
-    "a list": lambda text, rng: f"[{text}]",
-    "a number": lambda text, rng: ("3", "null", '"x"', "true", "NaN")[rng.integers(5)],
-    "deep": _deep,
-    "5000 digits": lambda text, rng: text.replace("{", f'{{"x": {HUGE}, ', 1),
-    "key twice": _twice,
-    "UTF-16": lambda text, rng: text.encode("utf-16"),
-    "binary": lambda text, rng: rng.bytes(500),
-    "unknown key": lambda text, rng: text.replace("{", '{"colour": "white", ', 1),
+        "rows gone": rows(lambda table, rng: [row for row in table if rng.random() < 0.8]),
+        "shuffled": rows(lambda table, rng: rng.permutation(table).tolist()),
+    },
+    "harmless": {
+        **SAME_TEXT,
+        "UTF-16": lambda old, rng: old.decode().encode("utf-16"),
+        "spaces": lambda old, rng: old.replace(b",", b" , "),
+        "semicolons": lambda old, rng: old.replace(b",", b";"),
+        "comments": lambda old, rng: b"# \x1b[31m\n\n" + old.replace(b"\n", b"\n\n#\n", 3) + b"\n",
+    },
 }
 
+# --- JSON ---------------------------------------------------------------------------------------
 
-def write(path: Path, content: str | bytes) -> None:
-    """Writes text or bytes over a file."""
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-
-
-def _some(rng: Rng, arguments: list[str]) -> list[str]:
-    return arguments if rng.random() < 0.3 else []
-
-
-# --- Suit files -----------------------------------------------------------------------------
-
-
-def suit_command(rng: Rng) -> list[str]:
-    """Returns a command that reads suit.json."""
-    commands = [
-        ["suits", "suit.json"],
-        ["suits", "suit.json", "--out", "out", "--export", "new.json"],
-        ["measure", "rig", "--suit", "suit.json", "--out", "out"],
-        ["simulate", "--suit", "suit.json", "--out", "out"],
-        ["evaluate", "--suit", "suit.json", "--policies", "none", "--out", "out"],
-        ["validate", "suit.json", "--out", "out"],
-        ["view", "--suit", "suit.json", "--snapshot", "new.png"],
-        [
-            "identify",
-            "whole.csv",
-            "--joint",
-            "elbow_flexion",
-            "--base",
-            "suit.json",
-            "--out",
-            "out",
-        ],
-        ["train", "--suit", "suit.json", "--out", "out"],
-    ]
-    return commands[rng.integers(len(commands))]
+NUMBER = ("-1", "0", "1e308", "1e-320")
+LITERALS: dict[type, tuple[str, ...]] = {
+    bool: ("true",),
+    int: NUMBER,
+    float: NUMBER,
+    str: ('"x"', '""', '"\\u001b[31m"', f'"{LONG}"'),
+    list: ("[]", "[1]", "[{}]"),
+    dict: ("{}", '{"a": 1}', f'{{"{LONG}": 1}}'),
+}
+NO_NUMBERS = ("NaN", "Infinity", "-Infinity", "1e400", "9" * 350, HUGE)
 
 
-def suit(change: Callable[[str, Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites the suit file from its text."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        path = folder / "suit.json"
-        write(path, change(path.read_text(), rng))
-        return suit_command(rng)
-
-    return damage
+def places(inner: Any) -> Iterator[tuple[Any, Any]]:
+    """Yields every place of a document: a list or an object, and an index or a key of it."""
+    for key in [*inner] if isinstance(inner, dict) else range(len(inner)):
+        yield inner, key
+        if isinstance(inner[key], dict | list):
+            yield from places(inner[key])
 
 
-def shown_suit(change: Callable[[str, Rng], str | bytes]) -> Damage:
-    """Returns damage of the suit file that may be harmless, with a fast command."""
+def literal(choose: Callable[[Any], tuple[str, ...] | list[str]]) -> Mutation:
+    """Returns a mutation of one value, which becomes one of the literals chosen for it."""
 
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        suit(change)(folder, rng)
-        return ["suits", "suit.json", *_some(rng, ["--json"])]
+    def mutation(old: bytes, rng: Rng) -> bytes:
+        root = [json.loads(old)]
+        inner, key = one_of(rng, [(one, key) for one, key in places(root) if choose(one[key])])
+        new, inner[key] = one_of(rng, choose(inner[key])), "\0"
+        return json.dumps(root[0]).replace(json.dumps("\0"), new).encode()
 
-    return damage
-
-
-def field(place: str, *values: Any) -> Damage:
-    """Returns damage that gives a field of the suit one of some values; "elbow" is the joint."""
-    *parents, last = place.replace("elbow", "joints.elbow_flexion").split(".")
-
-    def change(text: str, rng: Rng) -> str:
-        content = inner = json.loads(text)
-        for name in parents:
-            inner = inner[name]
-        inner[last] = values[rng.integers(len(values))]
-        return json.dumps(content)
-
-    return suit(change)
+    return mutation
 
 
-def without(place: str) -> Damage:
-    """Returns damage that removes a field of the suit."""
-    *parents, last = place.replace("elbow", "joints.elbow_flexion").split(".")
-
-    def change(text: str, rng: Rng) -> str:
-        del rng
-        content = inner = json.loads(text)
-        for name in parents:
-            inner = inner[name]
-        del inner[last]
-        return json.dumps(content)
-
-    return suit(change)
+def another_type(value: Any) -> list[str]:
+    own = LITERALS.get(type(value))  # null may become anything
+    return [one for kind in LITERALS.values() if own not in (None, kind) for one in kind]
 
 
-def any_value(text: str, rng: Rng) -> str:
-    """Returns a suit file in which one value, anywhere, is something else."""
-    content = json.loads(text)
-    places = []
-
-    def collect(inner: Any) -> None:
-        for name in inner if isinstance(inner, dict) else range(len(inner)):
-            places.append((inner, name))
-            if isinstance(inner[name], (dict, list)):
-                collect(inner[name])
-
-    collect(content)
-    inner, name = places[rng.integers(len(places))]
-    junk = [None, True, -1, 0, 1e308, 1e-320, "x", "", [], {}, [1], {"a": 1}, "\x1b[31m", 10**300]
-    inner[name] = junk[rng.integers(len(junk))]
-    return json.dumps(content)
+def with_key(value: Any, name: str = "") -> list[str]:
+    text = json.dumps(value) if isinstance(value, dict) else ""
+    return [text.replace("{", f'{{"{name or key}": 1, ', 1) for key in value] if text else []
 
 
-SUITS = [
-    *(Kind(f"suit: {name}", suit(change)) for name, change in BROKEN.items()),
-    Kind("suit: version", field("schema_version", 2.0, "2", 1, 3, None, True, [2], 10**300)),
-    Kind("suit: no version", without("schema_version")),
-    Kind("suit: name", field("name", "", 3, None, ["x"])),
-    Kind("suit: joints", field("joints", [], 3, None, "elbow", {"knee": {}}, {"\x1b[31m": {}})),
-    Kind("suit: joint", field("elbow", [], 3, None, {}, {"x" * 3000: 1})),
-    Kind("suit: model", field("elbow.model", "preisach", None, [], {}, {"model": "x" * 3000})),
-    Kind(
-        "suit: model name",
-        field("elbow.model.model", "preisac", "", 3, None, ["clipped"]),
-    ),
-    Kind("suit: parameter", field("elbow.model.Ms", -1, 0, "x", None, True, [1], 1e400, 10**350)),
-    Kind("suit: parameter missing", without("elbow.model.k")),
-    Kind("suit: parameter unknown", field("elbow.model.kk", 1)),
-    Kind("suit: range", field("elbow.range", [1.0, 0.5], [30, 90], [1], "x", None, [0, 1e400])),
-    Kind("suit: range missing", without("elbow.range")),
-    Kind("suit: start", field("elbow.start_angle", 99, "x", None, float("nan"), [1])),
-    Kind("suit: start torque", field("elbow.start_torque", "x", None, float("inf"), {})),
-    Kind("suit: grade", field("elbow.grade", "guess", 3, None, "")),
-    Kind("suit: samples", field("elbow.samples", [{}], [1], "x", {"a": 1}, [None])),
-    Kind("suit: pressure", field("pressure_kpa", 0, -1, 29600, "x", float("nan"), [1])),
-    Kind("suit: label", field("label", "real", 3, "", [])),
-    Kind("suit: missing", lambda folder, rng: [*_gone(folder / "suit.json"), *suit_command(rng)]),
-    Kind(
-        "suit: a folder", lambda folder, rng: [*_folder(folder / "suit.json"), *suit_command(rng)]
-    ),
-    Kind("suit: byte order mark", shown_suit(lambda text, rng: "\ufeff" + text), "harmless"),
-    Kind("suit: bytes replaced", shown_suit(flipped), "either"),
-    Kind("suit: any value", shown_suit(any_value), "either"),
-]
+def without_key(value: Any) -> list[str]:
+    keys = value if isinstance(value, dict) else ()
+    return [json.dumps({key: value[key] for key in keys if key != gone}) for gone in keys]
 
 
-def _gone(path: Path) -> list[str]:
-    path.unlink()
-    return []
+JSON: Outcomes = {
+    "refused": {
+        **FILE,
+        "cut": CUT,
+        "UTF-16": lambda old, rng: old.decode().encode("utf-16"),
+        "another type": literal(another_type),
+        "no number": literal(lambda one: NO_NUMBERS if LITERALS.get(type(one)) is NUMBER else ()),
+        "deep": literal(lambda value: (DEEP,)),
+        "unknown key": literal(functools.partial(with_key, name="colour")),
+        "key twice": literal(with_key),
+    },
+    "either": {
+        "bytes replaced": flipped,
+        "key gone": literal(without_key),
+        "any value": literal(
+            lambda value: ["null", *(x for one in LITERALS.values() for x in one)]
+        ),
+    },
+    "harmless": SAME_TEXT,
+}
 
+# --- Files and the commands that read them ------------------------------------------------------
 
-def _folder(path: Path) -> list[str]:
-    path.unlink()
-    path.mkdir()
-    return []
-
-
-# --- Run folders ----------------------------------------------------------------------------
-
-
-def run_command(rng: Rng) -> list[str]:
-    """Returns a command that reads run/."""
-    commands = [
-        ["evaluate", "--policies", "run", "--unadapted", "--episodes", "8", "--out", "out"],
-        ["simulate", "--policy", "run", "--out", "out"],
-        ["train", "--resume", "--out", "run", "--steps", "1"],
-    ]
-    return commands[rng.integers(len(commands))]
-
-
-def run_config(change: Callable[[str, Rng], str | bytes]) -> Damage:
-    """Returns damage that rewrites policy.json of the run from its text."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        path = folder / "run" / "policy.json"
-        write(path, change(path.read_text(), rng))
-        return run_command(rng)
-
-    return damage
-
-
-def run_option(name: str, *values: Any) -> Damage:
-    """Returns damage that gives an option of the run one of some values."""
-
-    def change(text: str, rng: Rng) -> str:
-        card = json.loads(text)
-        part = "training" if name in card["training"] else "environment"
-        card[part][name] = values[rng.integers(len(values))]
-        return json.dumps(card)
-
-    return run_config(change)
-
-
-EXPORT = ("export", "run", "--onnx", "--out", "new.onnx")
-
-
-def network(change: Callable[[Path, Rng], None]) -> Damage:
-    """Returns damage of the file of the weights."""
-
-    def damage(folder: Path, rng: Rng) -> list[str]:
-        change(folder / "run" / "policy.safetensors", rng)
-        return run_command(rng) if rng.integers(4) else [*EXPORT]
-
-    return damage
-
-
-def not_a_number(path: Path, rng: Rng) -> None:
-    """Makes one weight of the network not a number."""
-    from activesuit.envs.policies.network import files_of, read_card, read_network
-
-    card = read_card(path.parent)
-    network = read_network(path.parent, card)
-    names = sorted(network.weights)
-    network.weights[names[rng.integers(len(names))]].flat[0] = (np.nan, np.inf)[rng.integers(2)]
-    for name, content in files_of(card, network).items():
-        (path.parent / name).write_bytes(content)
-
-
-RUNS = [
-    *(Kind(f"run: config {name}", run_config(change)) for name, change in BROKEN.items()),
-    Kind(
-        "run: config missing",
-        lambda folder, rng: [*_gone(folder / "run" / "policy.json"), *run_command(rng)],
-    ),
-    Kind(  # a policy acts without it, only a resume needs it
-        "run: algorithm",
-        run_option("algo", "dqn", "", 3, None, ["ppo"], "__class__", "x" * 3000),
-        "either",
-    ),
-    Kind(
-        "run: environment",
-        run_option("env", "Nosuch-v0", "", 3, None, ["x"], "\x1b[31m", "os:system"),
-    ),
-    Kind("run: suit", run_option("suit", "nosuch", "", 3, None, ["x"], "x" * 3000)),
-    Kind("run: gravity", run_option("gravity", "pluto", "", 3, None, ["moon"])),
-    Kind(
-        "run: wearer", run_option("wearer", {"stature": 9}, 3, None, [], {"x": 1}, {"mass": "80"})
-    ),
-    Kind("run: payload", run_option("payload", {"mass": -1}, 3, {"mass": None}, {"mas": 1})),
-    Kind("run: network missing", network(lambda path, rng: path.unlink())),
-    Kind("run: network empty", network(lambda path, rng: write(path, b""))),
-    Kind("run: network is text", network(lambda path, rng: write(path, "PK\x03\x04 nothing"))),
-    Kind(
-        "run: network truncated",
-        network(lambda path, rng: write(path, path.read_bytes()[: rng.integers(9, 9999)])),
-    ),
-    Kind("run: network a folder", network(lambda path, rng: _folder(path) and None)),
-    Kind("run: weights not finite", network(not_a_number)),
-]
-
-
-# --- Options --------------------------------------------------------------------------------
-
-IDENTIFY = ("identify", "whole.csv", "--out", "out", "--joint", "elbow_flexion")
-SIMULATE = ("simulate", "--out", "out")
-OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
-    "identify": (
-        IDENTIFY,
-        {
-            "--model": "name", "--method": "name", "--objective": "name", "--normalize": "name",
-            "--initial-torque": "name", "--trials": "int", "--seed": "int", "--workers": "int",
-            "--samples": "int", "--joint": "name", "--base": "name", "--for": "name",
-            "--tare": "name", "--rate": "name", "--play": "name", "--softening": "name",
-        },
-    ),
-    "design": (
-        ("measure", "design", "whole.csv", "--out", "new.csv"),
-        {"--min-rate": "float", "--max-rate": "float", "--sample-rate": "float"},
-    ),
-    "simulate": (
-        SIMULATE,
-        {
-            "--env": "name", "--policy": "name", "--suit": "name", "--gravity": "name",
-            "--seed": "int", "--pressure": "float", "--coupling": "name", "--side": "name",
-            "--stature": "float", "--mass": "float", "--sex": "name", "--strength": "float",
-            "--payload": "float",
-        },
-    ),
-    "evaluate": (
-        ("evaluate", "--out", "out"),
-        {
-            "--env": "name", "--policies": "name", "--suit": "name", "--seed": "int",
-            "--episodes": "int",
-        },
-    ),
-    "validate": (
-        ("validate", "whole.json", "--out", "out"),
-        {"--plant": "name", "--episodes": "int", "--env": "name", "--seed": "int"},
-    ),
-    "train": (
-        ("train", "--out", "out"),
-        {"--env": "name", "--algo": "name", "--steps": "int", "--seed": "int", "--suit": "name"},
-    ),
-    "rig": (
-        ("measure", "rig", "--out", "out"),
-        {
-            "--suit": "name", "--joint": "name", "--turns": "float", "--start-angle": "float",
-            "--repeats": "int", "--rate": "float", "--sample-rate": "float", "--noise": "float",
-            "--seed": "int", "--torque-resolution": "float",
-        },
-    ),
-    "view": (
-        ("view", "--snapshot", "new.png"),
-        {
-            "--camera": "name", "--pose": "name", "--suit": "name", "--gravity": "name",
-            "--width": "int",
-        },
-    ),
-    "animate": (
-        ("animate", "--out", "new.gif"),
-        {"--camera": "name", "--suit": "name", "--policy": "name"},
-    ),
-    "suits": (("suits", "whole.json"), {"--pressure": "float"}),
+ACTING = (
+    "export run --onnx --out new.onnx",
+    "simulate --policy run --out out",
+    "evaluate --policies run --unadapted --episodes 8 --out out",
+)
+FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is fast
+    "elbow.csv": (TABLE, (
+        "identify elbow.csv --model prandtl-ishlinskii",
+        "identify elbow.csv --out out --workers 1",
+        "measure design elbow.csv --out new.csv",
+        "validate whole.json --held-out elbow.csv --joint elbow_flexion --out out",
+    )),
+    "motion.csv": (TABLE, (
+        "measure rig --motion motion.csv --out out",
+        "identify whole.csv --for motion.csv --model prandtl-ishlinskii",
+    )),
+    "arm.csv": (TABLE, ("simulate --task arm.csv --out out", "evaluate --task arm.csv")),
+    "suit.json": (JSON, (
+        "suits suit.json",
+        "suits suit.json --out out --export new.json",
+        "measure rig --suit suit.json --out out",
+        "simulate --suit suit.json --out out",
+        "evaluate --suit suit.json --policies none --out out",
+        "validate suit.json --out out",
+        "view --suit suit.json --snapshot new.png",
+        "identify whole.csv --joint elbow_flexion --base suit.json --out out --workers 1",
+        "train --suit suit.json --out out",
+        "export suit.json --c --out new.h",
+    )),
+    "policy.json": (JSON, (
+        "export policy.json --c --out new.h", "simulate --policy policy.json --out out"
+    )),
+    "run/policy.json": (JSON, ACTING),
+    "run/policy.safetensors": (BINARY, ACTING),
+    "run/model.zip": (BINARY, ("train --resume --trust --steps 1 --out run",)),
 }  # fmt: skip
 
 
-def option(command: str) -> Damage:
-    """Returns damage that gives an option of a command a value that cannot be used."""
-    arguments, options = OPTIONS[command]
-
+def file_damage(name: str, mutation: Mutation, commands: tuple[str, ...]) -> Damage:
     def damage(folder: Path, rng: Rng) -> list[str]:
-        del folder
-        name = list(options)[rng.integers(len(options))]
-        junk = JUNK[options[name]]
-        return [*arguments, name, junk[rng.integers(len(junk))]]
+        path = folder / name
+        new = mutation(path.read_bytes(), rng)
+        path.unlink()
+        if new is FOLDER:
+            path.mkdir()
+        elif new is not None:
+            path.write_bytes(new)
+        return one_of(rng, commands).split()
 
     return damage
 
 
-def said(*choices: Sequence[str]) -> Damage:
-    """Returns damage that is one of some command lines."""
-    return lambda folder, rng: list(choices[rng.integers(len(choices))])
+def not_finite(folder: Path, rng: Rng) -> list[str]:
+    """Makes a weight of the network not finite."""
+    run = folder / "run"
+    network = read_network(run, card := read_card(run))
+    weights = one_of(rng, [*network.weights.values()])
+    weights.flat[rng.integers(weights.size)] = one_of(rng, (np.nan, np.inf))
+    for name, new in files_of(card, network).items():
+        (run / name).write_bytes(new)
+    return one_of(rng, ACTING).split()
 
 
-def foreign_out(folder: Path, rng: Rng) -> list[str]:
+# --- Options ------------------------------------------------------------------------------------
+
+JUNK: dict[str, tuple[list[str], list[str]]] = {  # by kind: what is refused, and what may be
+    "INT": (["", "x", "1.5", "nan", "-99", HUGE, "1e3", "\x1b[31m1"], ["-1", "0", "9" * 15]),
+    "FLOAT": (["", "x", "nan", "inf", "1e400", HUGE, "1,5", "0x1p3"], ["-1e9", "0", "1e-300"]),
+    "PATH": (["", LONG, "a\0b", "whole.csv/a"], ["nosuch", "run"]),
+    "": (["", "nosuch", LONG, "\x1b[31m", "a\nb", "ä\u202eb", "../../etc", "a\0b"], ["none"]),
+}
+WHOLE = {  # command lines that are whole; the last word is the place of the results
+    "demo": "--out out",
+    "identify": "whole.csv --workers 1 --out out",
+    "measure design": "whole.csv --out new.csv",
+    "measure rig": "--out out",
+    "suits": "whole.json --out out",
+    "simulate": "--out out",
+    "view": "--snapshot new.png",
+    "animate": "--out new.gif",
+    "tasks": "--table --out out",
+    "evaluate": "--out out",
+    "validate": "whole.json --out out",
+    "train": "--out out",
+    "export": "whole.json --c --out new.h",
+    "benchmark": "run --workers 1 --out out",
+}
+LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra; report nosuch;
+    identify whole.csv --base mock-suit; identify whole.csv --method mpso --model preisach;
+    identify whole.csv --method auto --trials 3; simulate --out out --suit none --pressure 30;
+    suits --export new.json; suits whole.json --export nosuch/new.json; animate --out new.txt;
+    view --web --snapshot new.png; view --snapshot new.jpg; train --coupling none --out out;
+    export compensation --onnx --out new.onnx; export adaptive --c --out new.h"""
+
+
+@functools.cache
+def options(command: str) -> list[argparse.Action]:
+    """Returns the options and positional arguments that the parser of a command knows."""
+    function = command_of(command.split())[1]
+    without = functools.wraps(function)(lambda *given, **named: None)
+    config = (tyro.conf.OmitArgPrefixes, tyro.conf.FlagCreatePairsOff)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # tyro has no other way to ask
+        parser = tyro.extras.get_parser(without, config=config)
+    return [one for one in parser._actions if one.dest != "help"]
+
+
+def value(folder: Path, rng: Rng, command: str, refused: bool) -> list[str]:
+    """Gives junk to an option, or in place of the first argument."""
+    option, given = one_of(rng, options(command)), WHOLE[command].split()
+    kind = next(kind for kind in JUNK if kind in str(option.metavar))
+    junk = [one_of(rng, JUNK[kind][not refused])] * (2 if option.nargs == 2 else 1)
+    if option.option_strings:
+        return [*command.split(), *given, option.option_strings[0], *junk]
+    return [*command.split(), *junk, *given[1:]]
+
+
+def unknown(folder: Path, rng: Rng, command: str) -> list[str]:
+    """Adds an unknown option, or a known one without its value."""
+    known = [one.option_strings for one in options(command) if one.nargs in (1, 2)]
+    name = one_of(rng, ["--nosuch", *(names[0] for names in known if names)])
+    return [*command.split(), *WHOLE[command].split(), name]
+
+
+def taken(folder: Path, rng: Rng, command: str) -> list[str]:
     """Puts something else where the results should go."""
-    out = folder / "out"
-    match rng.integers(3):
-        case 0:
-            out.write_text("a file")
-        case 1:
-            out.mkdir()
-            (out / "thesis.txt").write_text("mine")
-        case _:
-            (folder / "elsewhere").mkdir()
-            out.symlink_to(folder / "elsewhere")
-    return list((IDENTIFY, SIMULATE, OPTIONS["rig"][0], OPTIONS["train"][0])[rng.integers(4)])
+    arguments = [*command.split(), *WHOLE[command].split()]
+    place, what = folder / arguments[-1], rng.integers(3)
+    if what == 0:
+        place.write_text("a file")
+    elif what == 1:
+        place.mkdir()
+        (place / "thesis.txt").write_text("mine")
+    else:
+        place.symlink_to(one_of(rng, ["whole.csv", "nosuch", "."]))
+    return arguments
 
 
-OPTION_KINDS = [
-    *(Kind(f"options: value of {name}", option(name)) for name in OPTIONS),
-    Kind("options: no command", said([], ["nosuch"], [""], ["identfy", "whole.csv"], ["--nosuch"])),
-    Kind("options: nothing given", said(["identify"], ["validate"])),
-    Kind(
-        "options: unknown",
-        said([*IDENTIFY, "--nosuch", "1"], ["suits", "--x"], [*SIMULATE, "extra"]),
-    ),
-    Kind(
-        "options: without a value",
-        said([*IDENTIFY, "--seed"], [*SIMULATE, "--gravity"], ["suits", "--pressure"]),
-    ),
-    Kind(
-        "options: contradictions",
-        said(
-            ["identify", "whole.csv", "--base", "mock-suit"],
-            [*IDENTIFY, "--method", "mpso", "--model", "preisach"],
-            [*IDENTIFY, "--method", "auto", "--trials", "3"],
-            [*SIMULATE, "--suit", "none", "--pressure", "30"],
-            ["suits", "--export", "new.json"],
-            ["view", "--web", "--snapshot", "new.png"],
-            ["train", "--coupling", "none", "--out", "out"],
-        ),
-    ),
-    Kind(
-        "options: names of files",
-        said(
-            ["identify", "nosuch.csv"],
-            ["identify", "."],
-            ["identify", "x" * 5000],
-            ["identify", ""],
-            ["animate", "--out", "new.txt"],
-            ["view", "--snapshot", "new.jpg"],
-            ["identify", "a\0b"],
-            ["suits", "suit.json", "--export", "nosuch/new.json"],
-            ["export", "nosuch", "--onnx", "--out", "new.onnx"],
-            ["export", "compensation", "--onnx", "--out", "new.onnx"],
-            ["export", "nosuch", "--c", "--out", "new.h"],
-            ["export", "adaptive", "--c", "--out", "new.h"],
-            ["export", "suit.json", "--c", "--out", "nosuch/new.h"],
-            [*IDENTIFY[:3], "elbow.csv/out"],
-        ),
-    ),
-    Kind("options: a place that is taken", foreign_out),
-]
-
-KINDS = [*CURVES, *MOTIONS, *SUITS, *RUNS, *OPTION_KINDS]
+def kinds(trained: bool) -> dict[str, tuple[Damage, str]]:
+    """Returns all kinds of damage, each with its outcome."""
+    found: dict[str, tuple[Damage, str]] = {
+        "command line": (lambda folder, rng: one_of(rng, LINES.split(";")).split(), "refused"),
+        "run/policy.safetensors: not finite": (not_finite, "refused"),
+    }
+    for name, (outcomes, commands) in FILES.items():
+        for outcome, mutations in outcomes.items():
+            for kind, mutation in mutations.items():
+                readers = commands[:1] if outcome == "harmless" else commands
+                found[f"{name}: {kind}"] = (file_damage(name, mutation, readers), outcome)
+    for name in WHOLE:
+        one = functools.partial
+        found[f"{name}: value"] = (one(value, command=name, refused=True), "refused")
+        found[f"{name}: strange value"] = (one(value, command=name, refused=False), "either")
+        found[f"{name}: option"] = (one(unknown, command=name), "refused")
+        found[f"{name}: place taken"] = (one(taken, command=name), "refused")
+    return {name: kind for name, kind in found.items() if trained or "run/" not in name}
 
 
-# --- Running --------------------------------------------------------------------------------
+# --- Running ------------------------------------------------------------------------------------
 
 
-@contextlib.contextmanager
-def inside(folder: Path) -> Iterator[None]:
-    """Works in a folder, which is also where the state of the program goes."""
-    before, state = Path.cwd(), os.environ.get("XDG_STATE_HOME")
-    os.environ["XDG_STATE_HOME"] = str(folder / ".state")
-    os.chdir(folder)
-    try:
-        yield
-    finally:
-        os.chdir(before)
-        if state is None:
-            del os.environ["XDG_STATE_HOME"]
-        else:
-            os.environ["XDG_STATE_HOME"] = state
+def make_inputs(folder: Path, *, trained: bool) -> None:
+    """Makes a folder of whole inputs."""
+    elbow = ["curve,role,angle_rad,torque_nm,time_s,weight"]
+    lines = [line for line in curves_path("elbow").read_text().splitlines() if line[0].isdigit()]
+    elbow += [f"{line},{i},1" for i, line in enumerate(lines[::40])]
+    arm = [",".join(["time", *JOINTS]), *(f"{0.1 * i:.1f},0,0.5,0.6,0" for i in range(12))]
+    motion = ["time_s,angle_rad", "0,0.52", "2,1.1", "4,0.7", "6,0.9"]
+    tables = {"elbow.csv": elbow, "whole.csv": elbow, "arm.csv": arm, "motion.csv": motion}
+    for name, table in tables.items():
+        (folder / name).write_text("\n".join(table) + "\n")
+    for name in ("suit.json", "whole.json"):
+        load_suit("mock-suit").save(folder / name)
+    policy = {"name": "compensation", "suit": "mock-suit", "lead": 0.03}
+    (folder / "policy.json").write_text(json.dumps(policy))
+    if trained:
+        make_run(folder / "run")
 
 
-def call(arguments: list[str]) -> tuple[int, str, str]:
-    """Runs a command in this process; returns its exit code, stderr, and a traceback if any."""
-    from activesuit.scripts.main import main
+class AcceptedError(BaseException):
+    """The command has computed for so long that it must have accepted its input."""
 
-    out, err = io.StringIO(), io.StringIO()
-    code, fallen = 0, ""
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+
+def accept(*given: object) -> None:
+    raise AcceptedError
+
+
+def call(folder: Path, arguments: list[str]) -> tuple[int, str]:
+    """Runs a command in this process and a folder; returns its exit code and stderr."""
+    err = io.StringIO()
+    signal.signal(signal.SIGPROF, accept)
+    with (
+        contextlib.chdir(folder),
+        patch.dict(os.environ, XDG_STATE_HOME=str(folder / ".state")),
+        contextlib.redirect_stdout(io.StringIO()),
+        contextlib.redirect_stderr(err),
+    ):
         try:
-            main(arguments)
+            signal.setitimer(signal.ITIMER_PROF, SECONDS, 1.0)
+            activesuit(arguments)
         except SystemExit as end:
-            code = end.code if isinstance(end.code, int) else 1
+            return end.code if isinstance(end.code, int) else 1, err.getvalue()
+        except AcceptedError:
+            return 0, err.getvalue()
         except BaseException:
-            code, fallen = 1, traceback.format_exc()
-    return code, err.getvalue(), fallen
+            return 1, traceback.format_exc()
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+    return 0, err.getvalue()
 
 
-def disk(folder: Path) -> dict[str, tuple[int, str]]:
-    """Returns mode and content of everything in a folder."""
-    found = {}
-    for path in sorted(folder.rglob("*")):
-        content = os.readlink(path) if path.is_symlink() else ""
-        if path.is_file() and not path.is_symlink():
-            content = hashlib.sha256(path.read_bytes()).hexdigest()
-        found[str(path.relative_to(folder))] = (path.lstat().st_mode, content)
+def disk(folder: Path) -> set[tuple[Path, int, object]]:
+    """Returns path, mode and content of everything in a folder."""
+    found = set()
+    for path in folder.rglob("*"):
+        link = path.is_symlink()
+        content = path.readlink() if link else path.is_file() and path.read_bytes()
+        found.add((path, path.lstat().st_mode, content))
     return found
 
 
-def problem(kind: Kind, folder: Path, rng: Rng) -> tuple[list[str], str]:
-    """Does one damage in a fresh folder of inputs; returns the command and what was wrong."""
-    arguments = kind.damage(folder, rng)
+def problem(folder: Path, arguments: list[str], outcome: str) -> str:
+    """Runs a command; returns what was wrong."""
     before = disk(folder)
-    with inside(folder):
-        code, text, fallen = call(arguments)
-    if fallen:
-        return arguments, fallen.strip().splitlines()[-1] + " (traceback)"
-    wanted = {"refused": [2], "harmless": [0], "either": [0, 2]}[kind.outcome]
-    if arguments[:1] == ["identify"] and 0 in wanted:
-        wanted = [*wanted, 3]  # the model may not describe the curves
-    if code not in wanted:
-        return arguments, f"exit code {code}, not {wanted}: {text[-300:]}"
-    if code in (0, 3):
-        return arguments, ""
+    code, text = call(folder, arguments)
+    if code not in CODES[outcome]:
+        return f"exit code {code} of what is {outcome}: {text[-600:]}"
+    if code != 2:
+        return ""
     lines = [line for line in text.splitlines() if line.strip()]
     if len(lines) != 1 or not lines[0].startswith(PREFIX):
-        return arguments, f"stderr is no single sentence: {text[:600]!r}"
+        return f"stderr is no single sentence: {text[:600]!r}"
     if len(lines[0]) > len(PREFIX) + LONGEST or not lines[0].isprintable():
-        return arguments, f"the sentence is too long or does not print: {lines[0]!r}"
-    after = disk(folder)
-    if after != before:
-        changed = sorted(set(after.items()) ^ set(before.items()))
-        return arguments, f"changed on disk: {sorted({name for name, _ in changed})}"
-    return arguments, ""
+        return f"the sentence is too long or does not print: {lines[0]!r}"
+    changed = sorted({path.name for path, *_ in before ^ disk(folder)})
+    return f"changed on disk: {changed}" if changed else ""
 
 
-def attack(count: int, seed: int, *, trained: bool, report: Callable[[str], None]) -> Counter:
-    """Does `count` damages; returns how many of each kind, and reports what was wrong."""
-    kinds = [kind for kind in KINDS if trained or kind.family != "run"]
-    rng = np.random.default_rng(seed)
-    drawn = [*rng.permutation(len(kinds)), *rng.integers(len(kinds), size=count)][:count]
-    done: Counter[str] = Counter()
+def attack(count: int | None, seed: int, report: Callable[[str], object]) -> Counter[str]:
+    """Does `count` damages, or one of each kind; reports what was wrong."""
+    trained = importlib.util.find_spec("stable_baselines3") is not None
+    known, rng = kinds(trained), np.random.default_rng(seed)
+    drawn = [*rng.permutation([*known]), *rng.choice([*known], count or 0)][: count or len(known)]
     with tempfile.TemporaryDirectory() as place:
-        whole = Path(place) / "whole"
+        whole, folder = Path(place) / "whole", Path(place) / "case"
         whole.mkdir()
         make_inputs(whole, trained=trained)
-        for i, number in enumerate(drawn):
-            kind, folder = kinds[number], Path(place) / f"case-{i}"
+        for i, kind in enumerate(drawn):
             shutil.copytree(whole, folder)
-            begin = time.perf_counter()
-            arguments, wrong = problem(kind, folder, np.random.default_rng([seed, i]))
-            done[kind.name] += 1
-            if wrong:
-                report(f"{kind.name}, case {i}: {shorter(arguments)}\n    {wrong}")
-            if (spent := time.perf_counter() - begin) > 2:
-                print(
-                    f"{kind.name}, case {i}: {spent:.1f} s: {shorter(arguments)}", file=sys.stderr
-                )
+            damage, outcome = known[kind]
+            arguments = damage(folder, np.random.default_rng([seed, i]))
+            if wrong := problem(folder, arguments, outcome):
+                report(f"{kind}, case {i}: {[one[:60] for one in arguments]}\n    {wrong}")
             shutil.rmtree(folder)
-    return done
+    return Counter(drawn)
 
 
-def shorter(arguments: list[str]) -> list[str]:
-    """Returns arguments for a report."""
-    return [one if len(one) < 60 else f"{one[:20]}... ({len(one)})" for one in arguments]
-
-
-def main() -> None:
-    """Runs the script."""
+if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Commands on damaged inputs.")
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    try:
-        import stable_baselines3  # noqa: F401
-
-        trained = True
-    except ImportError:
-        trained = False
-    wrong: list[str] = []
-    begin = time.perf_counter()
-    done = attack(given.count, given.seed, trained=trained, report=wrong.append)
-    for name, number in sorted(done.items()):
-        print(f"{number:5}  {name}")
+    begin, wrong = time.perf_counter(), []
+    done = attack(given.count, given.seed, wrong.append)
     print("\n".join(wrong))
     spent = time.perf_counter() - begin
-    print(f"{sum(done.values())} damages of {len(done)} kinds, {len(wrong)} wrong, {spent:.0f} s")
-    sys.exit(1 if wrong else 0)
-
-
-if __name__ == "__main__":
-    main()
+    print(f"{done.total()} damages of {len(done)} kinds, {len(wrong)} wrong, {spent:.0f} s")
+    sys.exit(bool(wrong))
