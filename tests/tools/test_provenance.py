@@ -1,12 +1,13 @@
 """Each number of the composed model has a source, and the page that lists them is up to date."""
 
 import math
+import re
 from typing import get_args
 
 import numpy as np
 import pytest
 from activesuit.envs.model import ASSISTED, ArmConfig, arm_spec
-from activesuit.envs.person import segments
+from activesuit.envs.person import Person, segments
 from activesuit.envs.provenance import Grade
 from activesuit.tools.provenance import PAGE, page, quantities
 
@@ -31,52 +32,58 @@ def test_quantities_are_complete():
         assert quantity.grade in get_args(Grade)
 
 
-def sourced(config):
-    """Magnitudes that a model may have: listed ones, a person's segments, and their sums."""
-    person = segments(config.wearer)
-    found = [abs(value) for value in VALUE.values()]
-    degrees = [value for name, value in VALUE.items() if name.startswith("range_of_motion.")]
-    found += [abs(math.radians(value)) for value in degrees]
-    for one in person.values():
-        found += [one.mass, one.center, one.length, *one.inertia]
-    shoulder, elbow = ASSISTED
-    cuff, links = (
-        VALUE["exo.cuff"],
-        [VALUE[f"exo.{part}_link"] for part in ("upper_arm", "forearm")],
-    )
-    found += [links[0] + VALUE[f"exo.{elbow}.mass"] + cuff, links[1] + cuff]
-    for joint in (shoulder, elbow):  # muscle and motor together
-        ways = [VALUE[f"strength.{joint}.{way}.peak"] for way in ("negative", "positive")]
-        found += [way + VALUE[f"exo.{joint}.peak_torque"] for way in ways]
-    return np.array([0.0, *found])
-
-
 CONFIGS = [
     {},
     {"coupling": "cuffs"},
     {"coupling": "none"},
     {"suit": "none", "coupling": "none"},
 ]
-FIELDS = (
-    *("body_mass", "jnt_range", "jnt_stiffness", "qpos_spring", "jnt_actfrcrange"),
-    *("dof_damping", "dof_armature", "dof_frictionloss"),
-    *("actuator_biasprm", "actuator_forcerange", "actuator_armature", "actuator_damping"),
-)
+FIELDS = {  # of a model, and the names of the quantities that its numbers are
+    "body_mass": r"\.mass|\.ring$|exo\..*_link",
+    "body_inertia": r"\.inertia",
+    "body_ipos": r"\.center",
+    "jnt_range": r"suit\.range|range_of_motion",
+    "jnt_stiffness": r"passive.*\.stiffness",
+    "qpos_spring": r"passive.*\.rest",
+    "jnt_actfrcrange": r"strength.*\.peak|peak_torque",
+    "dof_damping": r"passive.*\.viscosity",
+    "dof_armature": r"arm\..*\.armature",
+    "dof_frictionloss": r"coulomb",
+    "actuator_biasprm": r"wearer.*\.(stiffness|damping)",
+    "actuator_forcerange": r"strength.*\.peak|peak_torque",
+    "actuator_armature": r"exo.*\.armature",
+    "actuator_damping": r"exo.*\.viscous",
+}
+
+
+def sourced(field):
+    """Magnitudes that a field of a model may have: quantities, a person's segments, and sums."""
+    named = {name: value for name, value in VALUE.items() if re.search(FIELDS[field], name)}
+    found = [*named.values()]
+    if field == "jnt_range":
+        found += [math.radians(one) for name, one in named.items() if "of_motion" in name]
+    if field == "jnt_actfrcrange":  # muscle and motor together
+        found += [VALUE[f"exo.{joint}.peak_torque"] + one for joint in ASSISTED for one in found]
+    if field == "body_mass":
+        upper, forearm = (VALUE[f"exo.{part}_link"] + VALUE["exo.cuff"] for part in LIMBS[:2])
+        found += [forearm, upper + VALUE[f"exo.{ASSISTED[1]}.mass"]]
+    part = {"body_mass": "mass", "body_inertia": "inertia", "body_ipos": "center"}.get(field)
+    person = segments(Person()).values() if part else ()
+    return np.abs(np.hstack([0.0, *found, *(getattr(one, part) for one in person)]))
 
 
 @pytest.mark.parametrize("fields", CONFIGS, ids=["rigid", "cuffs", "no exo", "bare"])
 def test_every_number_of_the_model_has_a_source(fields):
     """That each number is in its place is what the tests of tests/envs/model ask."""
-    config = ArmConfig(**fields)
-    spec, numbers = arm_spec(config), sourced(config)
+    spec = arm_spec(ArmConfig(**fields))
     model = spec.compile()
+    given = [spec.body(model.body(i).name).explicitinertial for i in range(model.nbody)]
     assert model.opt.gravity[2] == -VALUE["gravity.earth"]
-    found = {name: getattr(model, name) for name in FIELDS}
-    given = [i for i in range(model.nbody) if spec.body(model.body(i).name).explicitinertial]
-    found |= {"inertia": model.body_inertia[given], "center": model.body_ipos[given]}
-    for name, values in found.items():
-        for value in np.abs(values).ravel():
-            assert np.isclose(value, numbers, rtol=1e-9, atol=1e-12).any(), (name, value)
+    for field in FIELDS:
+        values, known = getattr(model, field), sourced(field)
+        rows = given if field in ("body_inertia", "body_ipos") else slice(None)
+        for value in np.abs(values[rows]).ravel():
+            assert np.isclose(value, known, rtol=1e-9, atol=1e-12).any(), (field, value)
 
 
 @pytest.mark.parametrize(
