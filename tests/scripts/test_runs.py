@@ -228,7 +228,7 @@ def test_a_policy_of_save_policy_is_a_run(tmp_path):
 @pytest.mark.parametrize("name", ["Quick", "Lazy", "Made", "Task", "Limited"])
 def test_an_environment_of_your_own(own, capsys, undrawn, name):
     env = own.replace("Quick", name)
-    main(["simulate", "--env", env, "--out", "one", "--json"])
+    run(capsys, "simulate", "--env", env, "--out", "one")
     result = json.loads((Path("one") / "result.json").read_text())
     assert result["env"] == env
     with open("one/trace.csv") as trace:
@@ -279,6 +279,7 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     in_another_process()
     main(["train", "--resume", "--steps", "512", "--out", "run"])
     in_another_process()
+    capsys.readouterr()
     score = ["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"]
     assert json.loads(run(capsys, *score))["env"] == own
 
