@@ -77,25 +77,20 @@ def test_an_object_in_place_of_a_name_is_reported_in_a_line():
     assert text.endswith("use one of none, oracle")
 
 
-def test_what_is_no_count():
-    wrong = [True, 1.0, 2.5, "2", None, np.nan, 0, -3]
-    assert_refused(
-        lambda value: checks.at_least("trials", value, 1),
-        [(one, r"^trials is .*: use a(t| whole number of at) least 1$") for one in wrong],
-    )
-
-
-def test_what_is_no_number_of_workers():
-    wrong = [0, -7, -2, True, 1.0, "all"]
-    assert_refused(
-        checks.workers,
-        [(one, r"^workers is .*: use 1 or more, or -1 for all cores$") for one in wrong],
-    )
-
-
-def test_what_is_no_number():
-    wrong = [True, 1j, np.complex128(1), "1", None, Suit, 10**400, np.inf]
-    assert_refused(
-        lambda value: checks.number("mass", value, "kg"),
-        [(one, r"^mass is .*: give a .*number \(kg\)$") for one in wrong],
-    )
+def test_what_is_no_count_number_of_workers_or_number():
+    cases = {
+        r"^trials is .*: use a(t| whole number of at) least 1$": (
+            lambda value: checks.at_least("trials", value, 1),
+            [True, 1.0, 2.5, "2", None, np.nan, 0, -3],
+        ),
+        r"^workers is .*: use 1 or more, or -1 for all cores$": (
+            checks.workers,
+            [0, -7, -2, True, 1.0, "all"],
+        ),
+        r"^mass is .*: give a .*number \(kg\)$": (
+            lambda value: checks.number("mass", value, "kg"),
+            [True, 1j, np.complex128(1), "1", None, Suit, 10**400, np.inf],
+        ),
+    }
+    for message, (check, wrong) in cases.items():
+        assert_refused(check, [(one, message) for one in wrong])

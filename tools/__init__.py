@@ -1,1 +1,1 @@
-"""Programs for developers: they remake shipped files and check the prose of docstrings."""
+"""Programs for developers: they remake shipped files and pages of the docs."""

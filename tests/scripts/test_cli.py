@@ -16,7 +16,7 @@ from activesuit.benchmarks import starts
 from activesuit.benchmarks.bench import bench
 from activesuit.hysteresis import model_from_dict
 from activesuit.identification import Search, identify, load_curves
-from activesuit.scripts.main import COMMANDS, MOVED, main
+from activesuit.scripts.main import COMMANDS, main
 from helpers import fails, in_this_process, run, shorten_tasks
 
 ELBOW = str(curves_path("elbow"))
@@ -42,26 +42,26 @@ FIT_FILES = {  # of `identify --out`
 }
 
 
-def test_identify_prints_json(capsys):
-    result = json.loads(run(capsys, "identify", ELBOW, "--method", "certified", "--json"))
-    assert result["evaluations"] <= 200
+@pytest.mark.usefixtures("short")
+def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
+    out = run(capsys, "identify", ELBOW, "--method", "certified", "--out", tmp_path / "fit")
+    assert "suit.json" in out
+    assert {path.name for path in (tmp_path / "fit").iterdir()} == FIT_FILES
+    result = json.loads((tmp_path / "fit" / "result.json").read_text())
     assert result["nrmse"] < 0.0105
     assert max(result["prediction_max_error"].values()) < 0.25
     assert result["certificate"]["certified"]
     assert result["certificate"]["margin"] > 0
-
-
-@pytest.mark.usefixtures("short")
-def test_identify_writes_a_suit_that_simulates(capsys, tmp_path):
-    out = run(capsys, "identify", ELBOW, "--out", tmp_path / "fit")
-    assert "suit.json" in out
-    assert {path.name for path in (tmp_path / "fit").iterdir()} == FIT_FILES
     suit = load_suit(str(tmp_path / "fit" / "suit.json"))
     assert set(suit.joints) == {"elbow_flexion"}
     assert suit.joints["elbow_flexion"].range == pytest.approx((0.52, 1.57))
     arguments = ["--policies", "oracle", *FEW, "--unadapted"]
     out = run(capsys, "evaluate", "--suit", tmp_path / "fit" / "suit.json", *arguments)
-    assert json.loads(out)["scores"]["oracle"]["failures"] == 0
+    result = json.loads(out)
+    assert result["adapted"] is False
+    score = result["scores"]["oracle"]
+    assert score["failures"] == 0
+    assert score["effort"] == score["unadapted_effort"]
 
 
 @pytest.mark.slow
@@ -74,10 +74,8 @@ def test_one_measured_joint_goes_all_the_way(capsys, tmp_path):
     (cell,) = result["cells"]
     assert set(cell["torque"]["joints"]) == {"elbow_flexion"}
     assert cell["verdict"] == "valid"
-    assert (
-        cell["relief"]["value"]
-        < result["evaluations"]["mock-suit"]["scores"]["true model"]["relief"]["value"]
-    )
+    true = result["evaluations"]["mock-suit"]["scores"]["true model"]["relief"]
+    assert cell["relief"]["value"] < true["value"]
     result = json.loads(run(capsys, "validate", suit, "--plant", suit, *arguments))
     assert set(result["cells"][0]["torque"]["joints"]) == {"elbow_flexion"}
     run(capsys, "identify", ELBOW, "--samples", 3, "--out", tmp_path / "three")
@@ -141,31 +139,14 @@ def test_evaluate_prints_a_table_and_writes_the_same(capsys, tmp_path):
 @pytest.mark.usefixtures("short")
 def test_the_motions_have_what_muscles_have_left(capsys, tmp_path):
     options = ["--policies", "none", "--suit", "none", "--episodes", "1", "--set", "fatigue=true"]
-    run(capsys, "evaluate", *options, "--out", tmp_path)
+    assert "relief" not in run(capsys, "evaluate", *options, "--out", tmp_path)  # no references
     (row,) = csv.DictReader((tmp_path / "motions.csv").read_text().splitlines())
     score = json.loads((tmp_path / "result.json").read_text())["scores"]["none"]
     for joint in JOINTS:
-        for column, name in (
-            ("fatigued_share", "fatigued"),
-            ("least_strength_nm", "strength_left"),
-        ):
+        columns = {"fatigued_share": "fatigued", "least_strength_nm": "strength_left"}
+        for column, name in columns.items():
             assert float(row[f"{joint}_{column}"]) == pytest.approx(score[name][joint][0], rel=1e-5)
     assert any(share[0] > 0 for share in score["fatigued"].values())
-
-
-@pytest.mark.usefixtures("short")
-def test_evaluate_wearers_who_have_learned_nothing(capsys):
-    out = run(capsys, "evaluate", "--policies", "none", "--unadapted", *FEW)
-    result = json.loads(out)
-    assert result["adapted"] is False
-    score = result["scores"]["none"]
-    assert score["effort"] == score["unadapted_effort"]
-
-
-def test_evaluate_without_a_suit_has_no_references(capsys, short):
-    out = run(capsys, "evaluate", "--suit", "none", "--policies", "none", "--episodes", "1")
-    assert "relief" not in out
-    assert "none" in out
 
 
 def test_the_table_has_all_places_suits_and_couplings(capsys, monkeypatch, tmp_path):
@@ -195,8 +176,6 @@ def test_validate_scores_one_suit_on_another(capsys, tmp_path):
     assert (cell["believed"], cell["plant"]) == ("published-2022", "mock-suit")
     assert cell["torque"]["joints"]["elbow_flexion"]["nrmse"]["high"] < 0.05
     assert f"published-2022: {cell['verdict']} for shoulder_flexion from" in out
-    assert "beside the true model's" in out
-    assert "valid up to 5%, usable up to 15%, not valid beyond" in out
 
 
 @pytest.mark.slow
@@ -205,7 +184,6 @@ def test_validate_many_suits_makes_a_matrix(capsys, tmp_path):
     suits = ["emu-like", "mock-suit"]
     out = run(capsys, "validate", *suits, "--plant", *suits, "--episodes", 8, "--out", tmp_path)
     assert "wears" in out
-    assert "The motions covered shoulder_flexion" in out
     cells = json.loads((tmp_path / "result.json").read_text())["cells"]
     verdicts = {(cell["believed"], cell["plant"]): cell["verdict"] for cell in cells}
     assert len(verdicts) == 4
@@ -223,9 +201,8 @@ def test_validate_predicts_held_out_curves(capsys):
 
 @pytest.mark.slow
 def test_simulate_writes_the_motion(capsys, tmp_path):
-    out = run(
-        capsys, "simulate", "--gravity", "moon", "--policy", "oracle", "--out", tmp_path, "--json"
-    )
+    options = ["--gravity", "moon", "--policy", "oracle", "--out", tmp_path, "--json"]
+    out = run(capsys, "simulate", *options)
     assert json.loads(out)["policy"] == "oracle"
     rows = (tmp_path / "trace.csv").read_text().splitlines()
     assert len(rows) == 1001
@@ -235,11 +212,8 @@ def test_simulate_writes_the_motion(capsys, tmp_path):
         assert (tmp_path / f"{figure}.svg").read_text().rstrip().endswith("</svg>")
 
 
-SLOW = [pytest.param(topic, marks=pytest.mark.slow) for topic in ("env", "identify")]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("topic", ["hysteresis", "engine", *SLOW])
+@pytest.mark.parametrize("topic", ["hysteresis", "engine", "env", "identify"])
 def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
     monkeypatch.setattr(starts, "STARTS_PER_REPEAT", 1)
     monkeypatch.setattr(starts, "run_all", in_this_process)
@@ -260,17 +234,14 @@ def test_bench_reports_ratios(capsys, monkeypatch, topic, undrawn):
         assert row["lowest"] <= row["ratio"] <= row["highest"]
         assert row["ratio"] == pytest.approx(row["reference"] / row["ours"])
         assert row["met"] == (row["target"] is None or row["ratio"] >= row["target"])
-        assert row["unit"].split("/")[0] in ("ns", "us", "ms")
 
 
-def test_unknown_option_and_missing_argument(capsys):
+def test_unknown_and_missing_command_and_option(capsys):
     for arguments in (["demo", "--speed", "3"], ["identify"]):
         with pytest.raises(SystemExit) as stop:
             main(arguments)
         assert stop.value.code == 2
-
-
-def test_unknown_and_missing_command(capsys):
+    capsys.readouterr()
     assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
     unknown = fails(capsys, "--fly", "suits")
     assert "unknown command '--fly': use one of animate, benchmark, demo" in unknown
@@ -278,14 +249,6 @@ def test_unknown_and_missing_command(capsys):
     assert "unknown part of measure 'suit': use one of design, rig" in fails(
         capsys, "measure", "suit"
     )
-    old = "'tune' is no command since version 0.3: run python examples/tune.py"
-    assert old in fails(capsys, "tune", "--evaluations", 3)
-
-
-@pytest.mark.parametrize("old", MOVED)
-def test_a_command_that_moved_is_answered_with_its_place(capsys, old):
-    message = fails(capsys, *old.split(), "--trials", 3)
-    assert f"{old!r} is no command since version 0.3: run {MOVED[old]}" in message
 
 
 def test_help_lists_every_command_as_its_own_help_begins(capsys):
@@ -366,7 +329,6 @@ def test_samples_show_how_sure_the_parameters_are(capsys, tmp_path, undrawn):
     text = run(capsys, *arguments)
     result = json.loads(run(capsys, *arguments, "--json"))["uncertainty"]
     assert result["names"] == ["Ms", "a", "alpha", "c", "k"]
-    assert "95 % interval" in text
     assert f"{result['values'][0]:.5g}" in text
     (entry,) = load_suit(tmp_path / "suit.json").joints.values()
     assert [sample.to_dict() for sample in entry.samples] == result["samples"]

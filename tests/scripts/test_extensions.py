@@ -50,25 +50,11 @@ def run(folder: Path, *arguments: object) -> subprocess.CompletedProcess:
 
 
 @pytest.mark.slow
-def test_a_model_of_an_extension_is_a_choice(tmp_path):
-    shown = run(installed(tmp_path, MODULE), "identify", "--help")
-    assert shown.returncode == 0
-    assert ",toy}" in "".join(shown.stdout.replace("│", "").split())
-
-
-@pytest.mark.slow
 def test_a_model_of_an_extension_goes_from_curves_to_a_simulated_suit(tmp_path):
-    installed(tmp_path, MODULE)
-    fitted = run(
-        tmp_path,
-        "identify",
-        curves_path("elbow"),
-        "--model",
-        "toy",
-        "--out",
-        tmp_path / "fit",
-        "--json",
-    )
+    shown = run(installed(tmp_path, MODULE), "identify", "--help")
+    assert ",toy}" in "".join(shown.stdout.replace("│", "").split())
+    fit = ["identify", curves_path("elbow"), "--model", "toy", "--out", tmp_path / "fit"]
+    fitted = run(tmp_path, *fit, "--json")
     assert fitted.returncode == 0, fitted.stderr
     assert json.loads(fitted.stdout)["model_name"] == "toy"
     arguments = ["--suit", tmp_path / "fit" / "suit.json", "--episodes", 8, "--json"]

@@ -33,27 +33,19 @@ def closed():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", WRITERS)
-def test_a_folder_of_something_else_is_refused(capsys, tmp_path, command):
+def test_a_folder_of_something_else_or_another_command_is_refused(capsys, tmp_path, command):
     if command == "train":
         pytest.importorskip("stable_baselines3")
-    (tmp_path / "elbow_flexion.csv").write_text("measured")
-    (tmp_path / "config.json").write_text("{}")
-    before = content(tmp_path)
-    message = fails(capsys, *WRITERS[command], "--out", tmp_path)
-    assert "(config.json, elbow_flexion.csv)" in message
-    assert "--force" in message
-    assert content(tmp_path) == before
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("command", WRITERS)
-def test_a_run_of_another_command_is_refused(capsys, tmp_path, command):
-    if command == "train":
-        pytest.importorskip("stable_baselines3")
-    RunFolder(tmp_path, "measure").json("config.json", {})
+    foreign, other = tmp_path / "foreign", tmp_path / "other"
+    foreign.mkdir()
+    (foreign / "config.json").write_text("{}")
+    RunFolder(other, "measure").json("config.json", {})
     close_folders()
     before = content(tmp_path)
-    message = fails(capsys, *WRITERS[command], "--out", tmp_path)
+    message = fails(capsys, *WRITERS[command], "--out", foreign)
+    assert "(config.json)" in message
+    assert "--force" in message
+    message = fails(capsys, *WRITERS[command], "--out", other)
     assert f"holds a run of measure, not of {command}" in message
     assert content(tmp_path) == before
 
@@ -76,16 +68,15 @@ def test_a_second_run_replaces_its_own_files_only(tmp_path, capsys):
 
 
 def test_force_takes_a_folder_over(tmp_path):
+    (tmp_path / ".DS_Store").touch()
+    RunFolder(tmp_path, "rig").text("a.txt", "")  # hidden files do not fill a folder
+    close_folders()
+    (tmp_path / ".activesuit").unlink()
     (tmp_path / "notes.txt").write_text("mine")
     RunFolder(tmp_path, "rig", force=True).text("a.txt", "")
     close_folders()
     RunFolder(tmp_path, "rig").text("a.txt", "")
     assert (tmp_path / "notes.txt").read_text() == "mine"
-
-
-def test_hidden_files_do_not_fill_a_folder(tmp_path):
-    (tmp_path / ".DS_Store").touch()
-    RunFolder(tmp_path, "rig").text("a.txt", "")
 
 
 def test_no_link_is_followed(tmp_path):

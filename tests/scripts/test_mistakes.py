@@ -14,6 +14,8 @@ WHOLE = (FOLDER / "suits" / "mock-suit.json").read_text(encoding="utf-8")
 FILES = {  # of the folder in which the commands run, beside elbow.csv
     "text.csv": HEADER + "A,0,0\nA,1,x\n",
     "degrees.csv": HEADER + "A,20,0\nA,60,3\n",
+    "rising.csv": HEADER + "".join(f"A,{0.01 * i},{i}\n" for i in range(40)),
+    "few.csv": HEADER + "".join(f"A,{x},{x}\n" for x in (0.5, 0.7, 1, 0.8, 0.5)),
     "cut.json": WHOLE[: len(WHOLE) // 2],
     "broken.json": "{",
     "empty": "",
@@ -29,6 +31,8 @@ IDENTIFY = {
     "none.csv": "No such file",
     "text.csv": "line 3: torque_nm is 'x'",
     "degrees.csv": "more than a full turn",
+    "rising.csv": "no curve turns back",
+    "few.csv": "give at least 10",
     "other.csv --out out": "give --joint",
     "other.csv --for MinorLoops": "cannot tell which joint",
     "elbow.csv --trials 0": "trials is 0",

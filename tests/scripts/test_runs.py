@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import load_suit
+from activesuit.assets import load_suit, save_suit
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import evaluate
 from activesuit.envs.policies import Network, save_policy
@@ -14,7 +14,7 @@ from activesuit.errors import InputError
 from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
-from helpers import fails, shorten_tasks, without_volume_shares
+from helpers import fails, run, shorten_tasks, without_volume_shares
 from trained_runs import ENVIRONMENT, write_card
 
 OWN = '''
@@ -92,6 +92,7 @@ def set_(*given):
 
 
 def test_without_a_run_the_usual_holds():
+    assert scene(ArmOptions()).place.endswith(", earth, mock-suit, level nominal")
     chosen = scene(ArmOptions(payload=3), gravity="moon", policies=("none",))
     assert chosen.env == "ActiveSuit/ArmTracking-v0"
     assert chosen.options["payload"] == {"mass": 3}
@@ -134,15 +135,9 @@ def test_the_same_option_may_be_given_again(tmp_path):
 @pytest.mark.parametrize(
     ("given", "arm", "message"),
     [
-        (
-            {"gravity": "earth"},
-            {},
-            "--gravity 'earth', .* trained with 'moon': leave --gravity out",
-        ),
+        ({"gravity": "earth"}, {}, "--gravity 'earth', .* with 'moon': leave --gravity out"),
         ({"env": "ActiveSuit/ArmTracking-v0"}, {}, "--env 'ActiveSuit/ArmTracking-v0'"),
-        ({"suit": "emu-like"}, {}, "--suit 'emu-like'"),
         ({"suit": "none"}, {}, "--suit 'none'"),
-        ({}, {"payload": 1.0}, "--payload 1.0"),
         ({}, {"payload": 0.0}, "--payload 0.0"),
         ({}, {"pressure": 29.6}, "--pressure 29.6, .* trained with None"),
         ({}, {"tilt": (0.0, 0.1)}, r"--tilt \[0.0, 0.1\]"),
@@ -178,9 +173,7 @@ def test_runs_of_different_options_are_not_compared(tmp_path):
     same = run_folder(tmp_path / "same", algo="sac", seed=7)
     both, alone = (scene(ArmOptions(), policies=given) for given in ((one, same), (one,)))
     assert (both.env, both.options) == (alone.env, alone.options)
-    with pytest.raises(
-        InputError, match=r"the run in .*same' has --gravity 'moon', .*'mars': give runs"
-    ):
+    with pytest.raises(InputError, match=r"same' has --gravity 'moon', .*'mars': give runs"):
         scene(ArmOptions(), policies=(one, same, other))
 
 
@@ -202,10 +195,6 @@ def test_the_level_of_a_run_holds_unless_one_is_given(tmp_path):
     assert (shifted["suit"], shifted["pressure"]) == ("emu-like", 40)
 
 
-def test_the_level_is_in_every_title():
-    assert scene(ArmOptions()).place.endswith(", earth, mock-suit, level nominal")
-
-
 def test_options_of_a_run_that_have_no_flag_hold(tmp_path):
     load = {"mass": 2.0, "inertia": [0.1, 0.1, 0.1]}
     more = {"payload": load, "exo": {"elbow": {"peak_torque": 30.0}}, "fatigue": True}
@@ -223,9 +212,7 @@ def test_options_of_a_run_that_have_no_flag_hold(tmp_path):
     with pytest.raises(InputError, match=r"--set fatigue False, .*: leave --set fatigue out"):
         scene(set_("fatigue=false"), run=Path(run))  # a run that goes on stays as it is
     plain = run_folder(tmp_path / "plain", payload=load)
-    with pytest.raises(
-        InputError, match=r"run in .*run' has --set exo .* the usual one: give runs"
-    ):
+    with pytest.raises(InputError, match=r"run' has --set exo .* the usual one: give runs"):
         scene(ArmOptions(), policies=(run, plain))
 
 
@@ -238,32 +225,23 @@ def test_a_policy_of_save_policy_is_a_run(tmp_path):
     assert (both.env, both.options) == (alone.env, alone.options)
 
 
-NAIVE = {"references": False, "adapted": False}
-
-
 @pytest.mark.parametrize("name", ["Quick", "Lazy", "Made", "Task", "Limited"])
 def test_an_environment_of_your_own(own, capsys, undrawn, name):
     env = own.replace("Quick", name)
-    main(["simulate", "--env", env, "--out", "one", "--json"])
+    run(capsys, "simulate", "--env", env, "--out", "one")
     result = json.loads((Path("one") / "result.json").read_text())
     assert result["env"] == env
     with open("one/trace.csv") as trace:
         assert len(trace.readlines()) == 51
-    capsys.readouterr()
-    main(
-        ["evaluate", "--env", env, "--episodes", "8", "--unadapted", "--policies", "none", "--json"]
-    )
-    assert json.loads(capsys.readouterr().out)["env"] == env
+    score = ["evaluate", "--env", env, "--episodes", "8", "--unadapted", "--policies", "none"]
+    assert json.loads(run(capsys, *score, "--json"))["env"] == env
 
 
 def test_your_own_environment_in_the_library(own, monkeypatch):
     monkeypatch.syspath_prepend(".")
-    score = evaluate(own, ["none"], episodes=1, **NAIVE).scores["none"]
-    assert score.failures == 0
-    score = evaluate("Mine/Quick-v0", ["none"], episodes=1, **NAIVE).scores[
-        "none"
-    ]  # registered by now
-    assert score.failures == 0
+    for name in (own, "Mine/Quick-v0"):  # registered by now
+        found = evaluate(name, ["none"], episodes=1, references=False, adapted=False)
+        assert found.scores["none"].failures == 0
 
 
 @pytest.mark.parametrize(
@@ -276,8 +254,6 @@ def test_your_own_environment_in_the_library(own, monkeypatch):
         ("nowhere:Mine/Quick-v0", "cannot be made (ModuleNotFoundError"),
         (":Mine/Quick-v0", "unknown environment"),
         ("..:Mine/Quick-v0", "cannot be made"),
-        ("CartPole-v1", "'CartPole-v1' is no arm of ActiveSuit"),
-        ("Nothing-v0", "unknown environment 'Nothing-v0'"),
     ],
 )
 @pytest.mark.parametrize("command", [["evaluate"], ["simulate", "--out", "out"], ["train"]])
@@ -304,28 +280,24 @@ def test_a_run_in_your_own_environment(own, capsys, monkeypatch):
     main(["train", "--resume", "--steps", "512", "--out", "run"])
     in_another_process()
     capsys.readouterr()
-    main(["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"])
-    assert json.loads(capsys.readouterr().out)["env"] == own
+    score = ["evaluate", "--policies", "none", "run", "--episodes", "8", "--unadapted", "--json"]
+    assert json.loads(run(capsys, *score))["env"] == own
 
 
 @pytest.mark.slow
 def test_a_joint_that_the_believed_suit_lacks(capsys, tmp_path, monkeypatch):
     shorten_tasks(monkeypatch, 0.5)
-    from activesuit.assets import load_suit, save_suit
-
     suit = load_suit("mock-suit")
     elbow = {"elbow_flexion": suit.joints["elbow_flexion"]}
     half = tmp_path / "half.json"
     save_suit(suit.model_copy(update={"joints": elbow}), half)
     short = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0"]
-    main(["validate", str(half), "--plant", "mock-suit", *short])
-    out = capsys.readouterr().out
+    out = run(capsys, "validate", half, "--plant", "mock-suit", *short)
     assert f"shoulder_flexion: not assisted, because {half} has no such joint" in out
-    main(["validate", "mock-suit", "--plant", str(half), *short, "--json"])
-    result = json.loads(capsys.readouterr().out)
+    out = run(capsys, "validate", "mock-suit", "--plant", half, *short, "--out", tmp_path / "out")
+    assert "shoulder_flexion: nothing to assist" in out
+    result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert set(result["cells"][0]["torque"]["joints"]) == {"elbow_flexion"}
-    main(["validate", "mock-suit", "--plant", str(half), *short])
-    assert "shoulder_flexion: nothing to assist" in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -333,19 +305,7 @@ def test_a_suit_without_pressure_has_no_relief(capsys, monkeypatch, tmp_path):
     shorten_tasks(monkeypatch, 0.5)
     suit = str(tmp_path / "suit.json")
     without_volume_shares(load_suit("emu-like")).save(suit)
-    arguments = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
-    main(["validate", suit, "--plant", suit, *arguments, "--json"])
-    assert json.loads(capsys.readouterr().out)["cells"][0]["relief"] is None
-    main(["validate", suit, "--plant", suit, *arguments])
-    assert "so that relief has no meaning" in capsys.readouterr().out
-
-
-def test_a_policy_of_your_own_that_cannot_act():
-    for made, message in ((3, r"makes 3, which has no reset\(\)"), (object, "has no reset")):
-        with pytest.raises(InputError, match=message):
-            evaluate(
-                "ActiveSuit/ElbowFlexion-v0",
-                {"mine": lambda env, made=made: made},
-                episodes=1,
-                references=False,
-            )
+    short = ["--episodes", "8", "--env", "ActiveSuit/ElbowFlexion-v0", "--pressure", "0"]
+    out = run(capsys, "validate", suit, "--plant", suit, *short, "--out", tmp_path / "out")
+    assert "so that relief has no meaning" in out
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["cells"][0]["relief"] is None

@@ -3,7 +3,6 @@
 import json
 
 import pytest
-from activesuit.assets import load_suit
 from activesuit.envs.model import ArmConfig
 from activesuit.envs.policies.network import CARD
 from activesuit.envs.randomization import Randomization
@@ -12,7 +11,7 @@ from activesuit.scripts.arm_options import ArmOptions
 from activesuit.scripts.main import main
 from activesuit.scripts.runs import scene
 from activesuit.scripts.settings import SETTABLE, settings
-from helpers import shorten_tasks
+from helpers import fails, shorten_tasks
 
 ELBOW = ["--env", "ActiveSuit/ElbowFlexion-v0"]
 
@@ -22,24 +21,17 @@ def set_(*given):
 
 
 def test_values_are_json_lists_and_words():
-    given = ["fatigue=true", "control_dt=5e-3", "suit=emu-like", "pressure=null", "history=3"]
-    given += [
-        "sensors=[encoders, preview]",
-        "tilt=[0.1,0]",
-        'wearer={"mass": 70}',
-        "normalize=True",
-    ]
-    assert settings(given) == {
-        **{
-            "fatigue": True,
-            "control_dt": 0.005,
-            "suit": "emu-like",
-            "pressure": None,
-            "history": 3,
-        },
-        **{"sensors": ["encoders", "preview"], "tilt": [0.1, 0], "wearer": {"mass": 70}},
-        "normalize": True,
+    values = {
+        "fatigue=true": True,
+        "control_dt=5e-3": 0.005,
+        "suit=emu-like": "emu-like",
+        "pressure=null": None,
+        "sensors=[encoders, preview]": ["encoders", "preview"],
+        "tilt=[0.1,0]": [0.1, 0],
+        'wearer={"mass": 70}': {"mass": 70},
+        "normalize=True": True,
     }
+    assert [*settings(values).values()] == [*values.values()]
     nested = settings(["exo.elbow.peak_torque=30", "exo.elbow.bandwidth=8", "exo.shoulder.a=b=c"])
     elbow = {"peak_torque": 30, "bandwidth": 8}
     assert nested == {"exo": {"elbow": elbow, "shoulder": {"a": "b=c"}}}
@@ -92,9 +84,6 @@ def test_weightless_is_a_name_of_microgravity():
     assert drawn.gravity == ("microgravity", "moon")
     with pytest.raises(InputError, match=r"'weightles': .* did you mean 'weightless'"):
         ArmConfig(gravity="weightles")
-    with pytest.raises(InputError, match=r"take a suit that does \(--suit emu-like\)"):
-        load_suit("mock-suit").at_pressure(40.0)
-    assert load_suit("emu-like").at_pressure(40.0).pressure_kpa == 40.0
 
 
 def test_what_a_policy_observes_follows_from_it():
@@ -123,7 +112,7 @@ def test_simulate_and_evaluate_keep_the_settings(tmp_path, capsys, undrawn):
     assert efforts[0] != efforts[1]
 
 
-def test_a_benchmark_with_settings_is_one_of_its_own(tmp_path, capsys):
+def test_a_benchmark_with_settings_is_one_of_its_own():
     from activesuit.envs.benchmark import suite
 
     quick = suite("quick")
@@ -132,11 +121,6 @@ def test_a_benchmark_with_settings_is_one_of_its_own(tmp_path, capsys):
     setting = quick.settings[0]
     assert other.environment(setting) == {**quick.environment(setting), "fatigue": True}
     assert other.protocol(other.policies["none"])["options"] == {"fatigue": True}
-    for name in ("suit=none", "reward=mine:reward"):
-        with pytest.raises(SystemExit):
-            main(["benchmark", "run", "--set", name, "--out", str(tmp_path / "out")])
-        assert "and the suite decides it" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow
@@ -147,12 +131,8 @@ def test_a_training_keeps_the_settings(tmp_path, monkeypatch, capsys):
     quick = tmp_path / "quick.yml"
     quick.write_text("default: {n_envs: 8, n_steps: 32, batch_size: 64}")
     out = tmp_path / "run"
-    given = [
-        "fatigue=true",
-        "sensing.rate_cutoff=10",
-        "sensors=[encoders,emg]",
-        "randomize.load=0.1",
-    ]
+    given = ["fatigue=true", "sensing.rate_cutoff=10", "sensors=[encoders,emg]"]
+    given += ["randomize.load=0.1"]
     usual = ["--steps", "256", "--motions", "0", "--hyperparameters", str(quick)]
     main(["train", "--out", str(out), *usual, "--set", *given])
     card = json.loads((out / CARD).read_text())
@@ -166,6 +146,5 @@ def test_a_training_keeps_the_settings(tmp_path, monkeypatch, capsys):
     capsys.readouterr()
     main(["evaluate", *short, "--set", "fatigue=false"])
     assert json.loads(capsys.readouterr().out)["fatigue"] is False
-    with pytest.raises(SystemExit):
-        main(["train", "--out", str(out), "--resume", "--steps", "512", "--set", "fatigue=false"])
-    assert "leave --set fatigue out" in capsys.readouterr().err
+    resume = ["train", "--out", out, "--resume", "--steps", 512, "--set", "fatigue=false"]
+    assert "leave --set fatigue out" in fails(capsys, *resume)

@@ -22,6 +22,19 @@ def draws():
     pass
 
 
+def replace_versions(monkeypatch, **given):
+    """Gives packages other versions, or None to those that are not installed."""
+    real = metadata.version
+
+    def version(name):
+        found = given[name] if name in given else real(name)
+        if found is None:
+            raise metadata.PackageNotFoundError(name)
+        return found
+
+    monkeypatch.setattr(module.metadata, "version", version)
+
+
 def shown(capsys, code=0):
     if code:
         with pytest.raises(SystemExit) as caught:
@@ -54,14 +67,7 @@ def test_json_has_the_same_checks(capsys):
 
 
 def test_an_old_and_a_missing_package_fail_with_their_mend(monkeypatch, capsys):
-    real = metadata.version
-
-    def version(name):
-        if name == "rich":
-            raise metadata.PackageNotFoundError(name)
-        return "0.50.0" if name == "numba" else real(name)
-
-    monkeypatch.setattr(module.metadata, "version", version)
+    replace_versions(monkeypatch, rich=None, numba="0.50.0")
     lines, error = shown(capsys, code=2)
     assert "FAILS numba: 0.50.0; run pip install 'numba>=0.61'" in lines
     assert "FAILS rich: not installed; run pip install 'rich>=13'" in lines
@@ -69,14 +75,7 @@ def test_an_old_and_a_missing_package_fail_with_their_mend(monkeypatch, capsys):
 
 
 def test_an_extra_may_be_missing(monkeypatch, capsys):
-    real = metadata.version
-
-    def version(name):
-        if name == "onnx":
-            raise metadata.PackageNotFoundError(name)
-        return real(name)
-
-    monkeypatch.setattr(module.metadata, "version", version)
+    replace_versions(monkeypatch, onnx=None)
     lines, _ = shown(capsys)
     install = "pip install -e '.[onnx]' -c constraints.txt"  # as in docs/install.md
     assert f"- extra onnx: lacks onnx; run {install} in the clone to use it" in lines
@@ -97,10 +96,8 @@ def test_a_cache_that_cannot_be_used(monkeypatch, capsys):
 
     monkeypatch.setattr(first_use, "check_cache", refused)
     lines, _ = shown(capsys, code=2)
-    fails = [line for line in lines if line.startswith("FAILS")]
-    assert fails == [
-        "FAILS kernel cache: cannot be used; other users may write: choose a folder of your own"
-    ]
+    (line,) = [line for line in lines if line.startswith("FAILS")]
+    assert line.startswith("FAILS kernel cache: cannot be used; other users may write")
 
 
 def test_a_backend_that_does_not_draw(monkeypatch, capsys):

@@ -114,23 +114,6 @@ def test_policies(folder, capsys):
     assert "static const tuned_real tuned_weight[" not in text
 
 
-def test_policies_that_cannot_be_exported(folder, capsys):
-    (folder / "run").mkdir()
-    for name in ("adaptive", "none", "run", "compensation:guard=true"):
-        message = fails(capsys, "export", name, "--c")
-        assert f"{name.partition('=')[0]}" in message
-        assert "cannot be exported as C code: use one of transparent, gravity" in message
-    message = fails(capsys, "export", "compensation", "--c", "--joint", "elbow_flexion")
-    assert "--joint is 'elbow_flexion', and a policy has none" in message
-    assert "unknown suit" in fails(capsys, "export", "compensation:suit=nosuch", "--c")
-    assert "unknown option" in fails(capsys, "export", "compensation:leed=1", "--c")
-    message = fails(capsys, "export", "compensation", "--c", "--coupling", "none")
-    assert "needs motors, and coupling is 'none'" in message
-    (folder / "broken.json").write_text("{")
-    assert "broken.json" in fails(capsys, "export", "broken.json", "--c")
-    assert not list(folder.glob("*.h"))
-
-
 def test_a_file_that_is_there_stays(folder, capsys):
     (folder / "mock-suit.h").write_text("mine")
     assert "exists: give another name, or add --force" in fails(

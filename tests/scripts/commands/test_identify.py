@@ -8,13 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from activesuit.assets import curves_path, load_suit
+from activesuit.assets import load_suit
 from activesuit.hysteresis import BoucWen, Viscoelastic
 from activesuit.identification import Curve, Curves, save_curves
 from activesuit.scripts.main import main
-from helpers import fails, sweep
-
-ELBOW = curves_path("elbow")
+from helpers import sweep
 
 
 def run(capsys, *arguments, code=0) -> str:
@@ -55,45 +53,6 @@ def test_cycles_are_averaged_on_request(capsys, tmp_path, elbow):
     assert "mean of the cycles after the first: 4 of bench" in run(capsys, file, "--average-cycles")
     result = json.loads(run(capsys, file, "--average-cycles", "--json"))
     assert result["nrmse"] < 0.015
-    assert "curve '0.87' has 2 branches" in fails(capsys, "identify", ELBOW, "--average-cycles")
-
-
-def written(tmp_path, *rows, header="curve,angle_rad,torque_nm,time_s"):
-    file = tmp_path / "elbow.csv"
-    file.write_text("\n".join([header, *rows]) + "\n")
-    return file
-
-
-def rows(angle, torque, time=None):
-    time = np.arange(len(angle)) if time is None else time
-    return [f"A,{a:.5f},{t:.5f},{s:.3f}" for a, t, s in zip(angle, torque, time, strict=True)]
-
-
-UP = np.linspace(0.52, 1.57, 40)
-LOOP = np.concatenate([UP, UP[::-1]])
-BAD = {
-    "fewer samples than parameters": (rows(LOOP[::10], LOOP[::10]), "give at least 10"),
-    "one monotone branch": (rows(UP, 5 * UP), "no curve turns back"),
-    "constant angle": (rows(0 * UP + 1, UP), "stays at the angle 1 rad: without motion"),
-    "time runs back": (
-        rows(LOOP, LOOP, np.r_[np.arange(40), np.arange(40)]),
-        "line 42: the time runs back from 39 to 0 s",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", BAD)
-def test_bad_curves_get_one_sentence(capsys, tmp_path, case):
-    lines, said = BAD[case]
-    assert said in fails(capsys, "identify", written(tmp_path, *lines))
-
-
-def test_a_motion_beyond_the_fitted_range_is_reported_with_both_ranges(capsys, tmp_path):
-    far = tmp_path / "motion.csv"
-    far.write_text("time_s,angle_rad\n" + "".join(f"{i},{0.5 + 0.1 * i}\n" for i in range(15)))
-    out = " ".join(run(capsys, ELBOW, "--for", far).split())
-    assert "the intended motion goes from 0.5 to 1.9 rad, the curves from 0.52 to 1.57 rad" in out
-    assert "describes the curves, not beyond" in out
 
 
 DEGREE = np.pi / 180
@@ -112,12 +71,8 @@ def laboratory(path):
     angle = 40 + 35 * size * turn + 6 * np.sin(2 * np.pi * 0.31 * time)
     torque = TRUTH.response(angle * DEGREE, 0.0)
     noise = 0.02 * np.abs(torque).max() * np.random.default_rng(7).standard_normal(time.size)
-    lines = [
-        "Prüfstand;7",
-        "Datum;12.03.2026",
-        "",
-        "Zeit [s];Winkel [Grad];Drehmoment [Nmm];T [°C]",
-    ]
+    lines = ["Prüfstand;7", "Datum;12.03.2026", ""]
+    lines += ["Zeit [s];Winkel [Grad];Drehmoment [Nmm];T [°C]"]
     for t, a, m in zip(time, angle, 1000 * (torque + OFFSET + noise), strict=True):
         lines.append(f"{t:.2f};{a:.3f};{m:.1f};21.3".replace(".", ","))
     path.write_text("\r\n".join(lines), encoding="cp1252")
@@ -138,9 +93,8 @@ def laboratory_suit(tmp_path_factory):
 def test_a_record_of_a_laboratory_becomes_a_suit_in_one_command(laboratory_suit):
     folder, said = laboratory_suit
     page = (Path(__file__).parents[3] / "docs/identification.md").read_text(encoding="utf-8")
-    example = re.search(
-        r"```console\n\$ activesuit identify rohdaten.*?\n(.*?)```", page, re.DOTALL
-    )
+    shown = r"```console\n\$ activesuit identify rohdaten.*?\n(.*?)```"
+    example = re.search(shown, page, re.DOTALL)
     assert " ".join(example[1].split()) in said
     assert "verdict: the model describes the curves" in said
     result = json.loads((folder / "fit/result.json").read_text(encoding="utf-8"))
@@ -167,10 +121,8 @@ def test_what_the_record_leaves_open_is_said_where_the_suit_is_made(laboratory_s
 
 
 @pytest.mark.slow
-def test_a_given_tare_needs_no_note(capsys, tmp_path):
-    record = laboratory(tmp_path / "rohdaten.csv")
-    said = " ".join(run(capsys, record, "--model", "bouc-wen").split())
-    assert "(any, by bouc-wen)" in said
+def test_a_given_tare_needs_no_note(capsys, laboratory_suit):
+    record = laboratory_suit[0] / "rohdaten.csv"
     said = " ".join(run(capsys, record, "--model", "bouc-wen", "--tare", OFFSET).split())
     assert "do not determine the offset" not in said
 
@@ -182,15 +134,9 @@ def test_the_suit_goes_into_the_closed_loop_in_a_second_command(laboratory_suit,
     main(["validate", suit, "--episodes", "8"])
     said = " ".join(capsys.readouterr().out.split())
     assert "with feedforward and this model the wearer works more than without exoskeleton" in said
-    assert "the limit is the controller and its motors here, not your measurement" in said
-    assert "feedforward with this model has no relief" in said
     assert "drawn among the model and 20 others that its curves allow" in said
     assert "not contained: an offset of the torque sensor, if it was not zeroed;" in said
     assert "no verdict, since a suit says nothing against itself" in said
-    main(["validate", suit, "--plant", suit, "--episodes", "8"])
-    said = " ".join(capsys.readouterr().out.split())
-    assert "no verdict, since it is the true suit too" in said
-    assert "drawn among" not in said  # no sample was
 
 
 @pytest.mark.slow

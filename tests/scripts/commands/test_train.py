@@ -10,17 +10,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from activesuit.assets import load_suit, save_suit
+from activesuit.envs.making import make_arms
+from activesuit.envs.policies import make_policy
 from activesuit.scripts import own_files
 from activesuit.scripts.main import main
 from activesuit.scripts.output import Bar
 from activesuit.scripts.training import request as request_module
 from activesuit.scripts.training import run as run_module
-from activesuit.scripts.training.evaluations import Evaluations
 from helpers import fails, shorten_tasks
 from pages import checked_page
 
 pytest.importorskip("stable_baselines3")
-from activesuit.scripts.training.hyperparameters import algorithm_class
+from activesuit.scripts.training import distillation
+from activesuit.scripts.training.hyperparameters import (
+    ALGORITHMS,
+    algorithm_class,
+    arguments,
+    hyperparameters,
+)
 
 ROLLOUT = 256  # steps of all environments together, after which PPO learns
 
@@ -69,8 +77,6 @@ def run(tmp_path_factory):
 
 
 def steps_done(out, algo="ppo"):
-    from activesuit.scripts.training.hyperparameters import algorithm_class
-
     return algorithm_class(algo).load(out / "model.zip", device="cpu").num_timesteps
 
 
@@ -91,45 +97,14 @@ def test_trained_policy_is_evaluated_as_it_was_trained(run, capsys):
     assert min(result["scores"][str(run)]["assist_energy"]) > 0
 
 
-def test_simulate_takes_the_options_of_the_run(run, capsys, tmp_path, undrawn):
-    main(["simulate", "--policy", str(run), "--out", str(tmp_path / "one"), "--json"])
-    capsys.readouterr()
-    result = json.loads((tmp_path / "one" / "result.json").read_text())
-    assert result["env"] == "ActiveSuit/ElbowFlexion-v0"
-    assert (result["gravity"], result["payload"]) == ("moon", {"mass": 2.0})
-
-
-def test_a_policy_of_other_sensors(run):
-    from activesuit.envs.making import make_arms
-    from activesuit.envs.policies import make_policy
-    from activesuit.errors import InputError
-
-    arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, sensors=("encoders", "preview"))
-    with pytest.raises(InputError, match=r"trained with the sensors \['encoders'\], and the"):
-        make_policy(str(run), arms)
-
-
-def test_a_resumed_run_stays_as_it_is(run, capsys):
-    resume = ["train", "--resume", "--out", run]
-    assert "has --motions 8, and the run" in fails(capsys, *resume, "--motions", 8)
-    for more in (["--steps", 10], ["--sensors", "encoders", "--history", 1]):
-        assert "give --steps above that" in fails(capsys, *resume, *more)
-
-
-EVALUATIONS = {
-    "[]": "its content is wrong",
-    '{"references": {}, "results": [{}]}': "its results.0.steps is wrong",
-    '{"references": {}, "results": [], "finished": "x"}': "its finished is wrong",
-    '{"references": 5, "results": []}': "its references is wrong",
-}
-
-
-@pytest.mark.parametrize("content", EVALUATIONS)
-def test_evaluations_that_somebody_changed(run, tmp_path, capsys, content):
+def test_a_run_does_not_go_on_with_less_or_with_changed_evaluations(run, tmp_path, capsys):
     shutil.copytree(run, tmp_path / "run")
-    (tmp_path / "run" / "evaluations.json").write_text(content)
-    error = fails(capsys, "train", "--resume", "--out", tmp_path / "run")
-    assert "is no file of evaluations" in error and EVALUATIONS[content] in error
+    resume = ["train", "--resume", "--out", tmp_path / "run"]
+    assert "has --motions 8, and the run" in fails(capsys, *resume, "--motions", 8)
+    assert "give --steps above that" in fails(capsys, *resume, "--steps", 10)
+    for content in ("[]", '{"references": {}, "results": [{}]}'):
+        (tmp_path / "run" / "evaluations.json").write_text(content)
+        assert "is no file of evaluations" in fails(capsys, *resume)
 
 
 @pytest.mark.slow
@@ -178,8 +153,6 @@ def test_without_a_place_for_notes_a_run_needs_trust(run, tmp_path, monkeypatch,
 
 @pytest.mark.slow
 def test_a_suit_file_comes_with_the_run(tmp_path, capsys, monkeypatch):
-    from activesuit.assets import load_suit, save_suit
-
     save_suit(load_suit("emu-like"), tmp_path / "mine.json")
     monkeypatch.chdir(tmp_path)
     train("run", "--suit", "mine.json")
@@ -277,13 +250,6 @@ def test_interrupt_before_or_after_learning(tmp_path, monkeypatch, capsys, part,
     assert message.format(out=tmp_path) in interrupted(capsys, tmp_path)
 
 
-def test_damaged_checkpoint(run, tmp_path, capsys):
-    (tmp_path / "policy.json").write_text((run / "policy.json").read_text())
-    (tmp_path / "model.zip").write_bytes(b"not a zip file")
-    resume = ["train", "--resume", "--trust", "--steps", "9999", "--out", tmp_path]
-    assert "is not a readable checkpoint" in fails(capsys, *resume)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("algo", ["tqc", "recurrent-ppo"])
 def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
@@ -303,28 +269,21 @@ def test_algorithms_of_sb3_contrib_make_policies(tmp_path, capsys, algo):
 HYPERPARAMETERS = {  # content of a file below "default:", and its mistake
     "ppo": {
         "{learning_rat: 1}": "unknown hyperparameter of ppo .* 'learning_rat'.*learning_rate",
-        "{env_wrapper: x}": "unknown hyperparameter",
         "{n_envs: 1000000}": "rows is 1000000",
         "{n_envs: 0.5}": "n_envs in .* is 0.5: input should be a valid integer",
         "{n_envs: 0}": "n_envs in .* is 0: use a whole number of at least 1",
-        "{n_envs: .inf}": "n_envs in .* is inf: input should be a finite number",
-        "{target_kl: x}": "target_kl in .* is 'x': input should be a valid number",
         "{gamma: lin_0.9}": "gamma in .* is 'lin_0.9': input should be a valid number",
         "{gamma: .nan}": "gamma in .* is nan: input should be a finite number",
         "{gamma: -3}": "gamma in .* is -3: use a number from 0 to 1",
-        "{gamma: 2020-13-45}": "is no YAML file of hyperparameters",
         "[" * 3000: "is no YAML file of hyperparameters",
         "!!python/object/apply:os.system [exit]": "is no YAML file of hyperparameters",
         "{learning_rate: lin_x}": "the schedule is 'lin_x': write it as lin_3e-4",
-        "{n_epochs: true}": "n_epochs in .* is True: use a number",
         "{policy_kwargs: 5}": "policy_kwargs in .* is 5: input should be a valid dictionary",
         "{policy_kwargs: {n: 5}}": "ppo refuses its hyperparameters",
     },
     "sac": {
         "{train_freq: [4, episode]}": "use a number of steps, as episodes end at any time",
         "{train_freq: [0, step]}": r"train_freq in .* is \[0, 'step'\]: use a whole number of at",
-        "{target_update_interval: 0}": "is 0: use a whole number of at least 1",
-        "{tau: 2}": "use a number from 0 to 1",
     },
 }
 
@@ -349,57 +308,31 @@ def test_a_training_that_diverges_is_one_sentence(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("more", [[], ["--residual", "compensation"]])
-def test_networks_of_which_no_policy_can_be_made_are_refused_before_the_training(
-    tmp_path, capsys, more
-):
+def test_networks_of_which_no_policy_can_be_made_are_refused_before_the_training(tmp_path, capsys):
     (tmp_path / "mine.yml").write_text("default: {use_sde: true}")
-    given = ["--algo", "sac", "--hyperparameters", tmp_path / "mine.yml", *more]
-    error = fails(capsys, "train", *given, "--out", tmp_path / "run")
-    assert "of this SAC: use_sde clips its mean actions: give policy_kwargs clip_mean 0" in error
-    assert not (tmp_path / "run" / "policy.json").exists()
+    given = ["train", "--algo", "sac", "--hyperparameters", tmp_path / "mine.yml"]
+    for more in ([], ["--residual", "compensation"]):
+        error = fails(capsys, *given, *more, "--out", tmp_path / "run")
+        assert "of this SAC: use_sde clips its mean actions" in error
+        assert not (tmp_path / "run" / "policy.json").exists()
 
 
-def test_schedules_and_own_hyperparameters(tmp_path):
-    from activesuit.scripts.training.hyperparameters import ALGORITHMS, arguments, hyperparameters
+def test_hyperparameters_of_a_file_are_added_to_the_shipped_ones(tmp_path):
+    def found(text, env="x"):
+        (tmp_path / "mine.yml").write_text(text)
+        return hyperparameters("ppo", env, tmp_path / "mine.yml")
 
-    file = tmp_path / "mine.yml"
-    file.write_text(
-        "default: {gamma: 0.5}\nMine-v0: {learning_rate: lin_3e-4, n_envs: 2, vf_coef: 3e-1}"
-    )
-    assert hyperparameters("ppo", "Other-v0", file)["gamma"] == 0.5
-    found = hyperparameters("ppo", "Mine-v0", file)
-    assert (found["n_envs"], found["gamma"]) == (2, 0.98)
-    assert found["vf_coef"] == 0.3  # a text in YAML 1.1
-    made = arguments(found)
-    assert made["learning_rate"](0.5) == pytest.approx(1.5e-4)
-    assert "n_envs" not in made
-    assert {hyperparameters(algo, "x")["policy"] for algo in ALGORITHMS} == {
-        "MlpPolicy",
-        "MlpLstmPolicy",
-    }
-
-
-def test_numbers_inside_hyperparameters(tmp_path):
-    from activesuit.scripts.training.hyperparameters import hyperparameters
-
-    file = tmp_path / "mine.yml"
-    file.write_text("default: {policy_kwargs: {log_std_init: -2e0, optimizer_kwargs: {eps: 1e-5}}}")
-    networks = hyperparameters("ppo", "x", file)["policy_kwargs"]
-    assert (networks["log_std_init"], networks["optimizer_kwargs"]) == (-2.0, {"eps": 1e-5})
-
-
-def test_own_networks_keep_the_shipped_exploration(tmp_path):
-    from activesuit.scripts.training.hyperparameters import hyperparameters
-
+    both = "default: {gamma: 0.5}\nMine-v0: {learning_rate: lin_3e-4, n_envs: 2, vf_coef: 3e-1}"
+    assert found(both, "Other-v0")["gamma"] == 0.5
+    mine = found(both, "Mine-v0")
+    assert (mine["n_envs"], mine["gamma"]) == (2, 0.98)
+    assert mine["vf_coef"] == 0.3  # a text in YAML 1.1
+    assert arguments(mine)["learning_rate"](0.5) == pytest.approx(1.5e-4)
     shipped = hyperparameters("ppo", "x")["policy_kwargs"]
-    file, layers = tmp_path / "mine.yml", {"pi": [128], "vf": [128]}
-    file.write_text("default: {policy_kwargs: {net_arch: {pi: [128], vf: [128]}}}")
-    found = hyperparameters("ppo", "x", file)["policy_kwargs"]
-    assert found == {"log_std_init": shipped["log_std_init"], "net_arch": layers}
-    kept = Path("docs/learners/small_exploration.yml")
-    found = hyperparameters("ppo", "x", kept)["policy_kwargs"]
-    assert found == {**shipped, "log_std_init": -3.0}
+    networks = found("default: {policy_kwargs: {optimizer_kwargs: {eps: 1e-5}}}")["policy_kwargs"]
+    assert networks == {**shipped, "optimizer_kwargs": {"eps": 1e-5}}  # explores as shipped
+    names = {hyperparameters(algo, "x")["policy"] for algo in ALGORITHMS}
+    assert names == {"MlpPolicy", "MlpLstmPolicy"}
 
 
 def scalars(out):
@@ -408,26 +341,6 @@ def scalars(out):
 
     (folder,) = {path.parent for path in (out / "tensorboard").rglob("events*")}
     return {*EventAccumulator(str(folder)).Reload().Tags()["scalars"]}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("algo", ["tqc", "recurrent-ppo"])
-def test_two_halves_are_the_whole_to_the_last_bit(tmp_path, algo):
-    """Those of PPO, SAC and students are in test_train_stops."""
-    steps = ROLLOUT if "ppo" in algo else 40
-    scene = ["--task", "ArmTracking", "--level", "randomized", "--history", "2"]
-    train(tmp_path / "whole", *scene, algo=algo, steps=2 * steps)
-    train(tmp_path / "halves", *scene, algo=algo, steps=steps)
-    train(tmp_path / "halves", "--resume", algo=algo, steps=2 * steps)
-    same_files(tmp_path, "policy.safetensors")
-    assert _equal(*(parameters(tmp_path / name, algo) for name in ("whole", "halves")))
-
-
-def same_files(folder, *names):
-    """Checks that the runs whole/ and halves/ have the same files."""
-    for name in names:
-        one, other = (folder / run / name for run in ("whole", "halves"))
-        assert one.read_bytes() == other.read_bytes(), name
 
 
 def parameters(out, algo):
@@ -444,6 +357,27 @@ def _equal(one, other):
 
 
 WEIGHTLESS = ["--task", "ArmTracking", "--gravity", "microgravity"]
+
+
+HALVES = {  # algorithm, scene; those that are stopped at any file are in test_train_stops
+    "tqc": ("tqc", ["--task", "ArmTracking", "--level", "randomized", "--history", "2"]),
+    "recurrent-ppo": ("recurrent-ppo", ["--task", "ArmTracking", "--level", "randomized"]),
+    "correction": ("ppo", [*WEIGHTLESS, "--residual", "adaptive"]),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", HALVES)
+def test_two_halves_are_the_whole_to_the_last_bit(tmp_path, case):
+    algo, scene = HALVES[case]
+    steps = ROLLOUT if "ppo" in algo else 40
+    whole, halves = tmp_path / "whole", tmp_path / "halves"
+    train(whole, *scene, algo=algo, steps=2 * steps)
+    train(halves, *scene, algo=algo, steps=steps)
+    train(halves, "--resume", algo=algo, steps=2 * steps)
+    policy = "policy.safetensors"
+    assert (whole / policy).read_bytes() == (halves / policy).read_bytes()
+    assert _equal(*(parameters(out, algo) for out in (whole, halves)))
 
 
 @pytest.fixture(scope="module")
@@ -488,9 +422,6 @@ def test_evaluations_on_the_way(corrected):
 @pytest.mark.slow
 def test_a_correction_begins_as_its_policy(tmp_path, monkeypatch):
     """The last layer is zero, so that before the first update nothing is added."""
-    from activesuit.envs.making import make_arms
-    from activesuit.envs.policies import make_policy
-
     monkeypatch.setitem(QUICK, "ppo", QUICK["ppo"].replace("7e-4", "0.0"))
     train(tmp_path / "run", *WEIGHTLESS, "--residual", "compensation", steps=1)
     folder = tmp_path / "run"
@@ -501,46 +432,6 @@ def test_a_correction_begins_as_its_policy(tmp_path, monkeypatch):
         given = other.act(observation)
         np.testing.assert_array_equal(one.act(observation), given)
         observation, *_ = arms.step(given)
-
-
-@pytest.mark.slow
-def test_a_corrected_run_resumes_to_the_last_bit(tmp_path):
-    scene = [*WEIGHTLESS, "--residual", "adaptive"]
-    train(tmp_path / "whole", *scene, steps=2 * ROLLOUT)
-    train(tmp_path / "halves", *scene, steps=ROLLOUT)
-    train(tmp_path / "halves", "--resume", steps=2 * ROLLOUT)
-    same_files(tmp_path, "policy.safetensors")
-
-
-class Killed(BaseException):
-    """As by kill -9: nothing that the training does afterwards sees it."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("algo", "stop"), [("ppo", KeyboardInterrupt), ("recurrent-ppo", Killed)])
-def test_a_run_that_is_stopped_in_an_evaluation_is_the_whole_to_the_last_bit(
-    tmp_path, monkeypatch, capsys, algo, stop
-):
-    """Weights, evaluations and the policy that is kept, for an evaluation on the way."""
-    sde = QUICK[algo].replace("}", ", use_sde: true, sde_sample_freq: 16}")
-    monkeypatch.setitem(QUICK, algo, sde)
-    given = [*WEIGHTLESS, "--motions", "8"]
-    train(tmp_path / "whole", *given, algo=algo, steps=4 * ROLLOUT)
-    add, calls = Evaluations.add, []
-
-    def stopped(self, *given):
-        calls.append(1)
-        if len(calls) == 2:
-            raise stop
-        return add(self, *given)
-
-    with monkeypatch.context() as patch, pytest.raises((stop, SystemExit)):
-        patch.setattr(Evaluations, "add", stopped)
-        train(tmp_path / "halves", *given, algo=algo, steps=4 * ROLLOUT)
-    assert steps_done(tmp_path / "halves", algo) == 2 * ROLLOUT
-    train(tmp_path / "halves", "--resume", algo=algo, steps=4 * ROLLOUT)
-    same_files(tmp_path, "evaluations.json", "policy.safetensors", "policy.json")
-    assert _equal(*(parameters(tmp_path / name, algo) for name in ("whole", "halves")))
 
 
 @pytest.mark.slow
@@ -557,25 +448,18 @@ def test_training_ends_on_a_plateau(tmp_path, monkeypatch, capsys):
 @pytest.mark.slow
 def test_several_seeds(tmp_path, capsys):
     given = [*WEIGHTLESS, "--seeds", "3,5", "--motions", "8"]
+    given += ["--belief", "mock-suit", "--sensors", "encoders", "preview"]
     train(tmp_path / "all", *given, steps=ROLLOUT)
-    said = capsys.readouterr().out
-    assert "interquartile mean of the relief" in said
+    assert "interquartile mean of the relief" in capsys.readouterr().out
     found = json.loads((tmp_path / "all" / "result.json").read_text())
     assert list(found["best"]) == ["3", "5"]
     (chart,) = [json.loads(text) for kind, text in checked_page(tmp_path / "all").scripts if kind]
     assert {"seed 3", "seed 5"} < {one["name"] for one in chart["data"]}
-    cards = [
-        json.loads((tmp_path / "all" / f"seed-{i}" / "policy.json").read_text()) for i in (3, 5)
-    ]
-    assert [card["training"]["seed"] for card in cards] == [3, 5]
     before = (tmp_path / "all" / "seed-3" / "model.zip").stat().st_mtime_ns
     shutil.rmtree(tmp_path / "all" / "seed-5")
     train(tmp_path / "all", *given, "--resume", steps=ROLLOUT)
     assert (tmp_path / "all" / "seed-3" / "model.zip").stat().st_mtime_ns == before
     assert (tmp_path / "all" / "seed-5" / "policy.safetensors").exists()
-    train(tmp_path / "all", *given, "--resume", "--trust", steps=ROLLOUT)
-    shutil.rmtree(tmp_path / "all" / "seed-5")
-    train(tmp_path / "all", *given, "--resume", "--trust", steps=ROLLOUT)
     resume = ["train", "--resume", "--seeds", "3,5", "--out", tmp_path / "all"]
     assert "has --algo 'sac', and the run" in fails(capsys, *resume, "--algo", "sac")
     assert "was trained with 'microgravity'" in fails(capsys, *resume, "--gravity", "moon")
@@ -583,17 +467,6 @@ def test_several_seeds(tmp_path, capsys):
     (tmp_path / "mine.yml").write_text("default: {gamma: 0.5}")
     other = fails(capsys, *resume, "--hyperparameters", tmp_path / "mine.yml")
     assert "mine.yml' has other hyperparameters than the run in" in other
-
-
-@pytest.mark.slow
-def test_the_same_command_goes_on_with_a_belief(tmp_path):
-    """The belief is one of the sensors that the policy observes."""
-    given = ["--belief", "mock-suit", "--sensors", "encoders", "preview", "--seeds", "0,1"]
-    out, motions = tmp_path / "all", ["--motions", "8"]
-    train(out, *WEIGHTLESS, *given, *motions)
-    shutil.rmtree(out / "seed-1")
-    train(out, *WEIGHTLESS, *given, *motions, "--resume", steps=ROLLOUT)
-    assert (out / "seed-1" / "policy.safetensors").exists()
 
 
 @pytest.mark.slow
@@ -633,9 +506,6 @@ def test_a_student_learns_from_its_teacher(tmp_path, capsys):
     out = tmp_path / "student"
     given = ["--teacher", "compensation", "--rows", "16", "--steps", str(16 * 200 * 12)]
     main(["train", *WEIGHTLESS, *given, "--motions", "0", "--history", "2", "--out", str(out)])
-    from activesuit.envs.making import make_arms
-    from activesuit.envs.policies import make_policy
-
     arms = make_arms("ActiveSuit/ArmTracking-v0", 4, gravity="microgravity", history=2)
     student, teacher = make_policy(str(out), arms), make_policy("compensation", arms)
     observation, _ = arms.reset(seed=99)
@@ -663,9 +533,9 @@ def train_student(out, rounds, *more):
 
 @pytest.fixture(scope="module")
 def student(tmp_path_factory):
-    """A student of seven rounds, whose policy is evaluated after each."""
+    """A student of four rounds, whose policy is evaluated after each."""
     out = tmp_path_factory.mktemp("train") / "student"
-    train_student(out, 7, *STUDENT)
+    train_student(out, 4, *STUDENT)
     return out
 
 
@@ -678,24 +548,37 @@ def contents(out):
 
 
 @pytest.mark.slow
-def test_a_student_of_two_halves_is_the_whole_to_the_last_bit(student, tmp_path):
-    out = tmp_path / "halves"
-    train_student(out, 3, *STUDENT)
+def test_a_student_of_two_halves_is_the_whole_to_the_last_bit(
+    student, tmp_path, monkeypatch, capsys
+):
+    """And an interrupted round is lost, and nothing else."""
+    out, learn, calls = tmp_path / "halves", distillation._Student.learn, []
+    train_student(out, 2, *STUDENT)
     before = contents(out)
-    train_student(out, 7, "--resume")
-    assert contents(out)["model.zip"] == contents(student)["model.zip"] != before["model.zip"]
-    results = [
-        json.loads((one / "evaluations.json").read_text())["results"] for one in (out, student)
-    ]
+
+    def interrupted_late(self, kept):
+        calls.append(1)
+        learn(self, kept)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(distillation._Student, "learn", interrupted_late)
+        said = fails(capsys, *student_command(out, 4, "--resume"), shown=True)
+    assert f"the last checkpoint is kept in {out}; go on with --resume" in said
+    train_student(out, 4, "--resume")
+    after, whole = contents(out), contents(student)
+    assert before["model.zip"] != after["model.zip"] == whole["model.zip"]
+    results = [json.loads(one["evaluations.json"])["results"] for one in (after, whole)]
     assert results[0] == results[1]
-    assert [one["steps"] for one in results[0]] == [ROUND * (i + 1) for i in range(7)]
+    assert [one["steps"] for one in results[0]] == [ROUND * (i + 1) for i in range(4)]
 
 
 DAMAGES = {
     "a layer": lambda numbers: numbers.pop("layers.0.weight"),
     "the optimizer": lambda numbers: numbers.pop("optimizer.1.exp_avg"),
     "random numbers": lambda numbers: numbers.pop("random"),
-    "what was wished": lambda numbers: numbers.pop("wished.3"),
+    "what was wished": lambda numbers: numbers.pop("wished.1"),
     "a shape": lambda numbers: numbers.update({"seen.0": numbers["seen.0"][:, :-1]}),
     "objects": lambda numbers: numbers.update(rounds=np.array([object()])),
     "a size": lambda numbers: numbers.update({"optimizer.0.exp_avg": np.zeros(3, np.float32)}),
@@ -717,31 +600,6 @@ def test_a_damaged_checkpoint_of_a_student(student, tmp_path, capsys):
         assert "was not written by you on this machine" in fails(capsys, *resume), name
         assert "is not a readable checkpoint" in fails(capsys, *resume, "--trust"), name
         assert contents(out) == before, name
-
-
-@pytest.mark.slow
-def test_an_interrupted_round_of_a_student_is_lost_and_nothing_else(
-    student, tmp_path, monkeypatch, capsys
-):
-    from activesuit.scripts.training import distillation
-
-    learn, calls = distillation._Student.learn, []
-
-    def interrupted_late(self, kept):
-        calls.append(1)
-        learn(self, kept)
-        if len(calls) == 6:
-            raise KeyboardInterrupt
-
-    out = tmp_path / "out"
-    with monkeypatch.context() as patch:
-        patch.setattr(distillation._Student, "learn", interrupted_late)
-        said = fails(capsys, *student_command(out, 7, *STUDENT), shown=True)
-    assert f"the last checkpoint is kept in {out}; go on with --resume" in said
-    with np.load(out / "model.zip") as file:
-        assert file["rounds"] == 5
-    train_student(out, 7, "--resume")
-    assert contents(out) == contents(student)
 
 
 @pytest.mark.slow
@@ -770,24 +628,8 @@ def test_a_negative_reward_is_noted_once(tmp_path, capsys, algo):
     train(tmp_path / "run", "--reward", "own_rewards:costly", algo=algo, steps=ROLLOUT)
     said = " ".join(capsys.readouterr().err.split())
     assert said.count(NEGATIVE) == 1
-    assert "so that it may pay to lose the arm: keep the reward above 0" in said
     train(tmp_path / "run", "--resume", algo=algo, steps=2 * ROLLOUT)
     assert NEGATIVE not in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_a_policy_that_costs_effort_is_noted(corrected):
-    from activesuit.envs.policies.network import read_card
-    from activesuit.scripts.training.page import advice
-
-    card = read_card(corrected)
-    alone = card.model_copy(update={"residual": None})
-    worse = [{"relief": {"value": -4.82}}, {"relief": None}]
-    (said,) = advice(alone, worse)
-    assert "(relief -4.82): begin with --residual compensation" in said
-    assert "a smaller --residual-scale" in " ".join(advice(card, worse))
-    for fine in ([], [{"relief": None}], [*worse, {"relief": {"value": 0.0}}]):
-        assert not [*advice(alone, fine)]
 
 
 @pytest.mark.slow

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 ROWS = 8
 SMALL = f"n_envs: {ROWS}, batch_size: 16, learning_rate: 1e-3"
 LEARNERS = {
-    "ppo": f"{{{SMALL}, n_steps: 4, n_epochs: 2}}",
+    "ppo": f"{{{SMALL}, n_steps: 4, n_epochs: 2, use_sde: true, sde_sample_freq: 3}}",
     "sac": f"{{{SMALL}, buffer_size: 300, learning_starts: 40, gradient_steps: 1}}",
 }
 PERIODS = 30  # control periods of a motion

@@ -4,10 +4,8 @@ import os
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from activesuit.envs.simulation.compiling import ALONE
-from activesuit.hysteresis import first_use
 from activesuit.scripts.commands import warm as module
 from activesuit.scripts.main import main
 from numba import njit
@@ -35,22 +33,6 @@ def test_it_counts_what_it_compiles_and_says_when_all_is_there(quick, capsys, mo
     main(["warm"])
     assert capsys.readouterr().out == "all kernels are compiled already\n"
     assert ALONE not in os.environ
-
-
-def test_nothing_else_reports_progress_meanwhile(quick, monkeypatch, capsys):
-    monkeypatch.setattr(first_use, "PATIENCE", -1.0)
-    monkeypatch.setattr(first_use.listener, "_next", -1.0)
-    main(["warm"])
-    assert first_use.MESSAGE not in capsys.readouterr().err
-    njit(lambda x: x + 1)(1.0)
-    assert first_use.MESSAGE in capsys.readouterr().err
-
-
-def test_the_record_has_a_loop_inside():
-    record = module._record()
-    turns = np.flatnonzero(np.diff(np.sign(np.diff(record.angle))))
-    assert turns.size == 5
-    assert record.torque[0] == 0
 
 
 COMMANDS = (

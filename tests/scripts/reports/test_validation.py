@@ -27,29 +27,19 @@ def said(own, true, suited=0.16, policy="feedforward", cost=True) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("given", "first"),
+    ("given", "parts"),
     [
+        ((0.12, 0.12), ("works less than", "effort 12.0% against 16.0%", "as much as with the")),
         (
-            {"own": 0.12, "true": 0.12},
-            "with feedforward and this model the wearer works less than without exoskeleton "
-            "(effort 12.0% against 16.0% of strength), and as much as with the true model (12.0%)",
+            (0.17, 0.12),
+            ("works more than", "effort 17.0% against 16.0%", "more than with the true"),
         ),
-        (
-            {"own": 0.17, "true": 0.12},
-            "with feedforward and this model the wearer works more than without exoskeleton "
-            "(effort 17.0% against 16.0% of strength), and more than with the true model (12.0%)",
-        ),
-        (
-            {"own": 0.16, "true": 0.16},
-            "with feedforward and this model the wearer works as much as without exoskeleton "
-            "(effort 16.0% against 16.0% of strength), and as much as with the true model (16.0%): "
-            "the limit is the controller and its motors here, not your measurement; try --policy "
-            "compensation",
-        ),
+        ((0.16, 0.16), ("works as much as", "the limit is the controller", "try --policy compens")),
     ],
 )
-def test_the_first_sentence_says_whether_the_wearer_works_less_and_what_limits_it(given, first):
-    assert said(**given)[0] == first
+def test_the_first_sentence_says_whether_the_wearer_works_less_and_what_limits_it(given, parts):
+    sentence = said(*given)[0]
+    assert [part for part in parts if part not in sentence] == []
 
 
 def test_no_policy_is_advised_that_was_tried_or_has_nothing_to_give_back():
