@@ -67,7 +67,7 @@ def sourced(field):
     if field == "body_mass":
         upper, forearm = (VALUE[f"exo.{part}_link"] + VALUE["exo.cuff"] for part in LIMBS[:2])
         found += [forearm, upper + VALUE[f"exo.{ASSISTED[1]}.mass"]]
-    part = {"body_mass": "mass", "body_inertia": "inertia", "body_ipos": "center"}.get(field)
+    part = {"body_mass": "mass", "body_inertia": "inertia", "body_ipos": "center"}.get(field, "")
     person = segments(Person()).values() if part else ()
     return np.abs(np.hstack([0.0, *found, *(getattr(one, part) for one in person)]))
 
