@@ -1,16 +1,13 @@
-"""Two hundred damaged inputs: each is one sentence, and nothing changes on disk."""
-
-import importlib.util
+"""Damaged inputs, one of each kind: each is one sentence, and nothing changes on disk."""
 
 import pytest
-from damage import KINDS, attack
+from damage import attack
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_damaged_inputs_are_one_sentence_each():
-    assert len(KINDS) >= 60
     wrong: list[str] = []
-    trained = importlib.util.find_spec("stable_baselines3") is not None
-    done = attack(200, seed=1, trained=trained, report=wrong.append)
-    assert sum(done.values()) == 200
+    done = attack(None, seed=1, report=wrong.append)
+    assert len(done) >= 60
     assert not wrong, "\n".join(wrong)

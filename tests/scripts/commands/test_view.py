@@ -200,15 +200,19 @@ def test_the_web_page_listens_on_its_address_and_asks_for_the_token(host):
             assert address.endswith(f":{port}")
             # Another address of this machine, as far as a listener is concerned.
             assert answers("127.0.0.2", port) == (host == "0.0.0.0")
-            ours = f"localhost:{port}"
+            ours, foreign = f"localhost:{port}", "evil.example"
             assert asked(port, "/", Host=ours)[0] == 403
-            assert asked(port, f"/?token={token}", Host="evil.example")[0] == 403
+            assert asked(port, f"/?token={token}", Host=foreign)[0] == 403
+            foreign_page = {"Host": ours, "Origin": f"http://{foreign}"}
+            assert asked(port, f"/?token={token}", **foreign_page)[0] == 403
             status, page, cookie = asked(port, f"/?token={token}", Host=ours)
             assert (status, "<html" in page.lower()) == (200, True)
             cookie = {"Cookie": cookie.split(";")[0]}
             assert asked(port, "/web_client.js", Host=ours, **cookie)[0] == 200
+            assert asked(port, "/web_client.js", Host=ours)[0] == 403
             socket_of_page = {"Host": ours, **cookie, "Origin": f"http://{ours}", **UPGRADE}
             assert asked(port, "/state?sid=1", **socket_of_page)[0] == 101
+            assert asked(port, "/drop?sid=1", **socket_of_page)[0] == 403
             socket_of_page["Origin"] = "http://localhost:3000"
             assert asked(port, "/state?sid=1", **socket_of_page)[0] == 403
         finally:
