@@ -56,11 +56,7 @@ def check_seed(value: int) -> None:
 
 
 def once(what: str, names: Iterable[object]) -> None:
-    """Checks that no name is given twice.
-
-    Raises:
-        InputError: One is.
-    """
+    """Checks that no name is given twice."""
     given = [str(name) for name in names]
     if len(set(given)) < len(given):
         raise InputError(f"the {what} are {', '.join(given)}: name each one once")

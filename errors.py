@@ -16,6 +16,9 @@ class InputError(ValueError):
     line prints it without a traceback and exits with code 2. It is one line of at most 300
     characters, without control characters. A longer message loses its middle, since its beginning
     names what is wrong and its end gives the fix.
+
+    Every public function raises it for an argument that it cannot use, before anything has changed
+    or been written. A docstring has a section "Raises" only where it says more than that.
     """
 
     def __init__(self, message: object = "") -> None:

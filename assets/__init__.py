@@ -15,11 +15,7 @@ CURVES = {"shoulder": "shoulder_flexion", "elbow": "elbow_flexion"}
 
 
 def curves_path(name: str) -> Path:
-    """Returns the path of a curve file that ships with the package: "shoulder" or "elbow".
-
-    Raises:
-        InputError: There are no such curves.
-    """
+    """Returns the path of a curve file that ships with the package: "shoulder" or "elbow"."""
     if name not in CURVES:
         raise unknown_name("shipped curves", name, CURVES)
     return FOLDER / "curves" / f"{name}.csv"

@@ -135,11 +135,7 @@ class SuitJoint(Strict):
 
     @classmethod
     def from_model(cls, model: HysteresisModel, **provenance: Any) -> "SuitJoint":
-        """Returns the joint of a model; `provenance` holds the other fields, except the margin.
-
-        Raises:
-            InputError: A field is missing, unknown or wrong.
-        """
+        """Returns the joint of a model; `provenance` holds the other fields, except the margin."""
         margin = model.certificate().margin
         try:
             return cls(model=model, certificate_margin=margin, **provenance)
@@ -318,9 +314,6 @@ class SuitJoint(Strict):
 
         Args:
             cycles: Number of cycles since the joint was new, 0 or more; it may be infinite.
-
-        Raises:
-            InputError: `cycles` is negative or no number.
         """
         if not isinstance(cycles, int | float) or not cycles >= 0:
             raise InputError(f"cycles is {cycles}: give a number of cycles, 0 or more")
@@ -370,11 +363,7 @@ class SuitJoint(Strict):
         return SuitJoint(**(dict(self) | changes))
 
     def scaled(self, *, torque: float) -> "SuitJoint":
-        """Returns the joint with `torque` times the resistance, and a note of that in its source.
-
-        Raises:
-            InputError: `torque` is not finite or not above 0.
-        """
+        """Returns a joint with `torque` times the resistance and a note in its source."""
         model = self.model.scaled(torque=torque)
         changes = {
             "model": model,

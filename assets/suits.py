@@ -113,11 +113,7 @@ class Suit(Strict):
         return hash(self.model_dump_json())
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a suit file that `load_suit` reads back, in one piece.
-
-        Raises:
-            InputError: The file cannot be written.
-        """
+        """Writes a suit file that `load_suit` reads back, in one piece."""
         write_text(path, self.model_dump_json(indent=2, exclude_none=True) + "\n")
 
     def at_pressure(self, pressure: float) -> "Suit":
@@ -163,11 +159,7 @@ class Suit(Strict):
         )
 
     def after(self, cycles: float) -> "Suit":
-        """Returns the suit with the torque that it has after some cycles of motion.
-
-        Raises:
-            InputError: `cycles` is negative or no number; see `SuitJoint.after`.
-        """
+        """Returns the suit with the torque that it has after some cycles of motion."""
         joints = {joint: entry.after(cycles) for joint, entry in self.joints.items()}
         return self.model_copy(update={"joints": joints})
 

@@ -87,9 +87,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
     Attributes:
         episodes: Episodes of the task, with the simulated arm and its sensors.
-
-    Raises:
-        InputError: An argument is out of its range; the message names it.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 100}  # noqa: RUF012
@@ -195,9 +192,6 @@ class ArmEnv(gymnasium.Env[NDArray[np.float32], NDArray[np.floating[Any]]]):
 
         The state contains the physics with the suit's memory, the intention, the counters and the
         place in the random streams, as arrays with one row and plain values (picklable).
-
-        Raises:
-            InputError: There was no reset.
         """
         self._require_reset("get_state")
         return self.episodes.state(ROW)

@@ -189,9 +189,6 @@ class Episodes:
         Args:
             action: Torque of the motors over their peaks, shape (n, motors).
             rows: The rows that move; by default all.
-
-        Raises:
-            InputError: An action has the wrong shape or is not of finite numbers; nothing changed.
         """
         self._move(checked(action, (self.n, self.motors), rows), rows)
 
@@ -423,11 +420,7 @@ class Episodes:
 
 
 def checked(action: ArrayLike, shape: tuple[int, ...], rows: Rows | None = None) -> Array:
-    """Returns actions as an array of that shape, finite in the rows that move.
-
-    Raises:
-        InputError: The actions have another shape, or are no finite numbers.
-    """
+    """Returns actions as an array of that shape, finite in the rows that move."""
     try:
         given = np.asarray(action)
     except ValueError:  # lists of several lengths

@@ -78,21 +78,13 @@ class Registry(Generic[Extra]):
         self._kind, self._registered = kind, dict[str, Extra]()
 
     def register(self, name: str, extra: Extra) -> None:
-        """Registers an extra in this process.
-
-        Raises:
-            InputError: There is another one of that name.
-        """
+        """Registers an extra in this process."""
         if name in self:
             raise InputError(f"there is another {self._kind} {name!r}: choose another name")
         self._registered[name] = extra
 
     def find(self, name: str) -> Extra:
-        """Returns an extra.
-
-        Raises:
-            InputError: The name is unknown, or the package of the extra cannot be imported.
-        """
+        """Returns an extra."""
         if name not in self:
             raise unknown_name(self._kind, name, self)
         if name in self._registered:

@@ -55,9 +55,6 @@ class Randomization:
         sensor_noise: Least and greatest factor of the noise of sensors, 0 to 100; None is 1.
         encoder_offset: Largest error of the encoders' zeros [rad], up to 0.2, as from donning; each
             encoder's is between minus and plus that.
-
-    Raises:
-        InputError: A value is outside its range or unknown.
     """
 
     suit: SuitChoice = "nominal"

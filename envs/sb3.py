@@ -103,22 +103,14 @@ class ArmVecEnv(VecEnv):
         return [getattr(self.arms, attr_name)] * len(self._rows(indices))
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Sets an attribute of the vector environment, which all rows share.
-
-        Raises:
-            InputError: The indices are only some of the rows.
-        """
+        """Sets an attribute of the vector environment, which all rows share."""
         self._all_of("set_attr", indices)
         setattr(self.arms, attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Calls a method of the vector environment once, and returns the result for each row.
-
-        Raises:
-            InputError: The indices are only some of the rows.
-        """
+        """Calls a method of the vector environment once, and returns the result for each row."""
         self._all_of("env_method", indices)
         return [getattr(self.arms, method_name)(*method_args, **method_kwargs)] * self.num_envs
 

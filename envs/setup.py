@@ -71,9 +71,6 @@ class Setup:
         Args:
             task: Task, which decides place and fatigue where no option does.
             options: Options by their names; those of `level` apply where none is given.
-
-        Raises:
-            InputError: An option is unknown, or its value cannot be used.
         """
         refuse_old_names(options, {"taught": "learned_torque"})
         for name in options:

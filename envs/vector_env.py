@@ -56,9 +56,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
         effort_scale: Effort that the reward is scaled by; by default that of the suited arm.
         **options: Options of the environment, as in `ArmEnv`. What `randomize` draws differs
             between rows.
-
-    Raises:
-        InputError: An argument is out of its range; the message names it.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 100}  # noqa: RUF012
@@ -249,9 +246,6 @@ class ArmVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.floating[Any]], NDA
 
         Args:
             rows: The rows; by default all.
-
-        Raises:
-            InputError: There was no reset, or there is no such row.
         """
         self._require_reset("get_state")
         return self.episodes.state(self._checked_rows(rows))

@@ -65,11 +65,7 @@ class Header:
         self._code.append(re.sub(r"\bAS_", f"{self.prefix.upper()}_", code).strip())
 
     def table(self, name: str, values: Iterable[float]) -> None:
-        """Adds a constant array.
-
-        Raises:
-            InputError: A number is not finite, or too large for 32 bits.
-        """
+        """Adds a constant array."""
         numbers = list(map(float, values))
         self.constants += len(numbers)
         rows = [

@@ -46,9 +46,6 @@ def angle_noise(angle: ArrayLike) -> float:
     The estimate is the median of |third differences| of the angle without repeated readings. Third
     differences are sqrt(20) times as noisy as the angle, and nearly zero for a smooth motion. A
     low-pass filter hides the noise of its input from this estimate.
-
-    Raises:
-        InputError: `angle` is not one finite series.
     """
     third = np.diff(_without_repeats(_measured("angle", angle, "rad")), 3)
     return float(np.median(np.abs(third))) / (0.6745 * math.sqrt(20)) if third.size else 0.0
@@ -60,9 +57,6 @@ def estimate_dead_band(angle: ArrayLike) -> float:
     This is 10 times `angle_noise`, at least 2.5 times the smallest step (the resolution of a coarse
     sensor), and at most a quarter of the angle's range. For filtered angles, choose the dead band
     yourself: a filter hides their noise from the estimate.
-
-    Raises:
-        InputError: `angle` is not one finite series.
     """
     angle = _measured("angle", angle, "rad")
     steps = np.abs(np.diff(_without_repeats(angle)))
@@ -86,9 +80,6 @@ def reversals(angle: ArrayLike, dead_band: float | None = None) -> NDArray[np.in
     Returns:
         Indices of the turning points, ascending. A dwell at an extreme gives its first sample. The
         two ends of the record are not among them.
-
-    Raises:
-        InputError: `angle` is not one finite series, or the dead band is negative.
     """
     angle = _measured("angle", angle, "rad")
     turns, _ = _turning_points(angle, _dead_band(angle, dead_band))

@@ -175,11 +175,7 @@ class HysteresisModel(ABC):
         return torque
 
     def start(self, angle: float, torque: float = 0.0) -> State:
-        """Begins a motion at `angle` [rad] with a known resistance [N·m].
-
-        Raises:
-            InputError: A number is not finite, or the model cannot have that torque there.
-        """
+        """Begins a motion at `angle` [rad] with a known resistance [N·m]."""
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
         memory = np.zeros(self.memory_size)

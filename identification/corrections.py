@@ -36,9 +36,6 @@ class Corrections:
             The model is then that of the end of the measurement.
         average_cycles: Whether all cycles of each record but the first are replaced by their mean,
             see `averaged_cycles`.
-
-    Raises:
-        InputError: A value is unknown, or two of them are not identifiable together.
     """
 
     tare: Tare = 0.0

@@ -69,11 +69,7 @@ class Coverage:
 
 
 def coverage(curves: Sequence[Curve]) -> Coverage:
-    """Returns the coverage of measured curves.
-
-    Raises:
-        InputError: There is no curve.
-    """
+    """Returns the coverage of measured curves."""
     return motion_coverage(Motion(curve.time, curve.angle) for curve in curves)
 
 
@@ -82,9 +78,6 @@ def motion_coverage(motions: Iterable[Motion]) -> Coverage:
 
     Args:
         motions: Times, if they are known, and angles of each.
-
-    Raises:
-        InputError: There is no motion, its angles are not one finite series, or none of them moves.
     """
     given = [(time, finite_series("angle", angle, "rad")) for time, angle in motions]
     if not given:

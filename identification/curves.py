@@ -152,11 +152,7 @@ class Curves(list[Curve]):
 
     @property
     def angle_range(self) -> tuple[float, float]:
-        """The smallest and the largest angle of all curves [rad].
-
-        Raises:
-            InputError: There is no curve.
-        """
+        """The smallest and the largest angle of all curves [rad]."""
         self._first()
         angle = np.concatenate([curve.angle for curve in self])
         return float(angle.min()), float(angle.max())

@@ -72,9 +72,6 @@ def nested_motion(
         min_rate: Rate of the slowest branch [rad/s].
         max_rate: Largest rate of a branch [rad/s].
         sample_rate: Least number of samples per second [Hz].
-
-    Raises:
-        InputError: A number is out of its range, or the record would take more than an hour.
     """
     for name, angle in (("start", start), ("end", end)):
         if abs(number(name, angle, "rad")) > RADIANS_AT_MOST:

@@ -90,11 +90,6 @@ class Ensemble:
         Args:
             curve: Motion; its torque is used only where the fit began with the measured one.
             level: Share of the samples that the band is to contain, between 0 and 1.
-
-        Raises:
-            InputError: The level is out of its range, a member cannot begin there, or the motion
-                has nested loops and no left-out data had any: first-order curves show no effect
-                of a rate, for one, so that such bands are too narrow.
         """
         if not isinstance(curve, Curve):
             raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")

@@ -125,9 +125,6 @@ class Fit:
             samples: Number of models to draw, as fits to noisy repetitions of the curves would give
                 them.
             seed: Seed of their noise.
-
-        Raises:
-            InputError: See `identification.uncertainty`.
         """
         return uncertainty(
             self.model,

@@ -75,10 +75,6 @@ def identify(
 
     Returns:
         The best trial's model, its errors, and reasons to doubt it.
-
-    Raises:
-        InputError: Unknown model, method or option, one that the method would ignore, no curve to
-            fit, or a number out of its range.
     """
     refuse_unknown(old)
     method = method_of(method)

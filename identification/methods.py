@@ -45,11 +45,7 @@ class Certified:
         return "certified"
 
     def check(self, model: str) -> None:
-        """Refuses what the fit of a model would ignore.
-
-        Raises:
-            InputError: An option is unknown, or several trials would be the same.
-        """
+        """Refuses what the fit of a model would ignore."""
         if self.trials > 1 and not is_seeded(model):
             raise InputError(
                 f"trials is {self.trials}: the fit of {model!r} is made once; leave it out"
@@ -100,11 +96,7 @@ class Search:
             object.__setattr__(self, field_name, value)
 
     def check(self, model: str) -> None:
-        """Refuses a model that a search cannot identify, and unknown options.
-
-        Raises:
-            InputError: The model is another one than Jiles-Atherton, or an option is unknown.
-        """
+        """Refuses a model that a search cannot identify, and unknown options."""
         _only_default(self.name, model)
         names = list(inspect.signature(OPTIMIZERS[self.name]).parameters)
         if self.name in SWARMS:
@@ -130,11 +122,7 @@ class Magnetic:
     budget: int = magnetic.BUDGET
 
     def check(self, model: str) -> None:
-        """Refuses another model than Jiles-Atherton.
-
-        Raises:
-            InputError: The model is another one.
-        """
+        """Refuses another model than Jiles-Atherton."""
         _only_default(self.name, model)
 
 

@@ -72,11 +72,7 @@ def load_motion(path: str | os.PathLike[str], joint: str | None = None) -> Motio
 
 
 def save_motion(path: str | os.PathLike[str], motion: Motion) -> None:
-    """Writes a motion so that `load_motion` reads it back (to 1e-9 rad).
-
-    Raises:
-        InputError: The file cannot be written.
-    """
+    """Writes a motion so that `load_motion` reads it back (to 1e-9 rad)."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     if motion.time is None:

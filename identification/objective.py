@@ -51,9 +51,6 @@ class CurveObjective:
         torque: The torque of all curves, end to end [N·m], shape (samples,).
         weight: The weight of each sample, of mean 1, shape (samples,).
         peak: The largest |Tm| of all curves [N·m].
-
-    Raises:
-        InputError: There is no curve or no torque, or an argument is none of the above.
     """
 
     curves: Sequence[Curve]
@@ -95,11 +92,7 @@ class CurveObjective:
         self._initial = self._given_torques()
 
     def responses(self, parameters: ArrayLike) -> NDArray[np.float64]:
-        """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m].
-
-        Raises:
-            InputError: The rows have not 5 numbers, or 6 with the initial torque "identified".
-        """
+        """Returns the torque of each parameter row along all curves, shape (n, samples) [N·m]."""
         rows = np.atleast_2d(np.asarray(parameters, dtype=np.float64))
         names = [*PARAMETERS]
         if self._initial is None:

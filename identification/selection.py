@@ -74,9 +74,6 @@ class Selection:
         Args:
             samples: Number of models to draw, of all kinds in the ensemble by their weight.
             seed: Seed of their noise.
-
-        Raises:
-            InputError: See `identification.uncertainty`.
         """
         if self.ensemble is None:
             return self.fit.uncertainty(samples=samples, seed=seed)

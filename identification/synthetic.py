@@ -91,9 +91,6 @@ def first_order_motions(
 
     Returns:
         Angles [rad], shape (n,) each, by their turn with two decimals.
-
-    Raises:
-        InputError: A number is out of its range, or two turns get one name.
     """
     number("start_angle", start_angle, "rad")
     turns = numbers("turns", turns, "rad")
@@ -122,9 +119,6 @@ def multi_order_motion(
 
     Returns:
         Angles [rad], shape (n,).
-
-    Raises:
-        InputError: A number is out of its range.
     """
     if not number("low", low, "rad") < number("high", high, "rad"):
         raise InputError(f"the motion is from {low:g} to {high:g} rad: give low below high")

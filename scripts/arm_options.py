@@ -72,9 +72,6 @@ class ArmOptions:
 
         Args:
             **flags: Flags of the command beside these; None where one is not given.
-
-        Raises:
-            InputError: See `settings` and `joined`.
         """
         mine = {name: value for name, value in asdict(self).items() if name != "set"}
         if mine["tilt"] is not None:
@@ -96,11 +93,7 @@ class ArmOptions:
         return nested_options({**USUAL_OPTIONS, **usual_size(given), **given})
 
     def split(self, names: Collection[str]) -> tuple[dict[str, Any], "ArmOptions"]:
-        """Returns what `--set` gives of some options of the environment, and the options without.
-
-        Raises:
-            InputError: See `settings`.
-        """
+        """Returns what `--set` gives of some options, and the options without."""
         given = [one for together in self.set for one in together]
         mine = [one for one in given if one.partition("=")[0].split(".")[0] in names]
         others = tuple(one for one in given if one not in mine)

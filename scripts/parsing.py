@@ -17,12 +17,7 @@ ADVICE = ("Argument helptext", "For full helptext")  # parts of tyro's message t
 def parsed(
     command: Callable[..., None], program: str, arguments: Sequence[str]
 ) -> Callable[[], None]:
-    """Returns a call of the command with the arguments of a command line.
-
-    Raises:
-        InputError: An argument is missing, unknown, or no value of its option.
-        SystemExit: The arguments asked for help, which has been printed.
-    """
+    """Returns a call of the command with the arguments of a command line."""
 
     @functools.wraps(command)
     def later(*given: Any, **options: Any) -> Callable[[], None]:

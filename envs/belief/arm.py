@@ -30,9 +30,6 @@ class Belief:
         load: Mass of the load at the hand [kg]; None is that of the options.
         wearer: Person, or a dict of the fields that differ from the default person; None is that of
             the options.
-
-    Raises:
-        InputError: A value is out of its range.
     """
 
     suit: AnySuit | None = None
@@ -48,9 +45,6 @@ class Belief:
 
         Args:
             config: Configuration of the simulated arms.
-
-        Raises:
-            InputError: A value is unknown or out of its range.
         """
         changes: dict[str, Any] = {}
         if self.suit is not None:

@@ -254,11 +254,7 @@ def suite(
     scores: tuple[str, ...] = (),
     trust: bool = False,
 ) -> Suite:
-    """Returns a suite, with what is given instead of its own.
-
-    Raises:
-        InputError: There is no such suite, or see `Suite` and `policy_spec`.
-    """
+    """Returns a suite, with what is given instead of its own."""
     if name not in SUITES:
         raise unknown_name("suite", name, SUITES)
     found = SUITES[name]

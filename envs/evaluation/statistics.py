@@ -84,10 +84,6 @@ def interval_of(
         level: How often the interval should hold the truth, 0.5 to 0.99.
         resamples: Number of bootstrap resamples.
         seed: Seed of the resamples; the same seed gives the same interval.
-
-    Raises:
-        InputError: There are fewer than 8 motions, values that are not finite or series of
-            different lengths, the statistic is not finite, or an option is out of range.
     """
     _check_options(level, resamples, seed)
     columns = _columns(**{f"series {i}": values for i, values in enumerate(series)})
@@ -105,9 +101,6 @@ def mean_interval(values: ArrayLike, **options: Any) -> Interval:
     Args:
         values: Values by motion, shape (motions,).
         **options: The `level`, `resamples` and `seed` of `interval_of`.
-
-    Raises:
-        InputError: As `interval_of`.
     """
     (values,) = _columns(values=values)
     return interval_of(lambda mean: mean, values, **options)
@@ -120,9 +113,6 @@ def difference_interval(one: ArrayLike, other: ArrayLike, **options: Any) -> Int
         one: Values by motion, shape (motions,).
         other: Values on the same motions, shape (motions,).
         **options: The `level`, `resamples` and `seed` of `interval_of`.
-
-    Raises:
-        InputError: As `interval_of`.
     """
     one, other = _columns(one=one, other=other)
     return mean_interval(one - other, **options)
@@ -138,9 +128,6 @@ def ratio_interval(numerator: ArrayLike, denominator: ArrayLike, **options: Any)
         numerator: Values by motion, shape (motions,).
         denominator: Values on the same motions, shape (motions,).
         **options: The `level`, `resamples` and `seed` of `interval_of`.
-
-    Raises:
-        InputError: As `interval_of`, or the denominators sum to 0.
     """
     over, under = _columns(numerator=numerator, denominator=denominator)
     if under.mean() == 0:
@@ -180,10 +167,6 @@ def interquartile_mean_interval(
         level: How often the interval should hold the truth, 0.5 to 0.99.
         resamples: Number of bootstrap resamples.
         seed: Seed of the resamples; the same seed gives the same interval.
-
-    Raises:
-        InputError: There are fewer than 5 runs, scores that are not finite or of another shape, or
-            an option is out of range.
     """
     _check_options(level, resamples, seed)
     rows = _rows("scores", scores)
@@ -208,10 +191,6 @@ def improvement_interval(one: ArrayLike, other: ArrayLike, *, level: float = 0.9
         one: Scores of shape (runs,) or (runs, episodes), larger is better.
         other: Scores of shape (other runs,) or (other runs, episodes), of other trainings.
         level: How often the interval should hold the truth, 0.5 to 0.99.
-
-    Raises:
-        InputError: There are fewer than 5 runs of a policy, scores that are not finite, or of
-            another number of episodes, or the level is out of range.
     """
     within("level", level, *LEVELS)
     x, y = _rows("one", one), _rows("other", other)

@@ -287,9 +287,6 @@ def torque_error(believed: Sequence[Array], true: Sequence[Array], dt: float) ->
         believed: Believed resistance in each motion [N·m], shape (n, joints).
         true: True resistance [N·m], of the same shapes.
         dt: Time between samples [s].
-
-    Raises:
-        InputError: There are fewer than 8 motions.
     """
     largest = np.max([np.abs(one).max(axis=0) for one in true], axis=0)
     pairs = list(zip(believed, true, strict=True))

@@ -52,11 +52,7 @@ def compose(
 
 
 def arm_spec(config: ArmConfig) -> mujoco.MjSpec:
-    """Returns the specification that `compose` compiles, to add tools, sensors or a scene to it.
-
-    Raises:
-        InputError, UncertifiedModelError: See `compose`.
-    """
+    """Returns the specification that `compose` compiles, to add tools, sensors or a scene to it."""
     return _built(config, suit_of_config(config))
 
 
@@ -78,9 +74,6 @@ def suit_of_config(config: ArmConfig) -> Suit | None:
 
     A suit whose torque changes over its cycles is in the first of them, or after many if it is
     preconditioned.
-
-    Raises:
-        InputError: See `compose`.
     """
     if config.suit == NO_SUIT:
         return None
@@ -98,11 +91,7 @@ def suit_of_config(config: ArmConfig) -> Suit | None:
 
 
 def resisting_joints(config: ArmConfig) -> dict[str, SuitJoint]:
-    """Returns the joints that the suit resists, at its operating pressure.
-
-    Raises:
-        InputError: See `compose`.
-    """
+    """Returns the joints that the suit resists, at its operating pressure."""
     suit = suit_of_config(config)
     return {} if suit is None else dict(suit.joints)
 

@@ -48,9 +48,6 @@ class Payload:
             was tested with at most 5 kg.
         inertia: Moments of inertia about its center, in the axes of the hanging hand (x forward,
             y left, z up) [kg·m²]; by default those of a solid sphere of aluminum.
-
-    Raises:
-        InputError: a value is outside its range, or no body has such moments.
     """
 
     mass: float = setting(0.0, "kg", 0, HEAVIEST_PAYLOAD)
@@ -111,9 +108,6 @@ class ArmConfig:
         sim_dt: Physics step [s]; by default 0.002, with cuffs 0.001.
         allow_uncertified: Whether to accept suits whose torque could become infinite in some
             motion.
-
-    Raises:
-        InputError: a value is outside its range, unknown, or contradicts another value.
     """
 
     suit: AnySuit = "mock-suit"
@@ -164,11 +158,7 @@ class ArmConfig:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> "ArmConfig":
-        """Returns the config with the fields in `values`, the others at their defaults.
-
-        Raises:
-            InputError: a field is unknown, or its value cannot be used.
-        """
+        """Returns the config with the fields in `values`, the others at their defaults."""
         return nested("config", values, cls())
 
     def _check_pressure(self) -> None:

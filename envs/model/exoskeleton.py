@@ -46,9 +46,6 @@ class Motor:
         bandwidth: Bandwidth of the torque loop, which is of first order [Hz].
         thermal_time_constant: Thermal time constant of the winding [s].
         mass: Mass of motor and gear [kg]; the elbow's sits on the link of the upper arm.
-
-    Raises:
-        InputError: a value is outside its range, or the continuous torque exceeds the peak.
     """
 
     peak_torque: float = setting(REQUIRED, "N·m", 1, 500, source=_ROUND)
@@ -119,9 +116,6 @@ class Exo:
         forearm_length: Distance from its elbow axis to its wrist axis [m]; by default the wearer's.
         encoder_bits: Resolution of an encoder, which has 2**bits counts per turn (see `quantize`).
         encoder_delay: Age of the values that the encoders report [s].
-
-    Raises:
-        InputError: a value is outside its range.
     """
 
     shoulder: Motor = SHOULDER_MOTOR

@@ -210,9 +210,6 @@ def muscle_activation(trace: Trace, convention: str = STANDARD) -> Array:
     Args:
         trace: The motion.
         convention: Name of a convention.
-
-    Raises:
-        InputError: As `muscle_scores`.
     """
     arm = MyoArm.load()
     return share_among_muscles(arm, demand_of(trace, arm), CONVENTIONS[convention]).activation

@@ -102,9 +102,6 @@ class Person:
             mean of ANSUR II.
         sex: Sex of the wearer, "male" or "female".
         strength: Percentile of strength among people of this sex and mass, 1 to 99.
-
-    Raises:
-        InputError: a value is outside its range.
     """
 
     stature: float = cast(float, None)  # what the sex decides
@@ -132,9 +129,6 @@ class Person:
         Args:
             sex: Sex of the person, "male" or "female".
             percentile: Percentile of stature and mass, 1 to 99.
-
-        Raises:
-            InputError: The sex is unknown, or the percentile is outside 1 to 99.
         """
         if sex not in SEXES:
             raise unknown_name("sex", sex, SEXES)
@@ -186,11 +180,7 @@ def segments(person: Person) -> dict[str, Segment]:
 
 
 def range_of_motion(joint: str) -> tuple[float, float]:
-    """Returns the lowest and highest joint angle of a healthy adult without a suit [rad].
-
-    Raises:
-        InputError: The arm has no such joint.
-    """
+    """Returns the lowest and highest joint angle of a healthy adult without a suit [rad]."""
     if joint not in _RANGES:
         raise unknown_name("joint", joint, JOINTS)
     (low, _, _), (high, _, _) = _RANGES[joint]

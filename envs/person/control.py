@@ -225,9 +225,6 @@ class VoluntaryControl:
         stiff: Whether the arm is guided along the intention by stiff hands instead, whose torque is
             that of inverse dynamics, the most that a person can learn. The other settings of
             impedance, reflex, correction and learning then have no effect.
-
-    Raises:
-        InputError: a value is outside its range.
     """
 
     stiffness: float = setting(1.0, "times a typical person's", 0.25, 4)

@@ -66,10 +66,6 @@ def effort_metrics(torque: ArrayLike, rate: ArrayLike, dt: float) -> EffortMetri
         torque: The wearer's torque [N·m], shape (..., n, joints), n >= 3.
         rate: Joint rates [rad/s], the same shape.
         dt: Sampling period [s].
-
-    Raises:
-        InputError: The shapes differ or are too small, a value is not finite, or the period is not
-            positive.
     """
     torque, rate = np.asarray(torque, dtype=float), np.asarray(rate, dtype=float)
     _check(torque, rate, dt)

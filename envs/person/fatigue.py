@@ -101,9 +101,6 @@ def endurance_time(load: ArrayLike, joint: str) -> Array:
     Args:
         load: Fraction of the unfatigued strength, 0 to 1, any shape.
         joint: Name of a joint in `JOINTS`.
-
-    Raises:
-        InputError: The arm has no such joint, or a load is outside 0 to 1.
     """
     if joint not in JOINTS:
         raise unknown_name("joint", joint, JOINTS)

@@ -222,9 +222,6 @@ def needed_options(given: AnyPolicy) -> dict[str, Any]:
         given: A policy, which needs its sensor suites in their units; or the name or folder of a
             trained one, which needs what it was trained with; or a class of your own without
             `sensors`, which takes what there is.
-
-    Raises:
-        InputError: See `policy_spec`.
     """
     name = policy_spec(given).name
     maker = maker_of(name)

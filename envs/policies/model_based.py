@@ -70,9 +70,6 @@ class ModelBased(TorquePolicy):
         weight: Weight that is carried, or None.
         suit: Follower of the suit, or None.
         friction: Friction that is cancelled.
-
-    Raises:
-        InputError: The lead or the share is out of its range.
     """
 
     def __init__(

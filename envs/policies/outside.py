@@ -28,22 +28,14 @@ class Outside:
         self.practice = getattr(policy, "practice", 0)
 
     def reset(self) -> None:
-        """Clears the memory of the policy.
-
-        Raises:
-            InputError: Its code fails.
-        """
+        """Clears the memory of the policy."""
         try:
             self.policy.reset()
         except Exception as error:
             raise self._failed("reset", error) from error
 
     def act(self, observation: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Returns the action of the policy.
-
-        Raises:
-            InputError: Its code fails, or what it returns is no action.
-        """
+        """Returns the action of the policy."""
         try:
             found = np.asarray(self.policy.act(observation), np.float64)
         except Exception as error:

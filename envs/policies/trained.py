@@ -47,9 +47,6 @@ def environment_of(folder: str | os.PathLike[str]) -> dict[str, Any]:
     Returns:
         The id of the environment as "env", and its options as plain data, so that
         `gymnasium.make(scene.pop("env"), **scene)` makes it.
-
-    Raises:
-        InputError: The folder has no card, or an option is unknown or cannot be used.
     """
     folder = Path(folder)
     path, found = folder / CARD, dict(read_card(folder).environment)

@@ -84,10 +84,6 @@ class RigConfig:
             pair for each sample, which has then its own rates. Only its reversals and the mean rate
             of each branch between them matter, and only they are kept. `start_angle` is by default
             the angle of the first pair.
-
-    Raises:
-        InputError: There is no such suit or joint, a number is out of its range, or there are turns
-            beside a motion.
     """
 
     suit: AnySuit | SuitJoint | HysteresisModel = "mock-suit"

@@ -52,11 +52,7 @@ TASKS: dict[str, Task] = {
 
 
 def task_of(given: str | Task) -> Task:
-    """Returns a task, the shipped one of that name, or the motion of a CSV file.
-
-    Raises:
-        InputError: There is no such task, or the file holds no motion.
-    """
+    """Returns a task, the shipped one of that name, or the motion of a CSV file."""
     if isinstance(given, Task):
         return given
     if not isinstance(given, str):

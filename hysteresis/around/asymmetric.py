@@ -94,9 +94,6 @@ class Asymmetric(Wrapper):
         """Returns the certificate of the hysteretic part, with a larger torque bound.
 
         The bound grows by the largest |polynomial| in the range.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         inner = self.model.certificate((low, high))
@@ -104,11 +101,7 @@ class Asymmetric(Wrapper):
         return replace(inner, torque_bound=inner.torque_bound + largest)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Asymmetric":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
-        """
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         scales(torque=torque, angle=angle)
         return Asymmetric(
             model=self.model.scaled(torque=torque, angle=angle),

@@ -167,20 +167,13 @@ class Backlash(Wrapper):
         """Returns the certificate of the inner model for the angles that the suit's side can reach.
 
         They extend half a gap beyond the range on either side.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         inner = self.model.certificate((low - self.gap / 2, high + self.gap / 2))
         return replace(inner, angle_range=(low, high))
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Backlash":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
-        """
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         scales(torque=torque, angle=angle)
         inner = self.model.scaled(torque=torque, angle=angle)
         return Backlash(model=inner, gap=self.gap * angle)

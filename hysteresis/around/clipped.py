@@ -98,11 +98,7 @@ class Clipped(Wrapper):
         return Energy(stored + state.memory[1] * (state.angle - state.memory[0]), dissipated)
 
     def certificate(self, angle_range: tuple[float, float] = ALL_ANGLES) -> Certificate:
-        """Returns the inner model's certificate for its own range, which holds at all angles here.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
-        """
+        """Returns the inner model's certificate for its own range, which holds at all angles."""
         asked = checked_range(angle_range)
         return replace(self.model.certificate(self.angle_range), angle_range=asked)
 

@@ -38,10 +38,6 @@ class Viscoelastic(Wrapper):
         damping: Damping b of the dashpot [N·m·s/rad].
         relaxation_stiffness: Stiffness k of the Maxwell element [N·m/rad].
         relaxation_time: Time tau in which its torque decays to 1/e [s].
-
-    Raises:
-        InputError: A number is not finite, or negative, the time is 0 with a stiffness, or
-            `model` is viscoelastic itself.
     """
 
     name = "viscoelastic"
@@ -99,9 +95,6 @@ class Viscoelastic(Wrapper):
         Args:
             angle: Joint angles [rad], shape (n,).
             time: Time of each, ascending [s], shape (n,).
-
-        Raises:
-            InputError: The times do not ascend, or are not as many as the angles.
         """
         angle, time = finite_series("angle", angle, "rad"), finite_series("time", time, "s")
         if time.size != angle.size:
@@ -148,9 +141,6 @@ class Viscoelastic(Wrapper):
 
         Both elements are passive, so `dissipative` stays. The spring of the Maxwell element never
         deflects by more than the range, which bounds its torque; a dashpot has no bound.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         inner, more = self.model.certificate((low, high)), 0.0
@@ -161,11 +151,7 @@ class Viscoelastic(Wrapper):
         return replace(inner, torque_bound=inner.torque_bound + more)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Viscoelastic":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
-        """
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         scales(torque=torque, angle=angle)
         return Viscoelastic(
             model=self.model.scaled(torque=torque, angle=angle),

@@ -43,9 +43,6 @@ class BoucWen(HysteresisModel):
         gamma: Shape coefficient, which bends the loop [1/rad^n].
         n: Sharpness of the yield, 1 to 1e6.
         rest_angle: Angle at which the elastic part is zero [rad].
-
-    Raises:
-        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "bouc-wen"
@@ -103,9 +100,6 @@ class BoucWen(HysteresisModel):
         with V = theta - rest_angle in radians: k is in N·m/rad, h in radians, d_e and alpha are
         numbers, beta and gamma in 1/rad^n. The factor d_e of alpha is missing in print, which makes
         h some 1e6 times too large beside d_e V; `literal` takes eq. (1) as printed.
-
-        Raises:
-            InputError: A parameter is not finite or out of its range, or the slope of h is 0.
         """
         k, d_e, alpha = number("k", k), number("d_e", d_e), number("alpha", alpha)
         slope = alpha if literal else alpha * d_e
@@ -146,9 +140,6 @@ class BoucWen(HysteresisModel):
             n: Sharpness of the yield, 1 to 1e6.
             A: Slope dz/dtheta at z = 0, > 0.
             rest_angle: Angle at which the elastic part is zero [rad].
-
-        Raises:
-            InputError: A parameter is not finite or out of its range.
         """
         k, alpha = number("k", k), number("alpha", alpha)
         return cls(
@@ -180,11 +171,7 @@ class BoucWen(HysteresisModel):
         return self._at_torque(elastic + self.hysteretic * z, memory, parameters)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "BoucWen":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
-        """
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         scales(torque=torque, angle=angle)
         shape = angle**-self.n
         return replace(

@@ -73,9 +73,6 @@ class Semilinear(HysteresisModel):
         of p, and the friction z^2 / (2 stiffness). With dz of the class, what is left of the work
         z dtheta is z^2 / friction_up |dtheta| upwards and z^2 / friction_down |dtheta| downwards:
         the model dissipates, from any start. The memory bound is the smaller friction.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         _, up, down = self.parameter_vector[: kernels.SPRING].tolist()
@@ -97,11 +94,7 @@ class Semilinear(HysteresisModel):
         return self._at_torque(spring + z, memory, parameters)
 
     def scaled(self, *, torque: float = 1.0, angle: float = 1.0) -> "Semilinear":
-        """Returns the model whose torque at angle * theta is `torque` times this one's at theta.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
-        """
+        """Returns the model whose torque at angle * theta is `torque` times this one's at theta."""
         scales(torque=torque, angle=angle)
         frictions: dict[str, Any] = {name: F * torque for name, F in self._frictions.items()}
         return replace(
@@ -130,9 +123,6 @@ class Dahl(Semilinear):
         spring: Coefficients of p, constant first, one to six [N·m/rad^i].
         stiffness: Slope dz/dtheta at z = 0, > 0 [N·m/rad].
         friction: Largest |z|, > 0 [N·m].
-
-    Raises:
-        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "dahl"
@@ -159,9 +149,6 @@ class Duhem(Semilinear):
         stiffness: Slope dz/dtheta at z = 0, the same on both ways, > 0 [N·m/rad].
         friction_up: Limit of z upwards, > 0 [N·m].
         friction_down: Limit of -z downwards, > 0 [N·m].
-
-    Raises:
-        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "duhem"
@@ -206,9 +193,6 @@ class Duhem(Semilinear):
             rate_down: Rate of the approach downwards, > 0 [1/rad].
             limit_down: Limit of y downwards, below `limit_up` [N·m].
             spring: Coefficients of p, constant first, one to six [N·m/rad^i].
-
-        Raises:
-            InputError: A number is not finite or out of its range.
         """
         for name, rate in (("rate_up", rate_up), ("rate_down", rate_down)):
             if not number(name, rate, "1/rad") > 0:

@@ -276,9 +276,6 @@ def take_off(mj_model: mujoco.MjModel, plugin_state: NDArray[np.float64], joint:
         plugin_state: The array `data.plugin_state`, or one simulation's row of a batch; it is
             changed in place.
         joint: Name of the joint.
-
-    Raises:
-        InputError: The joint has no hysteresis model.
     """
     for instance in _instances_at(mj_model, joint):
         plugin_state[mj_model.plugin_stateadr[instance] + FAULT] = OFF

@@ -50,9 +50,6 @@ class HingedStops(HysteresisModel):
         slopes: Slopes of h below, between and above the knots, >= 0, one more than knots.
         offset: Resistance where P = 0 [N·m].
         rest_angle: Angle at which u is zero [rad].
-
-    Raises:
-        InputError: A parameter is not finite or out of its range, or the numbers do not match.
     """
 
     name: ClassVar[str] = "hinged-stops"
@@ -161,9 +158,6 @@ class HingedStops(HysteresisModel):
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 
         The stops are as after a first loading, the shortest one that gives this torque.
-
-        Raises:
-            InputError: A number is not finite, or the model cannot have that torque there.
         """
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
@@ -182,9 +176,6 @@ class HingedStops(HysteresisModel):
 
         Nothing has a pole, and the docstring of the class proves that no cycle gives energy back.
         |E_i| <= r_i bounds P, and h rises, so that T is bounded by its values at the ends.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         return Certificate(
@@ -201,9 +192,6 @@ class HingedStops(HysteresisModel):
         Args:
             torque: Scale of the resistance, > 0.
             angle: Scale of the angles, > 0.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         return replace(

@@ -53,9 +53,6 @@ class JilesAtherton(HysteresisModel):
         clamp: Rule that stops the irreversible part while it points against the motion: `none`,
             `jiles` (by the sign of Man - M) or `irreversible` (by its own sign, right for c > 1).
         allow_active: Whether to accept a model that feeds energy into the joint.
-
-    Raises:
-        InputError: A parameter is not finite or out of its range.
     """
 
     name: ClassVar[str] = "jiles-atherton"
@@ -151,9 +148,6 @@ class JilesAtherton(HysteresisModel):
         Returns:
             The certificate. Nothing is proved (margin -inf) for forms other than `bulk` without a
             clamp.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         Ms, a, alpha, c, k = self.parameter_vector[: len(PARAMETERS)].tolist()

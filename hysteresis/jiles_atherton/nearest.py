@@ -47,9 +47,6 @@ def nearest_certified(model: JilesAtherton) -> Nearest:
 
     Returns:
         A certified model in the same angle unit, and how much its curves differ.
-
-    Raises:
-        InputError: `model` is not a Jiles-Atherton model.
     """
     from scipy.optimize import least_squares  # slow to import, rarely needed
 

@@ -43,9 +43,6 @@ class PrandtlIshlinskii(HysteresisModel):
         weights: Weights w_i [N·m/rad], as many as thresholds.
         operator: Which of the two sums the model is.
         rest_angle: Angle at which u is zero [rad].
-
-    Raises:
-        InputError: A parameter is not finite or out of its range, or the numbers do not match.
     """
 
     name: ClassVar[str] = "prandtl-ishlinskii"
@@ -132,9 +129,6 @@ class PrandtlIshlinskii(HysteresisModel):
         """Begins a motion at `angle` [rad] with a known resistance [N·m].
 
         The elements are as after a first loading, the shortest one that gives this torque.
-
-        Raises:
-            InputError: A number is not finite, or the model cannot have that torque there.
         """
         number("angle", angle, "rad")
         number("initial torque", torque, "N·m")
@@ -156,9 +150,6 @@ class PrandtlIshlinskii(HysteresisModel):
 
         In the stop form |E_i| <= r_i, and nothing has a pole. A cycle loses the integral of
         sum w_i r_i |dF_i|, which is never negative if no w_i is.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         stiffness, weights = self.parameter_vector[0], self.parameter_vector[-len(self.weights) :]
@@ -221,9 +212,6 @@ class PrandtlIshlinskii(HysteresisModel):
         Args:
             torque: Scale of the resistance, > 0.
             angle: Scale of the angles, > 0.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         return replace(

@@ -61,9 +61,6 @@ class Preisach(HysteresisModel):
             and rises by it when they all go down. The model is dissipative if no weight is below 0.
         elastic: Slope of the elastic part in each segment [N·m/rad], of any sign; 0 where it is
             left out.
-
-    Raises:
-        InputError: The levels, density or elastic are not finite or do not fit together.
     """
 
     name: ClassVar[str] = "preisach"
@@ -138,9 +135,6 @@ class Preisach(HysteresisModel):
         motions that start with 0 N·m; for others it bounds |T - T(start)|, since the offset is
         free. It is the spread of the elastic part, plus the sum of |weight| of all relays that can
         switch, which are those that go up inside the range.
-
-        Raises:
-            InputError: `angle_range` is not two ascending angles.
         """
         low, high = checked_range(angle_range)
         sizes = replace(self, density=[[abs(weight) for weight in row] for row in self.density])
@@ -178,9 +172,6 @@ class Preisach(HysteresisModel):
         Args:
             torque: Scale of the resistance, > 0.
             angle: Scale of the angles, > 0.
-
-        Raises:
-            InputError: A scale is not finite or not above 0.
         """
         scales(torque=torque, angle=angle)
         return Preisach(

@@ -43,10 +43,6 @@ def fit_asymmetric(
     Returns:
         The model; its Jiles-Atherton part has a constant torque outside the angles of the curves if
         it is safe inside only. `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, they begin apart, the degree is out of its range, or
-            nothing certified was found.
     """
     if not 1 <= degree <= LARGEST_DEGREE:
         raise InputError(f"degree is {degree}: use 1 to {LARGEST_DEGREE}")

@@ -56,11 +56,7 @@ def begins_safely(model: HysteresisModel, torque: float, curves: Sequence[Curve]
 
 
 def bare(model: HysteresisModel) -> JilesAtherton:
-    """Returns the Jiles-Atherton model of a fit, without the constant torque outside a range.
-
-    Raises:
-        InputError: The model is of another kind.
-    """
+    """Returns the Jiles-Atherton model of a fit, without the constant torque outside a range."""
     inner = model.model if isinstance(model, Clipped) else model
     if not isinstance(inner, JilesAtherton):
         raise InputError(

@@ -36,9 +36,6 @@ def fit_bouc_wen(
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, they begin apart, or the budget is too small.
     """
     beside = BesidePolynomial(curves, degree=1)
     search = search_shapes(_Shapes(beside), beside.floor, screened=SCREENED, budget=budget, rng=rng)

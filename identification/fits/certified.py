@@ -96,9 +96,6 @@ def certified_fit(
 
     Returns:
         The best parameters found, their NRMSE and how many evaluations they took.
-
-    Raises:
-        InputError: `budget` is too small, the curves are unusable, or nothing certified was found.
     """
     at_least("budget", budget, SCREENED + 1)
     problem = CertifiedProblem(curves, initial_torque)

@@ -39,10 +39,6 @@ def fit_dahl(
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, they begin apart, the degree is out of its range, or
-            the budget is too small.
     """
     spring, stiffness, (friction,) = _fit(curves, 1, rng, degree, budget)
     return Dahl(spring=spring, stiffness=stiffness, friction=friction)
@@ -64,9 +60,6 @@ def fit_duhem(
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: See `fit_dahl`.
     """
     spring, stiffness, (up, down) = _fit(curves, 2, rng, degree, budget)
     return Duhem(spring=spring, stiffness=stiffness, friction_up=up, friction_down=down)

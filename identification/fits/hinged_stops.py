@@ -40,9 +40,6 @@ def fit_hinged_stops(curves: Sequence[Curve], thresholds: int = 12) -> HingedSto
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, they begin apart, or `thresholds` is below 1.
     """
     at_least("thresholds", thresholds, 1)
     problem = _Hinges(usable(curves), thresholds)

@@ -42,9 +42,6 @@ def fit_preisach(curves: Sequence[Curve], levels: int | Sequence[float] = 20) ->
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, or the levels do not increase or miss the curves.
     """
     curves = usable(curves)
     low, high = curves.angle_range
@@ -87,9 +84,6 @@ def fit_prandtl_ishlinskii(
 
     Returns:
         The model; `response(angle, initial_torque)` predicts a curve.
-
-    Raises:
-        InputError: There is no usable curve, they begin apart, or the thresholds are bad.
     """
     curves = usable(curves)
     starts = [float(curve.angle[0]) for curve in curves]

@@ -84,9 +84,6 @@ def register_fit(model_name: str, fit: FitFunction) -> None:
     Args:
         model_name: The `name` of the model.
         fit: A function as this module describes it.
-
-    Raises:
-        InputError: The name is taken by another fit, or `fit` is no function.
     """
     if not callable(fit):
         raise InputError(f"fit of {model_name!r} is {fit!r}: give a function of the curves")

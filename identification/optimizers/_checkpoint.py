@@ -39,11 +39,7 @@ def unpack(name: str, value: Any, like: Any) -> Any:
 def parts(
     state: Mapping[str, Any], kind: str, changing: Sequence[str]
 ) -> tuple[dict[str, Any], Mapping[str, Any], np.random.Generator]:
-    """Returns options, changing values and an unseeded generator of the saved kind.
-
-    Raises:
-        InputError: The state is of another kind than `kind`, or not whole.
-    """
+    """Returns options, changing values and an unseeded generator of the saved kind."""
     _whole(state, ("swarm", "options", "changing", "rng"))
     if state["swarm"] != kind:
         raise InputError(

@@ -57,9 +57,6 @@ class PSO(Swarm):
         social: Coefficient c2, the pull towards the best of all.
         per_dimension: Whether random numbers are drawn for each dimension of each particle.
         **common: Options that every swarm takes; `SwarmOptions` lists them.
-
-    Raises:
-        InputError: Bounds, sizes or coefficients are wrong.
     """
 
     def __init__(
@@ -129,10 +126,6 @@ def pso(
     Returns:
         A result with `x`, `fun`, `nit`, `nfev`, `history` (best value before the first and after
         each iteration), `discarded`, `population`, `success`, `message`.
-
-    Raises:
-        InputError: Bounds, sizes, coefficients or the objective's shape are wrong, or no first
-            value is finite.
     """
     swarm = PSO(
         bounds,

@@ -33,9 +33,6 @@ class RankDistanceMPSO(PSO):
         social: Coefficient c2, the pull towards the best of all.
         per_dimension: Whether random numbers are drawn for each dimension of each particle.
         **common: Options that every swarm takes; `SwarmOptions` lists them.
-
-    Raises:
-        InputError: Bounds, sizes or an option is wrong.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (
@@ -178,10 +175,6 @@ def rank_distance_mpso(
 
     Returns:
         The result, with the fields that `pso` lists; `population` is the survivors.
-
-    Raises:
-        InputError: `distance_rank` or `patience` is none of the above, or anything that `pso`
-            refuses.
     """
     swarm = RankDistanceMPSO(
         bounds,

@@ -33,9 +33,6 @@ def register_optimizer(name: str, minimize: Optimizer) -> None:
     Args:
         name: Name of the method.
         minimize: Function whose result has `x`, `fun` and `history`, as that of `pso`.
-
-    Raises:
-        InputError: The name is taken by another method, or `minimize` is no function.
     """
     if not callable(minimize):
         raise InputError(f"optimizer {name!r} is {minimize!r}: give a function that minimizes")

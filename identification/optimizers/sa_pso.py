@@ -23,9 +23,6 @@ class SAPSO(Swarm):
         bounds: One pair (low, high) per parameter.
         temperature: First temperature, as `sa_pso` takes it.
         **common: Options that every swarm takes; `SwarmOptions` lists them.
-
-    Raises:
-        InputError: Bounds, sizes or `temperature` are wrong.
     """
 
     _CHANGING: ClassVar[tuple[str, ...]] = (*Swarm._CHANGING, "_first_temperature")
@@ -81,9 +78,6 @@ def sa_pso(
 
     Returns:
         The result, with the fields that `pso` lists.
-
-    Raises:
-        InputError: `temperature` is none of the above, or anything that `pso` refuses.
     """
     return SAPSO(bounds, temperature=temperature, **common).minimize(objective, callback)
 

@@ -147,11 +147,7 @@ class Swarm(ABC):
         )
 
     def ask(self) -> Array:
-        """Returns the positions to evaluate, (n, d); asking again before `tell` gives the same.
-
-        Raises:
-            InputError: The run is over.
-        """
+        """Returns the positions to evaluate, (n, d); asking again before `tell` gives the same."""
         if not self._asked:
             if self.stopped:
                 raise InputError(f"ask after the end ({self.stopped}): read result, or start anew")
@@ -211,11 +207,7 @@ class Swarm(ABC):
 
     @classmethod
     def from_state(cls, state: Mapping[str, Any]) -> Self:
-        """Returns the swarm that `state` described; it goes on as if never interrupted.
-
-        Raises:
-            InputError: The state is of another class, or not whole.
-        """
+        """Returns the swarm that `state` described; it goes on as if never interrupted."""
         options, changing, generator = _checkpoint.parts(state, cls.__name__, cls._CHANGING)
         try:
             swarm = cls(**options, rng=generator)  # construction draws; the state is restored after

@@ -59,11 +59,7 @@ class Coordinates:
         return np.where(np.isfinite(self.least), self.values - self.least, 1.0)
 
     def at(self, point: Array) -> tuple[HysteresisModel, InitialTorque]:
-        """Returns model and initial torque of a point.
-
-        Raises:
-            InputError: There is no such model.
-        """
+        """Returns model and initial torque of a point."""
         content, start = copy.deepcopy(self._content), self._start
         for path, value in zip(self._paths, self.numbers(point).tolist(), strict=True):
             if path == ():

@@ -93,9 +93,6 @@ class Uncertainty:
 
         Args:
             curve: Motion; its torque is used only where the fit began with the measured one.
-
-        Raises:
-            InputError: The model cannot begin there.
         """
         if not isinstance(curve, Curve):
             raise InputError(f"curve is {shown(curve)}: give a Curve, whose torque may be zeros")
@@ -126,9 +123,6 @@ def uncertainty(
         samples: Number of models to draw (parametric bootstrap): the model's own curves with noise
             as that of the residual, an offset and a damping that the curves allow are fitted anew.
         seed: Seed of all that is drawn.
-
-    Raises:
-        InputError: The curves are unusable or too few.
     """
     at_least("samples", samples, 0)
     check_seed(seed)
