@@ -1,187 +1,156 @@
-"""Figures of simulated motions. A figure function takes data and returns the figure."""
+"""Simulated motions as figures."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..arrays import Array
 from ..assets import JOINTS
+from ..plots import LEAST_HEIGHT, Line, Mark, Panel, Plot
 from .evaluation import Trace
 from .model import ASSISTED
 from .model.cuffs import FORCE_LIMITS
 
 ASSISTED_COLUMNS = [JOINTS.index(joint) for joint in ASSISTED]
-COLORS = {
-    "unsuited": "#bbbbbb",
-    "suited": "#555555",
-    "none": "#000000",
-    "transparent": "#e69f00",
-    "gravity": "#cc79a7",
-    "feedforward": "#0072b2",
-    "compensation": "#d55e00",
-    "complement": "#56b4e9",
-    "oracle": "#009e73",
-    "best-known-plan": "#009e73",
-}
-OTHERS = ("#8c564b", "#9467bd", "#17becf")
-HEAT = "motor load\n[% of continuous]"
-STYLES = {"oracle": "--", "gravity": "-.", "best-known-plan": "--", "unsuited": ":", "suited": ":"}
+TITLES = [joint.replace("_", " ") for joint in ASSISTED]
+HEAT = "motor load [% of continuous]"
+Traces = Mapping[str, Trace]
 
 
-def trajectory_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws intended and actual angles of the assisted joints over time, one line per policy."""
-    figure = Figure(figsize=(10, 5), layout="constrained")
-    axes = figure.subplots(len(ASSISTED), 1, sharex=True)
+def motion_plots(traces: Traces, place: str = "") -> dict[str, Plot]:
+    """Returns all figures of motions, by the names of their files.
+
+    Args:
+        traces: Motions by the name of the policy.
+        place: What was simulated, for the titles.
+    """
+    plots = {
+        "trajectory": trajectory_plot(traces),
+        "torques": torques_plot(traces),
+        "motion-loops": motion_loops_plot(traces),
+        "strain": strain_plot(traces),
+    }
+    cuffs = {name: one for name, one in traces.items() if one.cuff_force is not None}
+    if cuffs:
+        plots["cuff-forces"] = cuff_forces_plot(cuffs)
+    named = f": {place}" if place else ""
+    return {
+        name: Plot(**{**vars(plot), "title": plot.title + named}) for name, plot in plots.items()
+    }
+
+
+def trajectory_plot(traces: Traces) -> Plot:
+    """Returns intended and actual angles of the assisted joints over time, a line per policy."""
     first = next(iter(traces.values()))
-    for ax, joint, column in zip(axes, ASSISTED, ASSISTED_COLUMNS, strict=True):
-        ax.plot(first.time, first.target_angle[:, column], color="0.8", lw=4, label="intended")
-        for policy, color in _colors(traces).items():
-            angle = traces[policy].angle[:, column]
-            ax.plot(
-                traces[policy].time, angle, color=color, lw=1.2, ls=_style(policy), label=policy
-            )
-        ax.set_ylabel(f"{joint.replace('_', ' ')} [rad]")
-        ax.grid(alpha=0.25)
-    axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
-    axes[-1].set_xlabel("time [s]")
-    return figure
+    panels = []
+    for title, column in zip(TITLES, ASSISTED_COLUMNS, strict=True):
+        intended = Line(first.time, first.target_angle[:, column], "intended", width=4)
+        marks: list[Mark] = [intended]
+        marks += [Line(one.time, one.angle[:, column], name) for name, one in traces.items()]
+        panels.append(_panel("time [s]", f"{title} [rad]", marks, least=LEAST_HEIGHT))
+    return Plot(title="Intended and actual angles", panels=panels, height=2.6)
 
 
-def torques_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws human, suit and assist torque of the assisted joints over time, one line per policy."""
-    figure = Figure(figsize=(11, 7), layout="constrained")
-    rows = ("human torque", "suit torque", "assist torque")
-    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True)
-    for policy, color in _colors(traces).items():
-        trace = traces[policy]
-        series = (
-            trace.human_torque[:, ASSISTED_COLUMNS],
-            trace.suit_torque[:, ASSISTED_COLUMNS],
-            trace.assist_torque,
+def torques_plot(traces: Traces) -> Plot:
+    """Returns human, suit and assist torque of the assisted joints over time."""
+    rows = {
+        "human torque [N·m]": _columns(traces, lambda one: one.human_torque[:, ASSISTED_COLUMNS]),
+        "suit torque [N·m]": _columns(traces, lambda one: one.suit_torque[:, ASSISTED_COLUMNS]),
+        "assist torque [N·m]": _columns(traces, lambda one: one.assist_torque),
+    }
+    return _over_time("Torques over time", traces, rows, levels={"": 0.0})
+
+
+def motion_loops_plot(traces: Traces) -> Plot:
+    """Returns suit resistance and human torque over the joint angle, a line per policy."""
+    rows = {
+        "suit resistance [N·m]": _columns(traces, lambda one: -one.suit_torque),
+        "human torque [N·m]": _columns(traces, lambda one: one.human_torque),
+    }
+    panels = [
+        _panel(
+            "angle [rad]",
+            label,
+            [Line(traces[n].angle[:, i], torque[:, i], n, width=1) for n, torque in row.items()],
+            title=title,
         )
-        for axes, values in zip(grid, series, strict=True):
-            for ax, torque in zip(axes, values.T, strict=True):
-                ax.plot(trace.time, torque, color=color, lw=1.2, ls=_style(policy), label=policy)
-    for axes, row in zip(grid, rows, strict=True):
-        axes[0].set_ylabel(f"{row} [N·m]")
-        for ax in axes:
-            ax.axhline(0, color="0.6", lw=0.6)
-            ax.grid(alpha=0.25)
-    return _over_time(figure, grid, len(traces))
+        for label, row in rows.items()
+        for title, i in zip(TITLES, ASSISTED_COLUMNS, strict=True)
+    ]
+    return Plot(title="Torques over angle", panels=panels, columns=len(ASSISTED))
 
 
-def _over_time(figure: Figure, grid: Any, policies: int) -> Figure:
-    """Names the joints above, the time below, and the policies in one row; returns the figure."""
-    for ax, joint in zip(grid[0], ASSISTED, strict=True):
-        ax.set_title(joint.replace("_", " "), loc="left")
-    for ax in grid[-1]:
-        ax.set_xlabel("time [s]")
-    handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=policies, frameon=False)
-    return figure
-
-
-def motion_loops_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws suit resistance and human torque over the joint angle, one line per policy."""
-    figure = Figure(figsize=(10, 7.6), layout="constrained")
-    grid = figure.subplots(2, len(ASSISTED), sharex="col")
-    for policy, color in _colors(traces).items():
-        trace = traces[policy]
-        style = _style(policy)
-        for axes, values in zip(grid, (-trace.suit_torque, trace.human_torque), strict=True):
-            for ax, column in zip(axes, ASSISTED_COLUMNS, strict=True):
-                angle, torque = trace.angle[:, column], values[:, column]
-                ax.plot(angle, torque, color=color, lw=1.0, ls=style, label=policy)
-    for ax, joint in zip(grid[0], ASSISTED, strict=True):
-        ax.set_title(joint.replace("_", " "), loc="left")
-    for ax in grid[-1]:
-        ax.set_xlabel("angle [rad]")
-    for ax in grid.flat:
-        ax.axhline(0, color="0.6", lw=0.6)
-        ax.grid(alpha=0.25)
-    grid[0][0].set_ylabel("suit resistance, minus suit torque [N·m]")
-    grid[1][0].set_ylabel("human torque [N·m]")
-    handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(traces), frameon=False)
-    return figure
-
-
-def strain_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws what the wearer and the motors bear at the assisted joints, one line per policy.
+def strain_plot(traces: Traces) -> Plot:
+    """Returns what the wearer and the motors bear at the assisted joints, a line per policy.
 
     That is effort over time, the strength of the weaker muscles, the fatigued part of the more
     fatigued ones where muscles tire, and the motors' heat where there are motors.
     """
-    drawn: dict[str, dict[str, Array | None]] = {
-        "effort [% of strength]": {
-            name: 100 * one.effort[:, ASSISTED_COLUMNS] for name, one in traces.items()
-        },
-        "strength [N·m]": {
-            name: one.strength.min(axis=1)[:, ASSISTED_COLUMNS] for name, one in traces.items()
-        },
+    columns = ASSISTED_COLUMNS
+    rows = {
+        "effort [% of strength]": _columns(traces, lambda one: 100 * one.effort[:, columns]),
+        "strength [N·m]": _columns(traces, lambda one: one.strength.min(axis=1)[:, columns]),
         "fatigued [%]": {
-            name: None
-            if one.fatigue is None
-            else 100 * one.fatigue.max(axis=1)[:, ASSISTED_COLUMNS]
+            name: 100 * one.fatigue.max(axis=1)[:, columns]
             for name, one in traces.items()
+            if one.fatigue is not None
         },
         HEAT: {
-            name: None if one.motor_load is None else 100 * one.motor_load
-            for name, one in traces.items()
+            name: 100 * one.motor_load for name, one in traces.items() if one.motor_load is not None
         },
     }
-    rows = {
-        label: series
-        for label, series in drawn.items()
-        if any(one is not None for one in series.values())
-    }
-    figure = Figure(figsize=(11, 2.3 * len(rows) + 0.6), layout="constrained")
-    grid = figure.subplots(len(rows), len(ASSISTED), sharex=True)
-    colors = _colors(traces)
-    for axes, (label, series) in zip(grid, rows.items(), strict=True):
-        axes[0].set_ylabel(label)
-        for i, ax in enumerate(axes):
-            for name, values in series.items():
-                if values is not None:
-                    style = {"color": colors[name], "lw": 1.2, "ls": _style(name)}
-                    ax.plot(traces[name].time, values[:, i], label=name, **style)
-            if label == HEAT:
-                ax.axhline(100, color="0.3", lw=0.8, ls=":")  # a motor is hot
-            ax.set_ylim(0, 1.05 * ax.get_ylim()[1])
-            ax.grid(alpha=0.25)
-    return _over_time(figure, grid, len(traces))
+    shown = {label: row for label, row in rows.items() if row}
+    return _over_time("Effort, fatigue and heat", traces, shown, height=2.4, from_zero=True)
 
 
-def cuff_forces_figure(traces: Mapping[str, Trace]) -> Figure:
-    """Draws the forces of the cuffs over time, and the largest ones that a person should bear.
+def cuff_forces_plot(traces: Traces) -> Plot:
+    """Returns the forces of the cuffs over time, and the largest ones that a person should bear.
 
     Args:
         traces: Motions with cuffs, by the name of the policy.
     """
-    figure = Figure(figsize=(10, 6.5), layout="constrained")
-    axes = figure.subplots(len(FORCE_LIMITS), 1, sharex=True)
-    for policy, color in _colors(traces).items():
-        trace = traces[policy]
-        assert trace.cuff_force is not None
-        sizes = np.linalg.norm(trace.cuff_force, axis=-1).T
-        for ax, force in zip(axes, sizes, strict=True):
-            ax.plot(trace.time, force, color=color, lw=1.2, ls=_style(policy), label=policy)
-    for ax, (segment, limit) in zip(axes, FORCE_LIMITS.items(), strict=True):
-        ax.axhline(limit, color="#d62728", lw=1.2, label="ISO/TS 15066")
-        ax.set_ylim(bottom=0)
-        ax.set_ylabel(f"{segment.replace('_', ' ')} [N]")
-        ax.grid(alpha=0.25)
-    axes[0].legend(ncols=len(traces) + 1, frameon=False, loc="lower left", bbox_to_anchor=(0, 1))
-    axes[-1].set_xlabel("time [s]")
-    return figure
+    sizes = {
+        name: np.linalg.norm(np.asarray(one.cuff_force), axis=-1) for name, one in traces.items()
+    }
+    panels = [
+        _panel(
+            "time [s]",
+            f"{segment.replace('_', ' ')} [N]",
+            [Line(traces[name].time, size[:, i], name) for name, size in sizes.items()],
+            levels={"most that one should bear, ISO/TS 15066": limit},
+            from_zero=True,
+        )
+        for i, (segment, limit) in enumerate(FORCE_LIMITS.items())
+    ]
+    return Plot(title="Forces of the cuffs", panels=panels, height=2.4)
 
 
-def _colors(traces: Mapping[str, Trace]) -> dict[str, str]:
-    others = iter(OTHERS * len(traces))
-    return {policy: COLORS.get(policy) or next(others) for policy in traces}
+def _columns(traces: Traces, of: Any) -> dict[str, Array]:
+    return {name: of(one) for name, one in traces.items()}
 
 
-def _style(policy: str) -> str:
-    return STYLES.get(policy, "-")
+def _over_time(
+    title: str,
+    traces: Traces,
+    rows: Mapping[str, Mapping[str, Array]],
+    height: float = 2.6,
+    **options: Any,
+) -> Plot:
+    """Returns a row of panels for each quantity, a column for each assisted joint."""
+    panels = [
+        _panel(
+            "time [s]",
+            label,
+            [Line(traces[name].time, values[:, i], name) for name, values in row.items()],
+            title=joint,
+            **options | ({"levels": {"a motor is hot": 100.0}} if label == HEAT else {}),
+        )
+        for label, row in rows.items()
+        for i, joint in enumerate(TITLES)
+    ]
+    return Plot(title=title, panels=panels, columns=len(ASSISTED), height=height)
+
+
+def _panel(x: str, y: str, marks: Sequence[Mark], **options: Any) -> Panel:
+    return Panel(x=x, y=y, marks=marks, **options)

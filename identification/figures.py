@@ -1,91 +1,174 @@
-"""Figures of measured and modeled loops. A figure function takes data and returns the figure."""
+"""Measured torque beside that of models, as figures and as columns."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from .curves import Curve, Curves
+from ..arrays import Array
+from ..errors import InputError
+from ..plots import Band, Line, Mark, Panel, Plot
+from .curves import Curve
 from .identify import Fit
+from .residual.verdict import DESCRIBES
+from .selection import Selection
 from .thinning import drawn_note, drawn_samples
+from .uncertainty.uncertainty import Uncertainty
 
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
-STYLES = ("-", "--", ":", "-.")
+ROLES = {"fit": "fitted", "predict": "predicted"}
+COLUMNS = ["joint", "curve", "role", "angle_rad", "measured_nm", "model_nm", "low_nm", "high_nm"]
 
 
-def loops_figure(
-    families: Mapping[str, Sequence[Curve]], fits: Mapping[str, Mapping[str, Fit]]
-) -> Figure:
-    """Draws the measured loops of each joint and the torque of each fit.
+class Compared(NamedTuple):
+    """A measured curve beside a model, thinned for figures.
+
+    Attributes:
+        curve: The measured curve.
+        angle: Angle [rad], shape (samples,), as all that follow.
+        measured: Measured torque [N·m].
+        model: Torque of the model [N·m]; NaN without one.
+        low: Lower end of the torque's band [N·m]; NaN without one.
+        high: Its upper end [N·m].
+        note: How many samples there are, where some are left out.
+    """
+
+    curve: Curve
+    angle: Array
+    measured: Array
+    model: Array
+    low: Array
+    high: Array
+    note: str = ""
+
+
+def compared(
+    curves: Sequence[Curve],
+    result: Fit | Selection | None = None,
+    uncertainty: Uncertainty | None = None,
+) -> list[Compared]:
+    """Returns measured curves beside a model.
+
+    The band is that over kinds of model where they were compared, else that of the parameters where
+    the model describes the curves.
 
     Args:
-        families: Curves by joint name; fitted and predicted ones get a column each, if there are
-            any.
-        fits: Joint name -> label -> fit.
+        curves: Measured curves.
+        result: What was identified from them; None for the curves alone.
+        uncertainty: Uncertainty of the parameters; None if it was not asked for.
+    """
+    found = []
+    for role in ROLES:
+        here = [curve for curve in curves if curve.role == role]
+        note = drawn_note(here)
+        for curve, drawn in zip(here, drawn_samples(here), strict=True):
+            none = np.full(curve.angle.size, np.nan)
+            fit = result.fit if isinstance(result, Selection) else result
+            model = none if fit is None else fit.predict(curve)
+            band = (none, none) if fit is None else _band(result, fit, uncertainty, curve)
+            columns = (curve.angle, curve.torque, model, *(band or (none, none)))
+            found.append(Compared(curve, *(one[drawn] for one in columns), note))
+    return found
+
+
+def _band(
+    result: Fit | Selection | None, fit: Fit, uncertainty: Uncertainty | None, curve: Curve
+) -> tuple[Array, Array] | None:
+    try:
+        if isinstance(result, Selection) and result.ensemble is not None:
+            return result.ensemble.band(curve)
+        if uncertainty is not None and fit.verdict == DESCRIBES:
+            return uncertainty.band(curve)
+    except InputError:  # there is none along this curve
+        pass
+    return None
+
+
+def loop_rows(joint: str, curves: Sequence[Compared]) -> Iterator[list[str]]:
+    """Yields rows of `COLUMNS`; a cell without a number is empty."""
+    for one in curves:
+        for values in zip(one.angle, one.measured, one.model, one.low, one.high, strict=True):
+            cells = (f"{value:.6g}" if np.isfinite(value) else "" for value in values)
+            yield [joint, one.curve.name, one.curve.role, *cells]
+
+
+def loops_plot(joint: str, fits: Mapping[str, Sequence[Compared]], tare: float = 0.0) -> Plot:
+    """Returns the measured loops of a joint with the torque of each model, and what is left below.
+
+    Args:
+        joint: Name of the joint.
+        fits: The same curves beside each model, by its label.
+        tare: Torque of the sensor that is taken off the measured ones [N·m].
 
     Returns:
-        One row per joint: fitted curves on the left, predicted ones on the right.
+        Fitted curves on the left, predicted ones on the right, if there are any.
     """
-    columns = 2 if any(Curves(curves).held_out() for curves in families.values()) else 1
-    figure = Figure(figsize=(5 * columns, 3.8 * len(families)), layout="constrained")
-    grid = figure.subplots(len(families), columns, squeeze=False, sharey="row")
-    for axes, (joint, curves) in zip(grid, families.items(), strict=True):
-        parts = {"fitted": Curves(curves).fitted()}
-        if columns == 2:
-            parts["predicted"] = Curves(curves).held_out()
-        for ax, (title, drawn) in zip(axes, parts.items(), strict=True):
-            _draw_loops(ax, drawn, fits[joint])
-            ax.set_title(f"{joint.replace('_', ' ')}, {title}", loc="left")
-            note = drawn_note(drawn)
-            ax.set_xlabel(f"angle [rad] ({note})" if note else "angle [rad]")
-        tare = next(iter(fits[joint].values())).tare
-        less = f", {tare:.3g} N·m of the sensor taken off" if tare else ""
-        axes[0].set_ylabel(f"resistance [N·m]{less}")
-    grid[0][0].legend(loc="upper left", frameon=False)
-    return figure
-
-
-def _draw_loops(ax, curves: Sequence[Curve], fits: Mapping[str, Fit]) -> None:
-    for i, (curve, drawn) in enumerate(zip(curves, drawn_samples(curves), strict=True)):
-        angle = curve.angle[drawn]
-        ax.plot(
-            angle,
-            curve.torque[drawn],
-            ".",
-            color="0.75",
-            markersize=3,
-            label="curves" if i == 0 else None,
-            zorder=0,
+    first = next(iter(fits.values()))
+    roles = [role for role in ROLES if any(one.curve.role == role for one in first)]
+    fitted = any(np.isfinite(one.model).any() for one in first)
+    torque = f"resistance [N·m]{f', {tare:.3g} N·m of the sensor taken off' if tare else ''}"
+    loops, residuals = [], []
+    for role in roles:
+        here = {label: [x for x in ones if x.curve.role == role] for label, ones in fits.items()}
+        drawn = next(iter(here.values()))
+        note = f" ({drawn[0].note})" if drawn[0].note else ""
+        one_color = "" if fitted else None  # without a model each curve has its color
+        marks: list[Mark] = [
+            Line(x.angle, x.measured, "measured" if one_color == "" else x.curve.name, points=True)
+            for x in drawn
+        ]
+        left: list[Mark] = []
+        for label, ones in here.items() if fitted else ():
+            marks += [Band(x.angle, x.low, x.high, label) for x in ones if _known(x.low)]
+            marks += [Line(x.angle, x.model, label) for x in ones]
+            left += [
+                Line(x.angle[way], (x.measured - x.model)[way], name, points=True)
+                for x in ones
+                for name, way in _branches(x.angle, label if len(fits) > 1 else "").items()
+            ]
+        title = f"{joint.replace('_', ' ')}, {ROLES[role]}"
+        loops.append(Panel(x=f"angle [rad]{note}", y=torque, marks=marks, title=title))
+        zero = {"": 0.0}
+        residuals.append(
+            Panel(x="angle [rad]", y="measured less model [N·m]", marks=left, levels=zero)
         )
-        for (label, fit), color, style in zip(fits.items(), COLORS, STYLES, strict=False):
-            ax.plot(
-                angle,
-                fit.predict(curve)[drawn],  # torque along all samples, which the memory needs
-                style,
-                color=color,
-                lw=1.4,
-                label=label if i == 0 else None,
-            )
-    ax.axhline(0, color="0.6", lw=0.6)
-    ax.grid(alpha=0.25)
+    title = f"Loops of the {joint.replace('_', ' ')}"
+    panels = [*loops, *residuals] if fitted else loops
+    return Plot(title=title, panels=panels, columns=len(roles))
 
 
-def convergence_figure(histories: Mapping[str, Mapping[str, Sequence[Sequence[float]]]]) -> Figure:
-    """Draws the best fitness over iterations: median of the trials, and their quartiles.
+def _known(values: Array) -> bool:
+    return bool(np.isfinite(values).any())
+
+
+def _branches(angle: Array, label: str) -> dict[str, NDArray[np.bool_]]:
+    """Returns which samples are on ascending and which on descending branches, by name."""
+    up = np.gradient(angle) >= 0
+    if label:
+        return {label: np.ones(angle.size, bool)}
+    return {"residual, ascending": up, "residual, descending": ~up}
+
+
+def convergence_plot(histories: Mapping[str, Mapping[str, Sequence[Sequence[float]]]]) -> Plot:
+    """Returns the best fitness over iterations: median of the trials, and their quartiles.
 
     Args:
         histories: Joint name -> method -> one history per trial.
     """
-    figure = Figure(figsize=(10, 3.6), layout="constrained")
-    axes = figure.subplots(1, len(histories), squeeze=False, sharey=True)[0]
-    for ax, (joint, methods) in zip(axes, histories.items(), strict=True):
-        for (label, runs), color in zip(methods.items(), COLORS, strict=False):
-            quartiles = np.percentile(np.array(runs), [25, 50, 75], axis=0)
-            iteration = np.arange(quartiles.shape[1])
-            ax.fill_between(iteration, quartiles[0], quartiles[2], color=color, alpha=0.2, lw=0)
-            ax.plot(iteration, quartiles[1], color=color, label=label)
-        ax.set(yscale="log", xlabel="iteration", title=joint.replace("_", " "))
-        ax.grid(alpha=0.25, which="both")
-    axes[0].set_ylabel("fitness, eq. (7): median and quartiles")
-    axes[0].legend(frameon=False)
-    return figure
+    panels = []
+    for joint, methods in histories.items():
+        marks: list[Mark] = []
+        for label, runs in methods.items():
+            low, middle, high = np.percentile(np.array(runs), [25, 50, 75], axis=0)
+            iteration = np.arange(middle.size)
+            marks += [Band(iteration, low, high, label), Line(iteration, middle, label)]
+        panels.append(
+            Panel(
+                title=joint.replace("_", " "),
+                x="iteration",
+                y="fitness, eq. (7): median and quartiles",
+                marks=marks,
+                logarithmic=True,
+            )
+        )
+    return Plot(title="How the swarms converge", panels=panels, columns=len(panels))

@@ -10,7 +10,7 @@ from pathlib import Path
 from ..envs.benchmark.results import lines, read_results
 from ..envs.benchmark.standings import Standings
 from ..files import write_text
-from ..scripts.reports.leaderboard import page, profile_figure
+from ..scripts.reports.leaderboard import page, profile_plot
 
 DOCS = Path(__file__).parent.parent / "docs"
 RESULTS, PAGE = DOCS / "leaderboard.jsonl", DOCS / "leaderboard.md"
@@ -30,7 +30,7 @@ def main() -> None:
     found = read_results([*kept, *given])
     write_text(RESULTS, lines(found))
     write_text(PAGE, leaderboard())
-    profile_figure(Standings(found)).savefig(FIGURE, dpi=110)
+    profile_plot(Standings(found)).figure().savefig(FIGURE, dpi=110)
 
 
 if __name__ == "__main__":

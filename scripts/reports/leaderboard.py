@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +12,11 @@ from ...envs.levels import COMPARED
 from ...envs.policies import POLICIES, needed_options
 from ...envs.policies.trained import shipped_policies
 from ...errors import shown
+from ...plots import Line, Panel, Plot
 from ..output import Rows, markdown_table
 from ..text import without_markup
 from .motions import interval_text
 from .scores import Said
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
@@ -29,7 +26,8 @@ COSTS = (
     "cell has the mean cost, then its relief."
 )
 LOWEST = -1.0  # relief at which the figure begins
-COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C9")  # colors of the best policies
+MOST_COLORED = 8  # policies
+FAINT = "#b9bdc4"
 
 
 def level_rows(standings: Standings, level: str) -> Rows:
@@ -214,34 +212,26 @@ def _code(standing: Standing) -> str:
     return f"`{standing.policy.replace('`', '')}`"
 
 
-def profile_figure(standings: Standings) -> "Figure":
-    """Draws performance profiles: the share of motions with at least a relief."""
-    from matplotlib.figure import Figure
-
+def profile_plot(standings: Standings) -> Plot:
+    """Returns performance profiles: the share of motions with at least a relief."""
     names = [name for name in standings.policies if name not in FIXED]
     best = _first(standings, names)
-    size = 6.0, 2.8 * len(standings.levels) + 1.2
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(len(standings.levels), 1, squeeze=False, sharex=True)[:, 0]
+    bound = [FIXED[2]] if FIXED[2] in standings.policies else []
     relief = np.linspace(LOWEST, 1.5, 251)
-    styles: dict[str, dict[str, Any]] = {
-        name: {"color": "0.8", "lw": 0.8, "zorder": 1} for name in names
-    }
-    styles |= {
-        name: {"color": color, "label": name} for color, name in zip(COLORS, best, strict=False)
-    }
-    if FIXED[2] in standings.policies:
-        styles[FIXED[2]] = {"color": "black", "label": FIXED[2]}
-    for ax, level in zip(axes, standings.levels, strict=True):
-        for name, style in styles.items():
-            ax.plot(relief, standings.profile(name, level, relief), **style)
-        ax.set(title=level, xlim=(LOWEST, 1.5), ylim=(0, 1.01))
-        ax.grid(alpha=0.3)
-    figure.supylabel("share of motions with at least that relief")
-    axes[-1].set_xlabel("relief")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
-    return figure
+    panels = []
+    for level in standings.levels:
+        behind = [
+            Line(relief, standings.profile(name, level, relief), width=0.8, color=FAINT)
+            for name in names
+            if name not in best
+        ]
+        before = [
+            Line(relief, standings.profile(name, level, relief), name) for name in [*best, *bound]
+        ]
+        panels.append(
+            Panel(x="relief", y="share of motions", marks=[*behind, *before], title=level)
+        )
+    return Plot(title="Share of motions with at least a relief", panels=panels, height=2.8)
 
 
 def _first(standings: Standings, names: Sequence[str]) -> list[str]:
@@ -253,7 +243,7 @@ def _first(standings: Standings, names: Sequence[str]) -> list[str]:
         return float(np.mean(reliefs)) if reliefs else -np.inf
 
     plain = [name for name in names if not name.endswith("-tuned")]
-    return sorted(plain, key=mean, reverse=True)[: len(COLORS)]
+    return sorted(plain, key=mean, reverse=True)[:MOST_COLORED]
 
 
 def _cell(standings: Standings, setting: Setting, policy: str) -> str:

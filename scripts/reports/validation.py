@@ -5,9 +5,6 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from ...arrays import Array
 from ...assets import Suit
@@ -21,6 +18,8 @@ from ...envs.evaluation.validation import (
     TorqueError,
     Validation,
 )
+from ...plots import Cells as Colored
+from ...plots import Panel, Plot
 from ..output import Rows
 from .motions import interval_text
 
@@ -33,7 +32,6 @@ RULE = (
     + f", {NOT_VALID} beyond; and it holds for these angles only."
 )
 LEAST, MOST = 0.01, 0.5  # NRMSE, between which the colors of the matrix change
-COLORS = "RdYlGn_r"
 LESS = "less than"
 NOTHING, SAME = "nothing to judge", "the same suit"
 
@@ -76,30 +74,17 @@ def matrix_table(cells: Cells) -> Rows:
     return ["believes", *(f"wears\n{labels[other]}" for other in plants)], rows
 
 
-def matrix_figure(cells: Cells) -> Figure:
-    """Draws a heat map of torque errors; each cell tells error, relief and verdict."""
+def matrix_plot(cells: Cells) -> Plot:
+    """Returns a heat map of torque errors; each cell tells error, relief and verdict."""
     labels = names_of(chain(*cells))
     believed, plants = _axes(cells)
-    size = (3.0 + 2.1 * len(plants), 1.4 + 1.0 * len(believed))
-    figure = Figure(figsize=size, layout="constrained")
-    ax = figure.subplots()
     errors = np.array([[_error(cells[one, other]) for other in plants] for one in believed])
-    norm, colors = LogNorm(LEAST, MOST, clip=True), colormaps[COLORS]
-    image = ax.imshow(np.maximum(errors, LEAST), norm=norm, cmap=colors, aspect="auto")
-    for row, one in enumerate(believed):
-        for column, other in enumerate(plants):
-            shade = norm(max(errors[row, column], LEAST))
-            color = "black" if 0.15 < shade < 0.85 else "white"
-            cell = _cell(cells[one, other])
-            ax.text(column, row, cell, fontsize=9, color=color, ha="center", va="center")
-    ax.set_xticks(range(len(plants)), [labels[other] for other in plants])
-    ax.set_yticks(range(len(believed)), [labels[one] for one in believed])
-    ax.set(xlabel="true suit", ylabel="believed suit")
-    bar = figure.colorbar(image, ax=ax, label="torque error, RMS of the peak")
-    ticks = [LEAST, *LIMITS.values(), MOST]
-    bar.set_ticks(ticks, labels=[f"{tick:.0%}" for tick in ticks])
-    bar.ax.minorticks_off()
-    return figure
+    share = np.log(np.clip(errors, LEAST, MOST) / LEAST) / np.log(MOST / LEAST)
+    texts = [[_cell(cells[one, other]) for other in plants] for one in believed]
+    names = [labels[one] for one in believed], [labels[one] for one in plants]
+    panel = Panel(x="true suit", y="believed suit", marks=[Colored(share, texts, *names)])
+    title = f"Torque error by believed and true suit, green {LEAST:.0%}, red {MOST:.0%} and more"
+    return Plot(title=title, panels=[panel], height=1.4 + len(believed))
 
 
 def story(found: Validation, believed: str, suit: Suit) -> Iterator[str]:
