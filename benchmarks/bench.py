@@ -10,10 +10,11 @@ import tyro
 
 from ..checks import at_least, check_seed
 from ..errors import InputError
-from ..scripts.conclusion import conclude
 from ..scripts.engine_log import engine_warnings
+from ..scripts.folders import RunFolder, to_json
 from ..scripts.options import Force, Json, Seed
-from ..scripts.output import RunFolder, table, to_json
+from ..scripts.output import table
+from ..scripts.writer import Report, conclude
 
 if TYPE_CHECKING:
     from .timing import Row
@@ -32,6 +33,7 @@ Topic = Literal[
     "sensitivity",
     "bound",
     "hindered",
+    "settings",
     "muscles",
     "honesty",
     "first-use",
@@ -62,7 +64,8 @@ def bench(
             first CUDA device where there is one; or sensitivity, which halves and doubles assumed
             numbers (about an hour); or bound, which changes the best known plan at random under
             wearers who adapt to each change (half an hour); or hindered, which locks and throws the
-            arm in every task; or muscles, which compares MyoArm with our arm (needs the extra
+            arm in every task; or settings, which compares policies in places, suits and couplings
+            (eight minutes); or muscles, which compares MyoArm with our arm (needs the extra
             muscles); or honesty, which counts how often intervals, verdicts and searches of
             identify are right on random truths; or first-use, which compiles everything that a
             first environment needs.
@@ -103,9 +106,13 @@ def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> Non
     from . import honesty
 
     found = honesty.honesty(repeats, seed, folder.path if folder else None)
-    tables = {f"{title}, {repeats} repeats": rows for title, rows in honesty.tables(found).items()}
-    result = {"repeats": repeats, "seed": seed, "cases": found}
-    conclude(result, tables, [], folder=folder, json=json)
+    report = Report(
+        heading="How often verdicts are right",
+        about=f"{repeats} repeats",
+        result={"repeats": repeats, "seed": seed, "cases": found},
+        tables=honesty.tables(found),
+    )
+    conclude(report, folder, json)
 
 
 def _measure(topic: Topic, repeats: int, json: bool) -> None:
@@ -127,7 +134,12 @@ def _measure(topic: Topic, repeats: int, json: bool) -> None:
 
     alone = {
         **{"exactness": exactness.report, "sensitivity": _sensitivity, "first-use": _first_use},
-        **{"hindered": _hindered, "device": device.report, "muscles": _muscles},
+        **{
+            "hindered": _hindered,
+            "settings": _settings,
+            "device": device.report,
+            "muscles": _muscles,
+        },
     }
     if topic == "bound":
         _bound(repeats, json)
@@ -194,6 +206,18 @@ def _bound(repeats: int, json: bool) -> None:
         print(to_json({"attacks": [one.to_dict() for one in found]}))
     else:
         table("random changes of the best known plan", *bound.attack_table(found))
+
+
+def _settings(json: bool) -> None:
+    from .settings import settings
+
+    found = settings()
+    tables = found.pop("tables")
+    if json:
+        print(to_json(found))
+        return
+    for title, rows in tables.items():
+        table(title, *rows)
 
 
 def _hindered(json: bool) -> None:

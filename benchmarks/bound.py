@@ -16,7 +16,8 @@ from ..envs.evaluation.relief import relief
 from ..envs.evaluation.scores import score
 from ..envs.evaluation.wearers import ArmLost, Wearers
 from ..envs.policies.planned import Planned
-from ..scripts.output import Rows, progress
+from ..scripts.output import progress
+from ..tables import Rows
 
 TASKS = ("ElbowFlexion", "ArmTracking", "ReachPanel", "Hammer", "Ratchet")
 LEVELS = ("nominal", "shift")

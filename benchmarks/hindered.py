@@ -15,7 +15,8 @@ from ..envs.evaluation import FIRST_SEED
 from ..envs.evaluation.core import run
 from ..envs.plant import Plant
 from ..envs.tasks import TASKS
-from ..scripts.output import Rows, progress
+from ..scripts.output import progress
+from ..tables import Rows
 
 SUIT, MOTIONS = "mock-suit", 8
 BEGIN = 30  # control periods before a throw

@@ -26,7 +26,8 @@ from ..envs.person import Person, VoluntaryControl, isometric_strength, segments
 from ..envs.person.strength import PROVENANCE
 from ..envs.policies import make_policy
 from ..envs.simulation.inverse_dynamics import Chain
-from ..scripts.output import Rows, progress, table, to_json
+from ..scripts.output import progress, table, to_json
+from ..tables import Rows
 from .timing import seconds
 
 MAN = Person.percentile("male", 50)

@@ -16,7 +16,8 @@ from ..envs.evaluation.scores import Score
 from ..envs.model import ASSISTED, Exo
 from ..envs.person import VoluntaryControl
 from ..envs.policies import policy_spec
-from ..scripts.output import Rows, progress
+from ..scripts.output import progress
+from ..tables import Rows
 
 SUIT, MOTIONS = "mock-suit", 20
 SETTINGS = (

@@ -14,7 +14,8 @@ from ..identification import SWARMS, CurveObjective, Curves, certified_fit, load
 from ..identification.curves import noise_floor
 from ..published import LI_BOUNDS
 from ..scripts.backends import run_all
-from ..scripts.output import Rows, progress
+from ..scripts.output import progress
+from ..tables import Rows
 from .timing import seconds
 
 STARTS, STARTS_PER_REPEAT = 200, 25  # most starts; a hurried benchmark has fewer

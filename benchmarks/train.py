@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..scripts.output import Rows, RunFolder
+from ..scripts.output import RunFolder
 from ..scripts.training.hyperparameters import algorithm_class, hyperparameters
 from ..scripts.training.learners import new_learner, threads, training_environments
+from ..tables import Rows
 from .timing import Row, compare
 
 ENV, OPTIONS = "ActiveSuit/ArmTracking-v0", {"gravity": "microgravity"}

@@ -67,7 +67,8 @@ def compared(
             model = none if fit is None else fit.predict(curve)
             band = (none, none) if fit is None else _band(result, fit, uncertainty, curve)
             columns = (curve.angle, curve.torque, model, *(band or (none, none)))
-            found.append(Compared(curve, *(one[drawn] for one in columns), note))
+            angle, measured, modeled, low, high = (one[drawn] for one in columns)
+            found.append(Compared(curve, angle, measured, modeled, low, high, note))
     return found
 
 

@@ -6,7 +6,7 @@ from collections import Counter, deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from .text import say
+from ..text import say
 
 MOST = 10_000  # warnings that are kept, the last ones
 _TIME = re.compile(r"\s*Time = \S+$")

@@ -10,9 +10,9 @@ from importlib import import_module
 
 from .. import __version__
 from ..errors import InputError, refuse_old_names, unknown_name
+from ..text import visible
 from .engine_log import engine_warnings
 from .folders import close_folders
-from .text import visible
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 

@@ -13,14 +13,12 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 from rich.text import Text
 
+from ..text import say, visible
 from .folders import RunFolder, to_json
-from .text import say, visible
 
 __all__ = [
     "Bar",
-    "Rows",
     "RunFolder",
-    "markdown_table",
     "messages",
     "progress",
     "say",
@@ -30,7 +28,6 @@ __all__ = [
     "visible",
 ]
 
-Rows = tuple[list[str], list[list[str]]]  # the header of a table, and its rows of text
 WIDEST = 24  # characters of a table cell that are never broken
 NARROWEST = 100  # columns of a terminal; a narrower one wraps the lines
 BETWEEN = 4  # more than the columns between two cells
@@ -145,15 +142,6 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left
         console.print(Text(visible(title), style="italic"), soft_wrap=True)  # a title of one line
         console.print(shown)
     print(text.get(), end="")
-
-
-def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Returns a table as Markdown text."""
-    header, rows = _visible(header), [_visible(row) for row in rows]
-    lines = ["| " + " | ".join(name.replace("\n", " ") for name in header) + " |"]
-    lines.append("|" + "---|" * len(header))
-    lines += ["| " + " | ".join(cell.replace("\n", "<br>") for cell in row) + " |" for row in rows]
-    return "\n".join(lines)
 
 
 def _visible(cells: Iterable[str]) -> list[str]:

@@ -16,13 +16,11 @@ from typing import Any
 
 from .. import __version__
 from ..plots import Plot
+from ..tables import Rows
+from ..text import say, visible
 from .columns import explained
 from .folders import RunFolder, to_json
-from .output import Rows, table
-from .text import say, visible
-
-if TYPE_CHECKING:
-    pass
+from .output import table
 
 PACKAGES = ("mujoco", "numpy", "scipy", "numba", "gymnasium")
 PAGE = "report.html"

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..envs.benchmark.suite import Setting
 from ..envs.evaluation import REFERENCES
-from ..scripts.output import markdown_table
+from ..tables import markdown_table
 from .measure import kept
 from .results import PLACES, interval, percent, scores, standing, standings
 

@@ -7,10 +7,10 @@ Further results, of `activesuit benchmark run`, are merged into those that are c
 import sys
 from pathlib import Path
 
+from ..envs.benchmark.report import page, profile_plot
 from ..envs.benchmark.results import lines, read_results
 from ..envs.benchmark.standings import Standings
 from ..files import write_text
-from ..scripts.reports.leaderboard import page, profile_plot
 
 DOCS = Path(__file__).parent.parent / "docs"
 RESULTS, PAGE = DOCS / "leaderboard.jsonl", DOCS / "leaderboard.md"

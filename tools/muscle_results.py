@@ -13,7 +13,7 @@ from ..benchmarks.muscles import (
     strength_table,
 )
 from ..envs.evaluation import REFERENCES
-from ..scripts.output import markdown_table
+from ..tables import markdown_table
 from .measure import MUSCLE_SETTINGS, kept
 from .results import PLACES, interval, percent, signed
 

@@ -10,8 +10,8 @@ from ..envs import belief, model, muscles, person, policies, rig, simulation
 from ..envs.model.drawing import drawn_quantities
 from ..envs.provenance import Quantity
 from ..files import write_text
-from ..scripts.output import markdown_table
-from ..scripts.reports.parameters import parameter_table
+from ..hysteresis.parameter_table import parameter_table
+from ..tables import markdown_table
 
 PAGE = Path(__file__).parent.parent / "docs" / "provenance.md"
 PACKAGES = (belief, person, model, rig, simulation, policies, muscles)

@@ -18,7 +18,7 @@ from ..envs.evaluation import REFERENCES
 from ..envs.model.cuffs import FORCE_LIMITS
 from ..envs.policies.network import read_card
 from ..envs.policies.trained import shipped_policies
-from ..scripts.output import markdown_table
+from ..tables import markdown_table
 from .leaderboard import DOCS, RESULTS
 from .measure import EXPERIMENTS, TRAININGS, kept
 
@@ -51,7 +51,7 @@ def signed(value: float) -> str:
 
 def scores(place: str) -> dict[str, Any]:
     """Returns the scores of the demo at a place, by policy."""
-    return kept("demo")["evaluation"][place]["scores"]
+    return kept("demo")["result"]["evaluation"][place]["scores"]
 
 
 def _effects(names: Mapping[str, str]) -> str:

@@ -17,8 +17,8 @@ from ..envs.simulation.measurements import COLUMNS
 from ..envs.tasks import TASKS
 from ..errors import InputError
 from ..files import write_text
-from ..scripts.output import markdown_table
 from ..scripts.training.hyperparameters import ALGORITHMS, DEFAULT, hyperparameters
+from ..tables import markdown_table
 from .changes import CHANGES
 from .muscle_results import MUSCLE_TABLES, muscle_strength
 from .results import RESULT_TABLES

@@ -8,6 +8,8 @@ import numpy as np
 
 from ...checks import at_least, check_seed, flag
 from ...errors import InputError, refuse_old_names, shown, unknown_name
+from ...plots import Plot
+from ...tables import Rows
 from ..model.config import NO_SUIT
 from ..policies import POLICIES, AnyPolicy, PolicySpec, policy_spec
 from .bounds import BOUNDS
@@ -104,6 +106,48 @@ class Evaluation:
             }
         cost = self.suit_cost
         return {"adapted": self.adapted, "suit_cost": cost and cost.to_dict(), "scores": found}
+
+    def tables(self) -> dict[str, Rows]:
+        """Returns tables by title: scores with relief, the cost of a motion, medians of units."""
+        from . import report
+
+        scores, references = [*self.scores.values()], self.suit_cost is not None
+        return {
+            "Scores": report.score_table(scores, self if references else None),
+            "Cost per motion": report.effort_table(scores),
+            "Units of effort, medians": report.units_table(scores),
+        }
+
+    def sentences(self) -> list[str]:
+        """Returns what suit and policies cost and give back, why motions failed, and limits."""
+        from . import failures, report
+
+        scores = [*self.scores.values()]
+        return [
+            *report.story(self),
+            *failures.why_remarks(scores),
+            *report.cuff_remarks(scores),
+            *report.guard_remarks(scores),
+        ]
+
+    def plots(self) -> dict[str, Plot]:
+        """Returns figures by name: the reliefs, and the first motion of each policy."""
+        from ..figures import motion_plots
+        from . import report
+
+        relief = report.relief_plot(self)
+        first = {name: traces[0] for name, traces in self.traces.items()}
+        return ({} if relief is None else {"relief": relief}) | motion_plots(first)
+
+    def columns(self, first_seed: int) -> dict[str, Any]:
+        """Returns columns of CSV files by name: every score, and the first motions over time."""
+        from . import report
+
+        first = {name: traces[0] for name, traces in self.traces.items()}
+        return {
+            "motions.csv": report.score_columns([*self.scores.values()], first_seed),
+            "traces.csv": report.trace_columns(first),
+        }
 
 
 def evaluate(

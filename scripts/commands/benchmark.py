@@ -8,7 +8,18 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from ...envs.benchmark import BASELINE, SUITES, Result, Setting, Suite, Trial, run_trial, suite
+from ...envs.benchmark.report import (
+    benchmark_remarks,
+    best_policies,
+    contract_remarks,
+    difference_rows,
+    level_rows,
+    page,
+    profile_plot,
+    task_rows,
+)
 from ...envs.benchmark.results import RESULTS, lines, read_results, read_text
+from ...envs.benchmark.score_report import Said, benchmark_says
 from ...envs.benchmark.standings import FIXED, Standings
 from ...envs.extras import SCORES
 from ...envs.making import make_arms
@@ -16,31 +27,20 @@ from ...envs.policies import make_policy, needed_options
 from ...errors import InputError, shown
 from ...files import write_text
 from ...json_files import read_json
+from ...tables import Rows
 from ..arm_options import Settings
 from ..backends import Backend, check_backend, run_all
-from ..html.writing import write_report
+from ..folders import RunFolder, to_json
 from ..options import Force, Json, Scores, Trust, choice
 from ..options import levels as level_names
 from ..options import tasks as task_names
-from ..output import Rows, RunFolder, progress, say, table, telling, to_json
-from ..reports.leaderboard import (
-    best_policies,
-    contract_remarks,
-    difference_rows,
-    level_rows,
-    page,
-    profile_figure,
-    task_rows,
-)
-from ..reports.scores import Said, benchmark_says
-from ..reports.why import benchmark_remarks
+from ..output import progress, table, telling
 from ..runs import refuse_observed
 from ..settings import settings
+from ..writer import Report, conclude
 
 What = Literal["run", "table", "compare"]
 TRIALS = "trials"
-BY_TASK = "by task"
-WIDEST = 8  # columns of a table by task that is printed; wider ones are in tables.md
 
 
 def benchmark(
@@ -159,40 +159,32 @@ def _report(
     standings = Standings(found)
     scores = benchmark_says(found)
     tables = _tables(standings, scores)
+    failed = [one for one in found if one.failed]
+    report = Report(
+        heading="Benchmark of controllers",
+        about=f"{standings.count} trials",
+        result={"trials": [loads(one.to_json()) for one in found]},
+        tables=tables,
+        answer=[
+            *best_policies(standings),
+            *(sentence for one in scores.values() for sentence in one.remarks),
+            *benchmark_remarks(found),
+            *contract_remarks(standings),
+            *(f"{x.policy} failed in {x.task} at {x.level}: {x.failed}" for x in failed),
+        ],
+        plots={"profiles": profile_plot(standings)},
+        settings={**settings, **standings.protocol},
+    )
     if folder:
-        title = "# Controllers compared"
-        folder.text("tables.md", page(standings, title, "profiles.png", scores))
-        folder.figure("profiles", profile_figure(standings))
-        write_report(
-            *(folder, folder.command, f"{standings.count} trials"),
-            answer=best_policies(standings),
-            tables=tables,
-            settings={**settings, **standings.protocol},
-        )
-    if json:
-        print("[" + ",\n".join(one.to_json() for one in found) + "]")
-        return
-    for title, rows in tables.items():
-        if len(rows[0]) <= WIDEST or BY_TASK not in title:
-            table(title, *rows, left=1)
-    for remark in [sentence for one in scores.values() for sentence in one.remarks]:
-        say(remark)
-    for remark in benchmark_remarks(found):
-        say(remark)
-    for remark in contract_remarks(standings):
-        say(remark)
-    for one in found:
-        if one.failed:
-            say(f"{one.policy} failed in {one.task} at {one.level}: {one.failed}")
-    if folder:
-        say(f"wrote {folder.path}/{RESULTS}, tables.md and profiles.png")
+        folder.text("tables.md", page(standings, "# Controllers compared", "profiles.png", scores))
+    conclude(report, folder, json)
 
 
 def _tables(standings: Standings, scores: dict[str, Said]) -> dict[str, Rows]:
     """Returns the tables of all levels by their titles."""
     levels = standings.levels
     tables = {f"{one}: all tasks": level_rows(standings, one) for one in levels}
-    tables |= {f"{one}: success and relief {BY_TASK}": task_rows(standings, one) for one in levels}
+    tables |= {f"{one}: success and relief by task": task_rows(standings, one) for one in levels}
     return tables | {title: rows for one in scores.values() for title, rows in one.tables.items()}
 
 

@@ -1,6 +1,6 @@
 """`activesuit demo`: from measured loops to a compensated arm motion, in one command."""
 
-import itertools
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -9,22 +9,20 @@ import numpy as np
 from ...assets import CURVES, Suit, curves_path, load_suit
 from ...checks import at_least, check_seed
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace, evaluate
+from ...envs.evaluation.report import score_table
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
-from ...envs.figures import motion_loops_figure, torques_figure, trajectory_figure
+from ...envs.figures import motion_plots
 from ...envs.making import make_env
 from ...envs.model import ASSISTED
 from ...envs.rendering import RenderingUnavailableError
+from ...hysteresis.parameter_table import parameter_table
 from ...identification import Certified, Curves, Fit, Search, Trial, identify, load_curves
-from ...identification.figures import convergence_figure, loops_figure
-from ..html.loops import loop_rows, write_loops
-from ..html.motions import kept_motion
-from ..html.writing import write_report
+from ...identification.figures import COLUMNS, compared, convergence_plot, loop_rows, loops_plot
+from ...identification.report import fit_summary, quality_table, trial_columns
+from ..folders import RunFolder
 from ..options import Force, Seed
-from ..output import Rows, RunFolder, markdown_table, progress, say, table, telling
-from ..reports.fits import fit_summary, quality_table, write_trials
-from ..reports.motions import score_table, story, write_scores, write_trace
-from ..reports.parameters import parameter_table
-from ..reports.why import why_remarks
+from ..output import progress, say, telling
+from ..writer import Report, conclude
 
 COMPARED = ("sa-pso", "mpso", "certified")
 ENV = "ActiveSuit/ArmTracking-v0"
@@ -32,6 +30,7 @@ PLANT = "mock-suit"
 GRAVITIES = ("earth", "microgravity")
 BELIEVING = ("feedforward", "compensation")
 SIMULATED = ("none", "gravity", "feedforward", "compensation", "best-known-plan")
+MOTIONS_DRAWN = ("trajectory", "torques", "motion-loops")
 DRAWN = ("none", "feedforward", "compensation", "best-known-plan")
 PICTURE_STEP = 150  # control periods into the motion
 
@@ -47,12 +46,13 @@ def demo(
 ) -> None:
     """Do the whole job once: identify, simulate, compensate, report.
 
-    The curves are synthetic, made from the published parameters; see the README. The results of an
-    earlier demo are replaced when all of the new ones are there; Ctrl-C before that keeps both.
+    The curves are synthetic, made from the published parameters; see the README. Both suits, the
+    simulated one and that of the certified fits, come from the same curves, so this shows what a
+    good model is worth, and not that it is good.
 
     Args:
-        out: Folder for the configuration, tables, suit file, figures, report.md and report.html: a
-            new or an empty one, or that of an earlier demo.
+        out: Folder for suit.json, result.json, tables, figures and report.html: a new or an empty
+            one.
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
         episodes: Number of simulated motions of each policy.
     """
@@ -60,52 +60,27 @@ def demo(
     at_least("episodes", episodes, FEWEST_MOTIONS)
     check_seed(seed)
     folder = RunFolder(out, "demo", force=force)
-    if not (folder / "fits.json").exists():
-        _run(folder, out, trials, episodes, seed)
-    else:
-        kept = _free_name(folder)
-        with folder.together(kept) as new:
-            _run(new, folder / kept, trials, episodes, seed)
-    say(f"report, figures, suit and data: {out}/report.html")
-
-
-def _free_name(folder: RunFolder) -> str:
-    """Returns the name of a new folder for what Ctrl-C leaves beside the results of a run."""
-    names = (f"interrupted-{i}" for i in itertools.count(1))
-    return next(name for name in names if not (folder / name).exists())
-
-
-def _run(folder: RunFolder, place: Path, trials: int, episodes: int, seed: int) -> None:
-    """Does the whole job in a folder, which is at `place` if Ctrl-C ends it."""
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
-        with telling(lambda: _kept_fits(place, fits)):
+        with telling(lambda: _kept_fits(out, fits)):
             _identify(curves, fits, trials, seed)
     finally:
-        if any(fits.values()) or folder.path == place:
-            _write_fits(folder, fits, _config(trials, episodes, seed))
-    suit = folder.claim("suit.json")
+        folder.json("fits.json", _summaries(fits, seed))
+        folder.csv("trials.csv", *trial_columns(fits))
+    suit = folder / "suit.json"
     _identified_suit(fits).save(suit)
     kept = (
-        f"fits.json, trials.csv and suit.json are kept in {place}; go on with: "
-        f"activesuit validate {place / suit.name} --plant {PLANT} --episodes {episodes} --seed "
+        f"fits.json, trials.csv and suit.json are kept in {out}; go on with: "
+        f"activesuit validate {suit} --plant {PLANT} --episodes {episodes} --seed "
         f"{FIRST_SEED + seed}"
     )
     with telling(lambda: kept):
-        fit_tables = _show_fits(folder, curves, fits)
-        scores, motions = _compare(folder, suit, episodes, seed)
-        pictured = _picture(folder, seed)
-        folder.text("report.md", _report(fit_tables, scores, pictured))
-        certified = ((CURVES[name], methods["certified"]) for name, methods in fits.items())
-        write_loops(folder, (row for one in certified for row in loop_rows(*one, None)))
-        write_report(
-            *(folder, "demo", f"{ENV}, {PLANT}"),
-            answer=[f"{place}: {said}" for place, one in scores.items() for said in story(one)],
-            tables={gravity: _scores(one) for gravity, one in scores.items()} | fit_tables,
-            settings=_config(trials, episodes, seed),
-            motions=motions,
-        )
+        found = _simulate(suit, episodes, seed)
+        picture = _picture(seed)
+        config = {"trials": trials, "episodes": episodes, "seed": seed, "env": ENV}
+        config |= {"plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
+        conclude(_report(curves, fits, found, picture, config), folder)
 
 
 def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> None:
@@ -131,42 +106,17 @@ def _identify(curves: dict[str, Curves], fits: Fits, trials: int, seed: int) -> 
 
 def _kept_fits(place: Path, fits: Fits) -> str:
     done, planned = sum(map(len, fits.values())), len(COMPARED) * len(fits)
-    if not done and not place.exists():
-        return f"no fit was finished; {place.parent} holds the results of the run before"
     return (
         f"the finished fits ({done} of {planned}) are kept in {place}/fits.json and "
         "trials.csv; run the demo again for the rest"
     )
 
 
-def _config(trials: int, episodes: int, seed: int) -> dict[str, Any]:
-    simulated = {"env": ENV, "plant": PLANT, "methods": COMPARED, "gravities": GRAVITIES}
-    return {"trials": trials, "episodes": episodes, "seed": seed, **simulated}
-
-
-def _write_fits(folder: RunFolder, fits: Fits, config: dict[str, Any]) -> None:
-    folder.json("config.json", config)
-    write_trials(folder, "trials.csv", fits)
-    summaries = {
-        name: {method: fit_summary(fit, config["seed"]) for method, fit in methods.items()}
+def _summaries(fits: Fits, seed: int) -> dict[str, Any]:
+    return {
+        name: {method: fit_summary(fit, seed) for method, fit in methods.items()}
         for name, methods in fits.items()
     }
-    folder.json("fits.json", summaries)
-
-
-def _show_fits(folder: RunFolder, curves: dict[str, Curves], fits: Fits) -> dict[str, Rows]:
-    """Prints the tables of the fits and draws them; returns the tables by title."""
-    models = {f"{n}\n{m}": fit.model for n, methods in fits.items() for m, fit in methods.items()}
-    tables = {"Identified models": parameter_table(models), "Their quality": quality_table(fits)}
-    for title, rows in tables.items():
-        table(title, *rows)
-    histories = {
-        name: {m: [t.history for t in fit.trials] for m, fit in methods.items() if m != "certified"}
-        for name, methods in fits.items()
-    }
-    folder.figure("loops", loops_figure(curves, fits))
-    folder.figure("convergence", convergence_figure(histories))
-    return tables
 
 
 def _identified_suit(fits: Fits) -> Suit:
@@ -178,53 +128,19 @@ def _identified_suit(fits: Fits) -> Suit:
     )
 
 
-def _compare(
-    folder: RunFolder, suit: Path, episodes: int, seed: int
-) -> tuple[dict[str, Evaluation], list[dict[str, Any]]]:
-    """Compares all policies; prints, draws and writes the results.
-
-    Returns the scores by gravity, and what a report has to know of the motions.
-    """
-    found, traces = _simulate(suit, episodes, seed)
-    motions = []
-    for gravity, evaluation in found.items():
-        scores = list(evaluation.scores.values())
-        table(f"{ENV}, {gravity}, {episodes} motions", *score_table(scores, evaluation))
-        for sentence in (*why_remarks(scores), *story(evaluation)):
-            say(sentence)
-        write_scores(folder, f"motions-{gravity}.csv", scores, FIRST_SEED + seed)
-        for policy, trace in traces[gravity].items():
-            name = f"trace-{gravity}-{policy}.csv"
-            write_trace(folder, name, trace)
-            motions.append(kept_motion(gravity, policy, name, trace))
-        folder.figure(f"trajectory-{gravity}", trajectory_figure(traces[gravity]))
-        folder.figure(f"torques-{gravity}", torques_figure(traces[gravity]))
-        folder.figure(f"motion-loops-{gravity}", motion_loops_figure(traces[gravity]))
-    folder.json("evaluation.json", {g: one.to_dict() for g, one in found.items()})
-    return found, motions
-
-
-def _scores(evaluation: Evaluation) -> Rows:
-    return score_table(list(evaluation.scores.values()), evaluation)
-
-
-def _simulate(
-    suit: Path, episodes: int, seed: int
-) -> tuple[dict[str, Evaluation], dict[str, dict[str, Trace]]]:
-    """Runs all policies on Earth and in microgravity; keeps the first motion of some."""
+def _simulate(suit: Path, episodes: int, seed: int) -> dict[str, Evaluation]:
+    """Runs all policies on Earth and in microgravity."""
     found: dict[str, Evaluation] = {}
-    traces: dict[str, dict[str, Trace]] = {gravity: {} for gravity in GRAVITIES}
     policies = {
         name: {"name": name, "suit": str(suit)} if name in BELIEVING else name for name in SIMULATED
     }
     with progress("simulating", len(GRAVITIES) * (len(SIMULATED) + 2) * episodes) as bar:
+
+        def report(policy: str, done: list[Trace]) -> None:
+            del policy
+            bar.advance(len(done))
+
         for gravity in GRAVITIES:
-
-            def report(policy: str, done: list[Trace], kept=traces[gravity]) -> None:
-                if policy in DRAWN:
-                    kept[policy] = done[0]
-                bar.advance(len(done))
-
             found[gravity] = evaluate(
                 ENV,
                 policies,
@@ -235,10 +151,11 @@ def _simulate(
                 gravity=gravity,
                 threads=0,
             )
-    return found, traces
+    return found
 
 
-def _picture(folder: RunFolder, seed: int) -> bool:
+def _picture(seed: int) -> np.ndarray | None:
+    """Returns the person, the suit and the exoskeleton amid a motion; None without OpenGL."""
     env, arm = make_env(
         ENV, suit=PLANT, render_mode="rgb_array", width=1280, height=960, render_quality="fine"
     )
@@ -246,40 +163,55 @@ def _picture(folder: RunFolder, seed: int) -> bool:
         env.reset(seed=seed)
         for _ in range(PICTURE_STEP):
             env.step(np.zeros(len(ASSISTED)))
-        picture = arm.render()
+        return arm.render()
     except RenderingUnavailableError as error:
         say(f"no picture of the arm: {error}")
-        return False
+        return None
     finally:
         env.close()
-    assert picture is not None
-    folder.picture("arm", picture)
-    return True
 
 
-def _report(fit_tables: dict[str, Rows], found: dict[str, Evaluation], pictured: bool) -> str:
-    parts = ["# From measured loops to a compensated arm motion"]
-    if pictured:
-        parts.append("![The arm](arm.png)")
-    parts += [
-        "The curves are synthetic: responses of the published parameters with 1 % noise.",
-        *(f"## {title}\n\n{markdown_table(*rows)}" for title, rows in fit_tables.items()),
-        "The margin is the certificate's: above 0 no motion can make the torque infinite.",
-        "![Loops](loops.png)",
-        "![Convergence](convergence.png)",
-    ]
-    for gravity, evaluation in found.items():
-        parts += [
-            f"## What the wearer has to do: {ENV}, {gravity}",
-            " ".join(story(evaluation)),
-            f"The simulated suit is {PLANT}; feed-forward and compensation believe the certified "
-            "fit above. Both come from the same curves, so this shows what a good model is worth, "
-            "not that it is good. Wearers have repeated each motion until nothing is left to "
-            "learn. Unsuited and suited are without an exoskeleton; none has one whose motors are "
-            "off; the best known plan knows the true suit and the whole motion, and is the bound.",
-            markdown_table(*_scores(evaluation)),
-            *(f"- {one}" for one in why_remarks(list(evaluation.scores.values()))),
-        ]
-        for name in ("trajectory", "torques", "motion-loops"):
-            parts.append(f"![{name}]({name}-{gravity}.png)")
-    return "\n\n".join(parts) + "\n"
+def _report(
+    curves: Mapping[str, Curves],
+    fits: Fits,
+    found: Mapping[str, Evaluation],
+    picture: np.ndarray | None,
+    config: Mapping[str, Any],
+) -> Report:
+    tables, answer, columns, plots = {}, [], {}, {}
+    for gravity, one in found.items():
+        title = f"What the wearer has to do: {ENV}, {gravity}, {config['episodes']} motions"
+        tables[title] = score_table([*one.scores.values()], one)
+        answer += [f"{gravity}: {sentence}" for sentence in one.sentences()]
+        drawn = {policy: one.traces[policy][0] for policy in DRAWN}
+        for name, series in one.columns(FIRST_SEED + config["seed"]).items():
+            columns[f"{Path(name).stem}-{gravity}.csv"] = series
+        for name, plot in motion_plots(drawn, gravity).items():
+            if name in MOTIONS_DRAWN:
+                plots[f"{name}-{gravity}"] = plot
+    models = {f"{n}\n{m}": fit.model for n, methods in fits.items() for m, fit in methods.items()}
+    tables |= {"Identified models": parameter_table(models), "Their quality": quality_table(fits)}
+    rows = []
+    for name, methods in fits.items():
+        beside = {label: compared(curves[name], fit) for label, fit in methods.items()}
+        plots[f"loops-{name}"] = loops_plot(name, beside)
+        rows += loop_rows(CURVES[name], beside["certified"])
+    histories = {
+        name: {m: [t.history for t in fit.trials] for m, fit in methods.items() if m != "certified"}
+        for name, methods in fits.items()
+    }
+    return Report(
+        heading="From measured loops to a compensated arm motion",
+        about=f"{ENV}, {PLANT}",
+        result={
+            **config,
+            "evaluation": {gravity: one.to_dict() for gravity, one in found.items()},
+            "fits": _summaries(fits, config["seed"]),
+        },
+        tables=tables,
+        answer=answer,
+        columns={**columns, "loops.csv": (COLUMNS, rows)},
+        plots={**plots, "convergence": convergence_plot(histories)},
+        pictures={} if picture is None else {"arm": picture},
+        settings=config,
+    )

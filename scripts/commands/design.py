@@ -9,9 +9,8 @@ from ...errors import InputError
 from ...files import check_target, replacing
 from ...identification import Motion, load_curves, motion_coverage, nested_motion, save_motion
 from ...identification.design import MAX_RATE, MIN_RATE, SAMPLE_RATE, Design
-from ..conclusion import conclude
 from ..options import Force, Json, optional_number
-from ..output import say
+from ..writer import Report, conclude
 
 
 def design(
@@ -52,13 +51,19 @@ def design(
         for i, (point, rate) in enumerate(zip(found.points[1:], found.rates, strict=True), start=1)
     ]
     low, high = result["range"]
-    remark = (
+    remarks = [
         f"{found.duration:.0f} s from {low:.4g} to {high:.4g} rad, {result['reversals']} reversals "
-        f"up to {result['nesting']} deep, {min(found.rates):.3g} to {max(found.rates):.3g} rad/s"
+        f"up to {result['nesting']} deep, {min(found.rates):.3g} to {max(found.rates):.3g} rad/s",
+        f"wrote {out}; next: activesuit rig --motion {out}, or your own rig",
+    ]
+    report = Report(
+        heading="The next record",
+        about=str(out),
+        result=result,
+        tables={"the next record": (header, rows)},
+        answer=remarks,
     )
-    conclude(result, {"the next record": (header, rows)}, [remark], folder=None, json=json)
-    if not json:
-        say(f"wrote {out}; next: activesuit measure rig --motion {out}, or your own rig")
+    conclude(report, None, json)
 
 
 def _ends(curves: Path | None, range: tuple[float, float] | None) -> tuple[float, float]:

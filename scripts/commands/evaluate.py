@@ -1,13 +1,11 @@
 """`activesuit evaluate`: compares policies on the same motions."""
 
-import itertools
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...checks import at_least, check_seed
+from ...envs.benchmark.score_report import drawn_policies, evaluation_says
 from ...envs.evaluation import BOUNDS, FIRST_SEED, Evaluation, Trace
 from ...envs.evaluation import evaluate as evaluate_policies
 from ...envs.evaluation.compare import Policies, named_policies
@@ -16,11 +14,9 @@ from ...envs.extras import SCORES
 from ...envs.making import make_arms
 from ...envs.model.config import NO_SUIT
 from ...envs.policies import make_policy, needed_options
-from ...errors import InputError
+from ...tables import Rows
 from ..arm_options import USUAL, ArmOptions
-from ..conclusion import conclude
-from ..html.motions import write_motions
-from ..html.subjects import SCORE
+from ..folders import RunFolder
 from ..options import (
     Env,
     EvaluatedName,
@@ -33,21 +29,9 @@ from ..options import (
     TaskName,
     Trust,
 )
-from ..output import RunFolder, progress
-from ..reports.motions import (
-    agreement,
-    cuff_remarks,
-    effort_table,
-    guard_remarks,
-    score_table,
-    settings_page,
-    story,
-    units_table,
-    write_scores,
-)
-from ..reports.scores import Said, drawn_policies, evaluation_says
-from ..reports.why import why_remarks
+from ..output import progress
 from ..runs import Scene, scene
+from ..writer import Report, conclude
 
 USUAL_POLICIES = (
     "none",
@@ -56,15 +40,6 @@ USUAL_POLICIES = (
     "feedforward",
     "compensation",
     "best-known-plan",
-)
-TABLE_POLICIES = (
-    *("none", "transparent", "gravity", "feedforward", "compensation", "complement"),
-    *BOUNDS,
-)
-PLACES, SUITS, COUPLINGS = (
-    ("earth", "mars", "moon", "microgravity"),
-    ("mock-suit", "emu-like"),
-    ("rigid", "cuffs"),
 )
 
 
@@ -79,7 +54,6 @@ def evaluate(
     gravity: Gravity = None,
     unadapted: bool = False,
     score: Scores = (),
-    table: bool = False,
     out: Path | None = None,
     force: Force = False,
     trust: Trust = False,
@@ -101,87 +75,46 @@ def evaluate(
         seed: Seed of the first motion.
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
-        table: Evaluate on Earth, Mars, Moon and weightless, in two suits, rigid and on cuffs.
-        out: Folder for result.json, motions.csv, the first motions and report.html, and tables.md
-            with --table: a new or an empty one, or that of an earlier evaluate.
+        out: Folder for result.json, the scores and the first motions as CSV, figures and
+            report.html: a new or an empty one, or that of an earlier evaluate.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
-    if table and score:
-        raise InputError("--table has no scores of extras: leave out --table or --score")
-    if table:
-        policies = TABLE_POLICIES if policies == USUAL_POLICIES else policies
-    scenes = list(
-        _scenes(
-            arm,
-            policies,
-            table=table,
-            env=env,
-            task=task,
-            level=level,
-            suit=suit,
-            gravity=gravity,
-            trusted=trust,
-        )
+    chosen = scene(
+        arm,
+        env=env,
+        task=task,
+        level=level,
+        suit=suit,
+        gravity=gravity,
+        policies=policies,
+        trusted=trust,
     )
-    for chosen in scenes[:1]:
-        _check(chosen, score)
-    if any(chosen.options["suit"] != NO_SUIT for chosen in scenes):
+    _check(chosen, score)
+    if chosen.options["suit"] != NO_SUIT:
         at_least("episodes", episodes, FEWEST_MOTIONS)
     folder = RunFolder(out, "evaluate", force=force) if out else None
-    results, tables, remarks, motions = [], {}, [], []
-    settings: dict[tuple[str, str, str], Evaluation] = {}
-    for chosen in scenes:
-        first: dict[str, Trace] = {}
-        found = run(
-            *(chosen.env, chosen.policies, episodes, seed),
-            unadapted=unadapted,
-            first=first,
-            **chosen.options,
-        )
-        scores = list(found.scores.values())
-        with_references = found if found.suit_cost is not None else None
-        results.append({"env": chosen.env, **chosen.options, **found.to_dict()})
-        title = f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions"
-        tables[title] = score_table(scores, with_references)
-        if table:
-            place, suit_name, coupling = (
-                chosen.options[o] for o in ("gravity", "suit", "coupling")
-            )
-            settings[place, suit_name, coupling] = found
-            remarks.append(f"{title}: {agreement(found)}")
-        else:
-            tables["Cost per motion"] = effort_table(scores)
-            tables["Units of effort, medians"] = units_table(scores)
-            remarks += [
-                *story(found),
-                *why_remarks(scores),
-                *cuff_remarks(scores),
-                *guard_remarks(scores),
-            ]
-        for name in score:
-            said = _add_score(name, found, results[-1], folder)
-            tables |= said.tables
-            remarks += said.remarks
-        if folder:
-            name = "motions.csv" if not table else f"motions-{len(results)}.csv"
-            write_scores(folder, name, scores, seed)
-            if not table:
-                motions = write_motions(folder, chosen.place, first)
-    if folder and table:
-        folder.text("tables.md", settings_page(settings))
-    result: dict[str, Any] = {"episodes": episodes, "seed": seed}
-    result |= {"settings": results} if table else results[0]
-    options = {} if table else scenes[0].options
-    settings_of_run = {"env": scenes[0].env, "policies": policies, "episodes": episodes}
-    settings_of_run |= {"seed": seed, "unadapted": unadapted, "score": score, **options}
-    conclude(
-        *(result, tables, remarks),
-        folder=folder,
-        json=json,
-        settings=settings_of_run,
-        motions=motions,
+    found = run(
+        *(chosen.env, chosen.policies, episodes, seed), unadapted=unadapted, **chosen.options
     )
+    given = {"env": chosen.env, "episodes": episodes, "seed": seed, **chosen.options}
+    extras = [_scored(name, found) for name in score]
+    result = given | found.to_dict()
+    for name, one in zip(score, extras, strict=True):
+        for policy, values in one.values.items():
+            result["scores"][policy][name] = values
+    report = Report(
+        heading="Policies compared",
+        about=f"{chosen.place}, {chosen.options['coupling']}, {episodes} motions",
+        result=result,
+        tables={**found.tables(), **{t: rows for one in extras for t, rows in one.tables.items()}},
+        answer=[*found.sentences(), *(said for one in extras for said in one.remarks)],
+        columns=found.columns(seed),
+        plots=found.plots(),
+        pictures={name: figure for one in extras for name, figure in one.pictures.items()},
+        settings=given | {"policies": policies, "unadapted": unadapted, "score": score},
+    )
+    conclude(report, folder, json)
 
 
 def run(
@@ -191,16 +124,14 @@ def run(
     seed: int,
     *,
     unadapted: bool,
-    first: dict[str, Trace] | None = None,
     **options: Any,
 ) -> Evaluation:
-    """Evaluates policies and shows a progress bar; puts their first motions into `first`."""
+    """Evaluates policies and shows a progress bar."""
     references = options.get("suit") != NO_SUIT
     with progress(env, (len(policies) + 2 * references) * episodes) as bar:
 
         def report(policy: str, traces: list[Trace]) -> None:
-            if first is not None:
-                first[policy] = traces[0]
+            del policy
             bar.advance(len(traces))
 
         return evaluate_policies(
@@ -216,10 +147,17 @@ def run(
         )
 
 
-def _add_score(
-    name: str, found: Evaluation, result: dict[str, Any], folder: RunFolder | None
-) -> Said:
-    """Adds the score of an extra to a result, draws it, and returns what it says."""
+class _Scored(NamedTuple):
+    """What the score of an extra says about an evaluation."""
+
+    tables: Mapping[str, Rows]
+    remarks: Sequence[str]
+    values: Mapping[str, Mapping[str, Any]]
+    pictures: Mapping[str, Any]
+
+
+def _scored(name: str, found: Evaluation) -> _Scored:
+    """Returns what the score of an extra says about an evaluation."""
     score = SCORES.find(name)
     with progress(name, sum(map(len, found.traces.values()))) as bar:
         scored = {
@@ -227,37 +165,11 @@ def _add_score(
             for policy, traces in found.traces.items()
         }
     said, values = evaluation_says(name, scored)
-    for policy, its in values.items():
-        result["scores"][policy][name] = its
-    if folder and score.figure is not None:
+    pictures = {}
+    if score.figure is not None:
         drawn = {policy: found.traces[policy][0] for policy in drawn_policies(name, scored)}
-        folder.figure(f"{SCORE}{name}", score.figure(drawn))
-    return said
-
-
-def _scenes(
-    arm: ArmOptions,
-    policies: tuple[str, ...],
-    *,
-    table: bool,
-    env: str | None,
-    task: str | None,
-    level: str | None,
-    suit: str | None,
-    gravity: str | None,
-    trusted: bool,
-) -> Iterator[Scene]:
-    of_task = partial(
-        scene, arm, env=env, task=task, level=level, policies=policies, trusted=trusted
-    )
-    if not table:
-        yield of_task(suit=suit, gravity=gravity)
-        return
-    if {"suit", "gravity", "coupling"} & arm.given(suit=suit, gravity=gravity).keys():
-        raise InputError("--table has its own suits, places and couplings: leave yours out")
-    for coupling, suit_name, place in itertools.product(COUPLINGS, SUITS, PLACES):
-        chosen = of_task(suit=suit_name, gravity=place)
-        yield replace(chosen, options={**chosen.options, "coupling": coupling})
+        pictures[f"score-{name}"] = score.figure(drawn)
+    return _Scored(said.tables, said.remarks, values, pictures)
 
 
 def _check(chosen: Scene, scores: Sequence[str]) -> None:

@@ -9,13 +9,12 @@ import numpy as np
 
 from ...envs.rig import Record, RigConfig, run_rig
 from ...envs.rig.config import NOISE, RATE, SAMPLE_RATE
-from ...envs.rig.figure import records_figure
 from ...errors import InputError
 from ...identification import Curve, load_motion, save_curves
-from ..html.loops import measured_rows, write_loops
-from ..html.writing import write_report
+from ...identification.figures import compared, loops_plot
+from ..folders import RunFolder
 from ..options import Force, Json, Seed, SuitName, choice, joints
-from ..output import RunFolder, say, table, to_json
+from ..writer import Report, conclude
 
 
 def rig(
@@ -108,22 +107,17 @@ def _report(
     measured = [_summary(curve) for curve in curves]
     header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
     rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
-    with folder.together() as new:
-        new.json("config.json", {**asdict(config), "predict": kept_out})
-        new.figure("loops", records_figure(title, records))
-        save_curves(new / path.name, curves, comments=(f"Measured on the simulated rig: {title}.",))
-        write_loops(new, measured_rows(config.joint, curves))
-        write_report(
-            *(new, "rig", title),
-            answer=[_answer(curves)],
-            tables={title: (header, rows)},
-            settings={**asdict(config), "predict": kept_out},
-        )
-    if json:
-        print(to_json({"curves": path, "measured": measured}))
-        return
-    table(title, header, rows)
-    say(f"wrote {path}, config.json, report.html, loops.png; next: activesuit identify {path}")
+    save_curves(path, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    report = Report(
+        heading="Measured on the simulated rig",
+        about=title,
+        result={"curves": path, "measured": measured},
+        tables={title: (header, rows)},
+        answer=[_answer(curves), f"next: activesuit identify {path}"],
+        plots={"loops": loops_plot(config.joint, {"": compared(curves)})},
+        settings={**asdict(config), "predict": kept_out},
+    )
+    conclude(report, folder, json)
 
 
 def _pairs(path: Path, joint: str) -> tuple[tuple[float, float], ...]:

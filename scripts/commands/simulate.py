@@ -1,30 +1,25 @@
 """`activesuit simulate`: simulates one motion under one policy, and writes its time series."""
 
-from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from ...checks import check_seed
-from ...envs.evaluation import Trace, rollout, score
-from ...envs.figures import (
-    cuff_forces_figure,
-    motion_loops_figure,
-    strain_figure,
-    torques_figure,
-    trajectory_figure,
+from ...envs.evaluation import rollout, score
+from ...envs.evaluation.failures import why_remarks
+from ...envs.evaluation.report import (
+    cuff_remarks,
+    effort_table,
+    outcome,
+    score_table,
+    trace_columns,
 )
+from ...envs.figures import motion_plots
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..arm_options import USUAL, ArmOptions
-from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
-from ..html.motions import kept_motion, outcome
-from ..html.writing import write_report
+from ..folders import RunFolder
 from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
-from ..output import RunFolder, say, table, to_json
-from ..reports.motions import cuff_remarks, effort_table, score_table, write_trace
-from ..reports.why import why_remarks
 from ..runs import scene
+from ..writer import Report, conclude
 
 
 def simulate(
@@ -36,7 +31,6 @@ def simulate(
     gravity: Gravity = None,
     seed: Seed = 0,
     out: Path = Path("runs/simulate"),
-    video: Video = None,
     force: Force = False,
     trust: Trust = False,
     arm: ArmOptions = USUAL,
@@ -62,62 +56,25 @@ def simulate(
         trusted=trust,
     )
     (acting,) = chosen.policies
-    write = film_writer(video) if video else None
-    mode = "rgb_array" if video else None
     options = {**chosen.options, **needed_options(acting)}
-    arms = make_arms(chosen.env, 1, **options, render_mode=mode)
+    arms = make_arms(chosen.env, 1, **options)
     actor = make_policy(acting, arms)
     folder = RunFolder(out, "simulate", force=force)
-    frames: list[Picture] = []
-    if video:
-        with filmed(arms, stride_of(FPS, arms.control_dt)) as film:
-            (trace,) = rollout(arms, actor, [seed], on_step=film)
-        frames = film.pictures
-    else:
-        (trace,) = rollout(arms, actor, [seed])
+    (trace,) = rollout(arms, actor, [seed])
     arms.close()
-    result = score(policy, [trace])
-    settings = {"env": chosen.env, "seed": seed, **chosen.options}
-    figures = _figures(trace)
-    tables = {
-        f"Human torque: {chosen.place}, seed {seed}": score_table([result]),
-        "Effort": effort_table([result]),
-    }
-    with folder.together() as new:
-        write_trace(new, "trace.csv", trace)
-        new.json("result.json", {**settings, **result.to_dict()})
-        for name, draw in figures.items():
-            new.figure(name, draw({policy: trace}))
-        if write:
-            write(new / f"motion.{video}", frames, FPS)
-        write_report(
-            *(new, "simulate", f"{chosen.place}, seed {seed}"),
-            answer=[outcome(result), *why_remarks([result]), *cuff_remarks([result])],
-            tables=tables,
-            settings={"policy": policy, **settings},
-            motions=[kept_motion(chosen.place, policy, "trace.csv", trace)],
-        )
-    if json:
-        print(to_json(result.to_dict()))
-        return
-    for title, rows in tables.items():
-        table(title, *rows)
-    for remark in why_remarks([result]):
-        say(remark)
-    for remark in cuff_remarks([result]):
-        say(remark)
-    film = f", motion.{video}" if video else ""
-    say(f"wrote {folder.path}/trace.csv, result.json, report.html{film} and {len(figures)} figures")
-
-
-def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]:
-    """Returns the functions that draw an episode, by the names of their files."""
-    figures = {
-        "trajectory": trajectory_figure,
-        "torques": torques_figure,
-        "motion-loops": motion_loops_figure,
-        "strain": strain_figure,
-    }
-    if trace.cuff_force is not None:
-        figures["cuff-forces"] = cuff_forces_figure
-    return figures
+    found = score(policy, [trace])
+    settings = {"env": chosen.env, "policy": policy, "seed": seed, **chosen.options}
+    report = Report(
+        heading="Simulated motion",
+        about=f"{chosen.place}, seed {seed}",
+        result={**settings, **found.to_dict()},
+        tables={
+            f"Scores: {chosen.place}, seed {seed}": score_table([found]),
+            "Effort": effort_table([found]),
+        },
+        answer=[outcome(found), *why_remarks([found]), *cuff_remarks([found])],
+        columns={"trace.csv": trace_columns({policy: trace})},
+        plots=motion_plots({policy: trace}),
+        settings=settings,
+    )
+    conclude(report, folder, json)

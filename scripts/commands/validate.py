@@ -1,6 +1,6 @@
 """`activesuit validate`: a believed suit against the true one, first its torque, then relief."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,6 +10,8 @@ import tyro
 from ...assets import load_suit
 from ...checks import at_least, check_seed, once
 from ...envs.evaluation import FIRST_SEED, Evaluation, Trace
+from ...envs.evaluation.failures import why_remarks
+from ...envs.evaluation.report import cuff_remarks, score_table, trace_columns
 from ...envs.evaluation.statistics import FEWEST_MOTIONS
 from ...envs.evaluation.validation import (
     LIMITS,
@@ -20,31 +22,30 @@ from ...envs.evaluation.validation import (
     verdict,
 )
 from ...envs.evaluation.validation import validate as validate_suits
-from ...envs.model import ASSISTED
-from ...envs.policies import policy_spec
-from ...errors import InputError
-from ...identification import load_curves
-from ..arm_options import USUAL, ArmOptions
-from ..conclusion import conclude
-from ..curve_joints import joint_of
-from ..html.motions import write_motions
-from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
-from ..output import RunFolder, progress
-from ..reports.motions import cuff_remarks, score_table
-from ..reports.validation import (
+from ...envs.evaluation.validation_report import (
     RULE,
     answer,
     covered_text,
     curve_table,
-    matrix_figure,
+    matrix_plot,
     matrix_table,
     names_of,
     story,
     torque_table,
 )
-from ..reports.why import why_remarks
+from ...envs.figures import motion_plots
+from ...envs.model import ASSISTED
+from ...envs.policies import policy_spec
+from ...errors import InputError
+from ...identification import load_curves
+from ..arm_options import USUAL, ArmOptions
+from ..curve_joints import joint_of
+from ..folders import RunFolder
+from ..options import Env, Force, Json, SuitName, choice, gravity_option, joints, policies, suits
+from ..output import progress
 from ..runs import Scene, refuse_observed, scene
 from ..settings import joined
+from ..writer import Report, conclude
 
 GRAVITY = "microgravity"
 OTHERS = 4  # number of policies and references beside those that believe a suit
@@ -106,10 +107,9 @@ def validate(
             "--samples draws suits to wear, and --held-out simulates nothing: leave one out"
         )
     if held_out:
-        result, tables, remarks = _predicted(suits, held_out, joint)
+        report = _predicted(suits, held_out, joint)
         folder = RunFolder(out, "validate", force=force) if out else None
-        given = {"suits": suits, "held_out": held_out, "joint": joint}
-        conclude(result, tables, remarks, folder=folder, json=json, settings=given)
+        conclude(report, folder, json)
         return
     if joint is not None:
         raise InputError(f"--joint is {joint!r} and there are no curves: add --held-out")
@@ -136,15 +136,8 @@ def validate(
             for true, chosen in scenes.items()
         }
     folder = RunFolder(out, "validate", force=force) if out else None
-    first: dict[str, Trace] = {}
-    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed, first)
-    motions = write_motions(folder, scenes[plant[0]].place, first) if folder else []
-    _conclude(
-        *(cells, evaluations, scenes, policy, episodes, seed),
-        folder=folder,
-        json=json,
-        motions=motions,
-    )
+    cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
+    conclude(_report(cells, evaluations, scenes, policy, episodes, seed), folder, json)
 
 
 def _itself(suits: tuple[str, ...]) -> tuple[str]:
@@ -167,16 +160,15 @@ def _simulated(
     policy: str,
     episodes: int,
     seed: int,
-    first: dict[str, Trace],
 ) -> tuple[Cells, dict[str, Evaluation]]:
-    """Simulates all cells; puts the first motion of each policy with the first plant in `first`."""
+    """Simulates all cells: each believed suit with each plant."""
     cells: Cells = {}
     evaluations, labels = {}, names_of(suits)
     total = (len(suits) + OTHERS) * len(scenes) * episodes
     with progress("validate", total) as bar:
 
         def report(name: str, traces: list[Trace]) -> None:
-            first.setdefault(name, traces[0])
+            del name
             bar.advance(len(traces))
 
         for true, chosen in scenes.items():
@@ -194,18 +186,14 @@ def _simulated(
     return cells, evaluations
 
 
-def _conclude(
+def _report(
     cells: Cells,
     evaluations: Mapping[str, Evaluation],
     scenes: Mapping[str, Scene],
     policy: str,
     episodes: int,
     seed: int,
-    *,
-    folder: RunFolder | None,
-    json: bool,
-    motions: Sequence[dict[str, Any]],
-) -> None:
+) -> Report:
     chosen = next(iter(scenes.values()))
     result: dict[str, Any] = {"env": chosen.env, "policy": policy}
     result |= {"episodes": episodes, "seed": seed, **chosen.options, "limits": LIMITS}
@@ -216,12 +204,12 @@ def _conclude(
     ]
     result["evaluations"] = {true: found.to_dict() for true, found in evaluations.items()}
     place = f"{chosen.env}, {chosen.options['gravity']}, {policy}"
-    tables, remarks = {}, []
+    tables, remarks, plots = {}, [], {}
+    first = {name: one[0] for name, one in next(iter(evaluations.values())).traces.items()}
     if len(cells) > 1:
         tables[f"Torque error, relief and verdict: {place}"] = matrix_table(cells)
         remarks.append(covered_text(cells))
-        if folder:
-            folder.figure("matrix", matrix_figure(cells))
+        plots["matrix"] = matrix_plot(cells)
     else:
         ((suit, true),) = cells
         scores = list(evaluations[true].scores.values())
@@ -238,12 +226,15 @@ def _conclude(
         remarks += _lacking(suit, true)
         remarks += [*why_remarks(scores), *cuff_remarks(scores)]
     judged = any(one.verdict for one in cells.values())
-    conclude(
-        *(result, tables, [*remarks, *[RULE] * judged]),
-        folder=folder,
-        json=json,
+    return Report(
+        heading="Validation of a suit model",
+        about=place,
+        result=result,
+        tables=tables,
+        answer=[*remarks, *[RULE] * judged],
+        columns={"traces.csv": trace_columns(first)},
+        plots=plots | motion_plots(first),
         settings=settings,
-        motions=motions,
     )
 
 
@@ -255,10 +246,8 @@ def _lacking(believed: str, true: str) -> Iterator[str]:
             yield f"{joint}: not assisted, because {believed} has no such joint"
 
 
-def _predicted(
-    suits: tuple[str, ...], files: tuple[Path, ...], joint: str | None
-) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """Returns result, tables and remarks of measured curves that suits predict."""
+def _predicted(suits: tuple[str, ...], files: tuple[Path, ...], joint: str | None) -> Report:
+    """Returns what suits predict of measured curves."""
     found: dict[str, dict[str, list[CurveError]]] = {}
     remarks = []
     for path in files:
@@ -282,10 +271,13 @@ def _predicted(
     for suit, by_joint in result.items():
         remarks += [f"{suit}, {name}: {one['verdict']}" for name, one in by_joint.items()]
     remarks.append(f"{RULE} Of curves, the worst one decides.")
-    return (
-        {"limits": LIMITS, "suits": result},
-        {"Torque, predicted less measured": curve_table(found)},
-        remarks,
+    return Report(
+        heading="Validation of a suit model",
+        about=", ".join(path.name for path in files),
+        result={"limits": LIMITS, "suits": result},
+        tables={"Torque, predicted less measured": curve_table(found)},
+        answer=remarks,
+        settings={"suits": suits, "held_out": files, "joint": joint},
     )
 
 

@@ -14,8 +14,9 @@ from activesuit.scripts import main as main_module
 from activesuit.scripts import output
 from activesuit.scripts.engine_log import engine_warnings
 from activesuit.scripts.main import main
-from activesuit.scripts.output import markdown_table, progress, table
-from activesuit.scripts.text import visible
+from activesuit.scripts.output import progress, table
+from activesuit.tables import markdown_table
+from activesuit.text import visible
 from helpers import PATIENCE
 
 SLOW = (

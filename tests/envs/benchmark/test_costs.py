@@ -8,9 +8,9 @@ import pytest
 from activesuit.envs.benchmark import Setting
 from activesuit.envs.benchmark.costs import cost_over, measures_of
 from activesuit.envs.benchmark.results import Result, lines, read_results
+from activesuit.envs.benchmark.score_report import benchmark_says
 from activesuit.envs.benchmark.standings import Standings
 from activesuit.errors import InputError
-from activesuit.scripts.reports.scores import benchmark_says
 
 MOTIONS = 8
 HERE = Setting("ElbowFlexion", "nominal", "emu-like")

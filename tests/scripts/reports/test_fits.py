@@ -4,9 +4,9 @@ import json
 from typing import Any
 
 from activesuit.hysteresis import HingedStops
+from activesuit.hysteresis.parameter_table import parameter_table
 from activesuit.identification import Remark
-from activesuit.scripts.reports.fits import advised
-from activesuit.scripts.reports.parameters import parameter_table
+from activesuit.identification.report import advised
 
 
 def test_the_constant_of_a_model_is_not_called_the_offset_of_a_sensor():

@@ -15,7 +15,6 @@ from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import TASKS
 from activesuit.scripts.main import main
 from activesuit.scripts.output import RunFolder
-from activesuit.scripts.reports.motions import write_trace
 
 MUSCLES = [f"{joint}_{way}" for way in ("extensor", "flexor") for joint in JOINTS]
 
@@ -35,7 +34,7 @@ def columns(folder):
 def test_fatigue_strength_and_heat_are_in_the_trace(tmp_path):
     trace = played()
     assert trace.fatigue is not None and trace.motor_load is not None
-    write_trace(RunFolder(tmp_path), "trace.csv", trace)
+    RunFolder(tmp_path).csv("trace.csv", *trace_columns({"none": trace}))
     found = columns(tmp_path)
     wanted = {f"{one}_fatigue": trace.fatigue.reshape(-1, 8)[:, i] for i, one in enumerate(MUSCLES)}
     left = trace.strength.reshape(-1, 8)
@@ -51,7 +50,7 @@ def test_fatigue_strength_and_heat_are_in_the_trace(tmp_path):
 @pytest.mark.parametrize(("options", "rows"), [({}, 4), ({"fatigue": False}, 3)])
 def test_what_is_not_there_is_left_out(tmp_path, options, rows):
     bare = played(coupling="none", **options)
-    write_trace(RunFolder(tmp_path), "trace.csv", bare)
+    RunFolder(tmp_path).csv("trace.csv", *trace_columns({"none": bare}))
     names = columns(tmp_path)
     assert not any("motor_load" in name for name in names)
     assert any("fatigue" in name for name in names) == (rows == 4)

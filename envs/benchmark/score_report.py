@@ -5,14 +5,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...envs.benchmark import Result, Setting
-from ...envs.benchmark.costs import Cost, cost_of, cost_over, measures_of
-from ...envs.benchmark.standings import Measure, Standings
-from ...envs.evaluation import REFERENCES
-from ...envs.extras import SCORES, STANDARD, Score, Scored
 from ...errors import shown
-from ..output import Rows
-from .motions import interval_text
+from ...tables import Rows
+from ..evaluation import REFERENCES
+from ..evaluation.report import interval_text
+from ..extras import SCORES, STANDARD, Score, Scored
+from .costs import Cost, cost_of, cost_over, measures_of
+from .results import Result
+from .standings import Measure, Standings
+from .suite import Setting
 
 Facts = Mapping[str, Any]
 

@@ -1,18 +1,20 @@
-"""Simulated motions: tables of their scores, remarks on the cuffs, and the trace as CSV."""
+"""Simulated motions as tables, sentences, columns of CSV files and figures."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from statistics import fmean
-from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
 from ...assets import JOINTS
-from ...envs.evaluation import REFERENCES, Evaluation, Interval, Score, Trace
-from ...envs.model import ASSISTED
-from ...envs.model.cuffs import FORCE_LIMITS
-from ..output import Rows, RunFolder, markdown_table
+from ...plots import PALETTE, Intervals, Panel, Plot
+from ...tables import Rows
+from ..model import ASSISTED
+from ..model.cuffs import FORCE_LIMITS
+from . import REFERENCES, Evaluation, Interval, Score, Trace
 
+Columns = tuple[list[str], Iterable[Sequence[str]]]  # the header of a CSV file, and its rows
+REFERENCE = "compensation"  # policy that the others are compared with, motion by motion
 SIDEWAYS = "shoulder_abduction"
 NOTED = 1.0  # [N·m], additional torque of abduction that is named
 
@@ -26,7 +28,10 @@ def score_table(scores: Sequence[Score], evaluation: Evaluation | None = None) -
     """
     header = ["policy", "effort\n[%]"]
     if evaluation is not None:
-        header += ["relief,\n95 % interval", "of the\nbound"]
+        header += ["relief,\n95 % interval"]
+        if REFERENCE in evaluation.scores:
+            header += [f"relief less\n{REFERENCE}'s"]
+        header += ["of the\nbound"]
     header += ["abduction/shoulder\n/elbow/wrist [N·m]", "error\n[mrad]", "went\nwell", "reward"]
     return header, [[score.policy, *_cells(score, evaluation)] for score in scores]
 
@@ -37,6 +42,10 @@ def _cells(score: Score, evaluation: Evaluation | None) -> Iterator[str]:
         relief = evaluation.relief(score.policy)
         ends = "" if relief is None else f"\n{relief.low:.2f} to {relief.high:.2f}"
         yield "-" if relief is None else f"{relief.value:.2f}{ends}"
+        if REFERENCE in evaluation.scores:
+            free = score.policy not in (*REFERENCES, REFERENCE)
+            less = evaluation.relief_difference(score.policy, REFERENCE) if free else None
+            yield "-" if less is None else f"{less.value:+.2f}\n{less.low:+.2f} to {less.high:+.2f}"
         share = evaluation.share_of_bound(score.policy)
         yield "-" if share is None else f"{share.value:.0%}"
     yield "/".join(_short(score.human_rms[joint]) for joint in JOINTS)
@@ -138,59 +147,6 @@ def _abduction(evaluation: Evaluation) -> Iterator[str]:
         )
 
 
-def relief_matrix(evaluations: Mapping[str, Evaluation]) -> Rows:
-    """Returns one row per policy and one column per setting: relief with its interval.
-
-    Args:
-        evaluations: Evaluations of the same policies, by the name of the setting.
-    """
-    names = [name for name in next(iter(evaluations.values())).scores if name not in REFERENCES]
-    header = ["policy", *evaluations]
-    rows = [
-        [name, *(interval_text(one.relief(name)) for one in evaluations.values())] for name in names
-    ]
-    costs = [one.suit_cost for one in evaluations.values()]
-    cells = ["-" if cost is None else f"{100 * cost.value:.1f} %" for cost in costs]
-    return header, [["the suit costs, of strength", *cells], *rows]
-
-
-def settings_page(evaluations: Mapping[tuple[str, str, str], Evaluation]) -> str:
-    """Returns Markdown of evaluations in many settings: relief first, then a table of each.
-
-    Args:
-        evaluations: Evaluations of the same policies by place, suit and coupling.
-    """
-    parts = []
-    for suit, coupling in dict.fromkeys(key[1:] for key in evaluations):
-        here = {key[0]: one for key, one in evaluations.items() if key[1:] == (suit, coupling)}
-        parts += [f"### Relief: {suit}, {coupling}", markdown_table(*relief_matrix(here))]
-    parts.append("### Each setting")
-    for (place, suit, coupling), one in evaluations.items():
-        parts.append(f"**{place}, {suit}, {coupling}**")
-        header, rows = score_table(list(one.scores.values()), one)
-        rows = [[cell.replace("\n", ", ") for cell in row] for row in rows]
-        parts += [markdown_table([cell.replace("\n", " ") for cell in header], rows)]
-        parts.append(f"{agreement(one).capitalize()}.")
-    return "\n\n".join(parts) + "\n"
-
-
-def agreement(evaluation: Evaluation) -> str:
-    """Returns a sentence: levels of the reward, and whether it ranks policies as relief does."""
-    from scipy.stats import kendalltau  # slow to import
-
-    scores = evaluation.scores
-    levels = ", ".join(f"{name} {np.mean(one.reward):.2f}" for name, one in scores.items())
-    beginning = 100 * fmean(fmean(one.beginning) for one in scores.values())
-    sentence = f"mean reward: {levels}; first half second {beginning:.1f} % of the return"
-    reliefs = {name: evaluation.relief(name) for name in scores if name not in REFERENCES}
-    known = {name: relief.value for name, relief in reliefs.items() if relief is not None}
-    if len(known) > 1:
-        rewards = [float(np.mean(scores[name].reward)) for name in known]
-        found: Any = kendalltau(list(known.values()), rewards)
-        sentence += f"; rank correlation of reward with relief {found.statistic:.2f}"
-    return sentence
-
-
 def cuff_remarks(scores: Sequence[Score]) -> list[str]:
     """Returns one sentence per policy with cuffs: the largest forces, and how much one can bear."""
     return [
@@ -214,14 +170,28 @@ def guard_remarks(scores: Sequence[Score]) -> list[str]:
     ]
 
 
-def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
-    """Writes a trace as CSV: time [s], angles [rad], torques and strength [N·m], and shares.
+def trace_columns(traces: Mapping[str, Trace]) -> Columns:
+    """Returns motions as columns: policy, time [s], angles [rad], torques, strength [N·m], shares.
 
     Effort, fatigue and the load of a motor are shares of strength, of the muscles, and of the
-    continuous torque. Fatigue is there where muscles tire, the load where there are motors.
+    continuous torque. A cell is empty where muscles do not tire, or where there are no motors.
+
+    Args:
+        traces: Motions by the name of their policy.
     """
-    header = ["time_s"]
-    columns = [trace.time[:, None]]
+    found = {policy: _series(trace) for policy, trace in traces.items()}
+    header = list(dict.fromkeys(name for series in found.values() for name in series))
+    rows = (
+        [policy, *(f"{series[name][i]:.6g}" if name in series else "" for name in header)]
+        for policy, series in found.items()
+        for i in range(series["time_s"].size)
+    )
+    return ["policy", *header], rows
+
+
+def _series(trace: Trace) -> dict[str, Array]:
+    """Returns what a trace has over time, by the names of columns."""
+    found = {"time_s": trace.time}
     for label, joints, values in (
         ("angle_rad", JOINTS, trace.angle),
         ("target_angle_rad", JOINTS, trace.target_angle),
@@ -231,19 +201,12 @@ def write_trace(folder: RunFolder, name: str, trace: Trace) -> None:
         ("effort", JOINTS, trace.effort),
         ("extensor_strength_nm", JOINTS, trace.strength[:, 0]),
         ("flexor_strength_nm", JOINTS, trace.strength[:, 1]),
-        *_fatigue(trace),
+        *([] if trace.fatigue is None else [("extensor_fatigue", JOINTS, trace.fatigue[:, 0])]),
+        *([] if trace.fatigue is None else [("flexor_fatigue", JOINTS, trace.fatigue[:, 1])]),
         *([] if trace.motor_load is None else [("motor_load", ASSISTED, trace.motor_load)]),
     ):
-        header += [f"{joint}_{label}" for joint in joints]
-        columns.append(values)
-    rows = zip(*(column for block in columns for column in block.T), strict=True)
-    folder.csv(name, header, ([f"{value:.6g}" for value in row] for row in rows))
-
-
-def _fatigue(trace: Trace) -> Iterator[tuple[str, tuple[str, ...], Array]]:
-    if trace.fatigue is not None:
-        for way, name in enumerate(("extensor", "flexor")):
-            yield f"{name}_fatigue", JOINTS, trace.fatigue[:, way]
+        found |= {f"{joint}_{label}": values[:, i] for i, joint in enumerate(joints)}
+    return found
 
 
 def units_table(scores: Sequence[Score]) -> Rows:
@@ -258,7 +221,7 @@ def units_table(scores: Sequence[Score]) -> Rows:
 
 
 def _known(value: float) -> str:
-    return "-" if np.isnan(value) else f"{value:.4g}"
+    return "-" if np.isnan(value) else f"{round(value, 6):.4g}"
 
 
 def _median(values: Sequence[float]) -> float:
@@ -276,8 +239,8 @@ def _units(score: Score) -> tuple[Sequence[float], ...]:
     )
 
 
-def write_scores(folder: RunFolder, name: str, scores: Sequence[Score], first_seed: int) -> None:
-    """Writes one line per policy and motion: effort, torque, tracking, reward, success, strength.
+def score_columns(scores: Sequence[Score], first_seed: int) -> Columns:
+    """Returns a row per policy and motion: effort, torque, tracking, reward, success, strength.
 
     Names of columns end with their units; a share has the unit 1. Where muscles tire, the fatigued
     part of each joint's at the end of the motion is there.
@@ -297,4 +260,28 @@ def write_scores(folder: RunFolder, name: str, scores: Sequence[Score], first_se
             rows.append(
                 [score.policy, str(first_seed + i), f"{effort:.6g}", *torque, *rest, *units]
             )
-    folder.csv(name, header, rows)
+    return header, rows
+
+
+def outcome(score: Score) -> str:
+    """Returns a sentence about one motion: whether it went well, and what it took the wearer."""
+    (effort,), (tracking,), (success,) = score.effort, score.tracking, score.success
+    end = ", and the arm was lost before its end" if score.failures else ""
+    return (
+        f"Under {score.policy} the motion {'went well' if success else 'did not go well'}{end}: "
+        f"effort {effort:.1%} of strength, tracking error {1e3 * tracking:.0f} mrad."
+    )
+
+
+def relief_plot(evaluation: Evaluation) -> Plot | None:
+    """Returns the relief of each policy with its 95 % interval; None where no relief is known."""
+    found = {name: evaluation.relief(name) for name in evaluation.scores if name not in REFERENCES}
+    known = {name: one for name, one in found.items() if one is not None}
+    if not known:
+        return None
+    value, low, high = ([getattr(x, end) for x in known.values()] for end in Interval._fields)
+    marks = [Intervals([*known], value, low, high, color=PALETTE[0])]
+    axis = "relief: 0 is the suit alone, 1 is no suit"
+    panel = Panel(x=axis, y="", marks=marks)
+    height = 1.0 + 0.35 * len(known)
+    return Plot(title="Relief, with its 95 % interval", panels=[panel], height=height)

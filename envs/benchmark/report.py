@@ -5,18 +5,21 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ...envs.benchmark.standings import FIXED, MARGIN, Standing, Standings
-from ...envs.benchmark.suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
-from ...envs.evaluation import Interval
-from ...envs.levels import COMPARED
-from ...envs.policies import POLICIES, needed_options
-from ...envs.policies.trained import shipped_policies
 from ...errors import shown
 from ...plots import Line, Panel, Plot
-from ..output import Rows, markdown_table
-from ..text import without_markup
-from .motions import interval_text
-from .scores import Said
+from ...tables import Rows, markdown_table
+from ...text import without_markup
+from ..evaluation import Interval
+from ..evaluation.failures import exceeded, motions_text
+from ..evaluation.reasons import Frequent
+from ..evaluation.report import interval_text
+from ..levels import COMPARED
+from ..policies import POLICIES, needed_options
+from ..policies.trained import shipped_policies
+from .results import Result
+from .score_report import Said
+from .standings import FIXED, MARGIN, Standing, Standings
+from .suite import BASELINE, BELIEVED, SUITES, VERSION, Setting
 
 PACKAGES = ("activesuit", "mujoco", "numpy", "gymnasium")
 CELLS = "Each row is a setting. Each cell has the success of a policy there, then its mean relief."
@@ -103,8 +106,11 @@ def task_rows(standings: Standings, level: str) -> Rows:
     """Returns a row per setting of a level: success and mean relief of every policy."""
     settings = standings.settings_at(level)
     names = [name for name in standings.policies_at(level) if name not in FIXED[:2]]
-    header = ["policy", *(f"{s.task}\n{s.believed}" for s in settings)]
-    return header, [[name, *(_cell(standings, s, name) for s in settings)] for name in names]
+    rows = [
+        [f"{s.task}\n{s.believed}", *(_cell(standings, s, name) for name in names)]
+        for s in settings
+    ]
+    return ["task\nand suit", *names], rows
 
 
 def difference_rows(standings: Standings, one: str, other: str) -> Rows:
@@ -149,7 +155,9 @@ def page(standings: Standings, title: str, figure: str, scores: Mapping[str, Sai
         parts.append(f"## {level}\n\n{markdown_table(*_safe(level_rows(standings, level)))}\n")
     for level in standings.levels:
         title = f"## {level}, by task: success and relief"
-        parts.append(f"{title}\n\n{CELLS}\n\n{_turned(task_rows(standings, level))}\n")
+        parts.append(
+            f"{title}\n\n{CELLS}\n\n{markdown_table(*_safe(task_rows(standings, level)))}\n"
+        )
     for name, said in scores.items():
         parts.append(f"## The score {without_markup(name)}\n\n{COSTS} {said.text}\n")
         for title, rows in said.tables.items():
@@ -161,13 +169,6 @@ def page(standings: Standings, title: str, figure: str, scores: Mapping[str, Sai
         "nothing proves that a file of results comes from the runs that it names.\n"
     )
     return "\n".join(parts)
-
-
-def _turned(rows: Rows) -> str:
-    """Returns a table as Markdown, with rows and columns exchanged."""
-    header, body = _safe(rows)
-    turned = [list(column) for column in zip(header, *body, strict=True)]
-    return markdown_table(turned[0], turned[1:])
 
 
 def best_policies(standings: Standings) -> Iterator[str]:
@@ -255,3 +256,29 @@ def _cell(standings: Standings, setting: Setting, policy: str) -> str:
     relief = standings.relief(setting, policy)
     success = f"{np.mean(found.success):.0%}"
     return success if relief is None else f"{success}\n{np.mean(relief):.2f}"
+
+
+def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
+    """Yields a sentence for each level and policy some of whose motions failed.
+
+    Each limit is shown as in the task in which most motions exceeded it.
+    """
+    for level, policy in dict.fromkeys((one.level, one.policy) for one in results):
+        mine = [one for one in results if (one.level, one.policy) == (level, policy)]
+        motions = [success for one in mine for success in one.success]
+        found: dict[str, list[tuple[Frequent, str]]] = {}
+        for one in mine:
+            for why in one.why:
+                found.setdefault(why.name, []).append((why, one.task))
+        parts = []
+        for same in sorted(found.values(), key=lambda same: -_total(same)):
+            why, task = max(same, key=lambda pair: pair[0].motions)
+            most = f", most in {task}" if len({one.task for one in mine}) > 1 else ""
+            parts.append(f"{exceeded(why)} ({motions_text(_total(same))}{most})")
+        if parts:
+            failed = f"{motions.count(False)} of {len(motions)} motions"
+            yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
+
+
+def _total(same: Sequence[tuple[Frequent, str]]) -> int:
+    return sum(why.motions for why, _ in same)

@@ -8,9 +8,13 @@ import numpy as np
 
 from ...arrays import Array
 from ...assets import Suit
-from ...envs.evaluation import Evaluation, Interval
-from ...envs.evaluation.statistics import mean_interval
-from ...envs.evaluation.validation import (
+from ...plots import Cells as Colored
+from ...plots import Panel, Plot
+from ...tables import Rows
+from .compare import Evaluation
+from .report import interval_text
+from .statistics import Interval, mean_interval
+from .validation import (
     LIMITS,
     NOT_VALID,
     TRUE,
@@ -18,10 +22,6 @@ from ...envs.evaluation.validation import (
     TorqueError,
     Validation,
 )
-from ...plots import Cells as Colored
-from ...plots import Panel, Plot
-from ..output import Rows
-from .motions import interval_text
 
 Cells = Mapping[tuple[str, str], Validation]  # keys are believed and true suit
 

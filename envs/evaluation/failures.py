@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ...envs.benchmark import Result
-from ...envs.evaluation import REFERENCES, Score
-from ...envs.evaluation.reasons import Frequent, most_frequent
+from .core import REFERENCES
+from .reasons import Frequent, most_frequent
+from .scores import Score
 
 LEAST = 0.01  # share of time at the peak torque that is worth a word
 # Words for a limit, the factor of its numbers, and their unit.
@@ -41,7 +41,7 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
         failed = one.success.count(False)
         if failed:
             of = f" in {failed} of {len(one.success)} motions" if len(one.success) > 1 else ""
-            parts = [_size(why) + _count(why, failed) for why in most_frequent(one.why)]
+            parts = [exceeded(why) + _count(why, failed) for why in most_frequent(one.why)]
             yield f"{one.policy} failed{of}: {'; '.join([*parts, *_hot(one)])}"
             kept = _kept_unassisted(one, suited) if suited else []
             if kept and one.policy not in REFERENCES:
@@ -50,28 +50,6 @@ def why_remarks(scores: Sequence[Score]) -> Iterator[str]:
                     f"{one.policy}: without assistance the same motions stay within {limits}: "
                     f"{', '.join(kept)}"
                 )
-
-
-def benchmark_remarks(results: Sequence[Result]) -> Iterator[str]:
-    """Yields a sentence for each level and policy some of whose motions failed.
-
-    Each limit is shown as in the task in which most motions exceeded it.
-    """
-    for level, policy in dict.fromkeys((one.level, one.policy) for one in results):
-        mine = [one for one in results if (one.level, one.policy) == (level, policy)]
-        motions = [success for one in mine for success in one.success]
-        found: dict[str, list[tuple[Frequent, str]]] = {}
-        for one in mine:
-            for why in one.why:
-                found.setdefault(why.name, []).append((why, one.task))
-        parts = []
-        for same in sorted(found.values(), key=lambda same: -_total(same)):
-            why, task = max(same, key=lambda pair: pair[0].motions)
-            most = f", most in {task}" if len({one.task for one in mine}) > 1 else ""
-            parts.append(f"{_size(why)} ({_motions(_total(same))}{most})")
-        if parts:
-            failed = f"{motions.count(False)} of {len(motions)} motions"
-            yield f"{policy} at {level} failed in {failed}: {'; '.join(parts)}"
 
 
 def _kept_unassisted(score: Score, suited: Score) -> list[str]:
@@ -84,19 +62,16 @@ def _kept_unassisted(score: Score, suited: Score) -> list[str]:
     return [words for name, words in _UNASSISTED.items() if not any(exceeded.get(name, [True]))]
 
 
-def _total(same: Sequence[tuple[Frequent, str]]) -> int:
-    return sum(why.motions for why, _ in same)
-
-
 def _count(why: Frequent, failed: int) -> str:
-    return f" ({_motions(why.motions)})" if why.motions < failed else ""
+    return f" ({motions_text(why.motions)})" if why.motions < failed else ""
 
 
-def _motions(count: int) -> str:
+def motions_text(count: int) -> str:
+    """Returns a number of motions in words."""
     return "1 motion" if count == 1 else f"{count} motions"
 
 
-def _size(why: Frequent) -> str:
+def exceeded(why: Frequent) -> str:
     """Returns by how much a limit was exceeded, and when: the medians of these motions."""
     part = (why.part or "").removesuffix("_flexion").replace("_", " ")
     if why.name == "lost":

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ...hysteresis import HysteresisModel, JilesAtherton, Viscoelastic
-from ...hysteresis.around.wrapper import Wrapper
-from ..output import Rows
+from ..tables import Rows
+from . import HysteresisModel, JilesAtherton, Viscoelastic
+from .around.wrapper import Wrapper
 
 FEW = 6  # numbers that a cell lists
 
