@@ -1,15 +1,10 @@
 """Writes files in one piece, over regular files only: a crash leaves the old one or the new one.
 
-Until it is complete, a file has a scratch name with the machine and the process in it, so that the
-next writer in the same folder can remove the leftovers of a killed process.
+Until it is complete, a file has a scratch name, with which the end of a killed process leaves it.
 """
 
 import os
-import platform
-import re
-import shutil
 import stat
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,8 +12,7 @@ from pathlib import Path
 
 from .errors import InputError, shown
 
-_HOST = re.sub(r"[^\w.]", "_", platform.node())[:40] or "host"
-_SCRATCH = re.compile(r"\.activesuit-(?P<host>[\w.]+)-(?P<process>\d+)-\w{8}(\..*)?")
+SCRATCH = ".activesuit-"  # begins the names of files that are not complete yet
 
 
 def content_of(path: str | os.PathLike[str], what: str, largest: int, fix: str = "") -> bytes:
@@ -59,7 +53,9 @@ def replacing(path: str | os.PathLike[str], *, force: bool = True) -> Iterator[P
     scratch = _make_scratch(path)
     try:
         yield scratch
-        move(scratch, path, force=force)
+        check_target(path, force=force)
+        scratch.chmod(_mode(path))
+        scratch.replace(path)
     except OSError as error:
         raise InputError(
             f"cannot write {str(path)!r} ({error.strerror}): make room, or choose another folder"
@@ -72,18 +68,6 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Writes `text` to `path` (UTF-8) in one piece: if that fails, the old file stays as it was."""
     with replacing(path) as scratch:
         scratch.write_text(text, encoding="utf-8")
-
-
-def move(scratch: Path, path: Path, *, force: bool = True) -> None:
-    """Puts a finished scratch file in its place, with the permissions of the file it replaces.
-
-    Raises:
-        InputError: The path is not free, see `check_target`.
-        OSError: The file system refuses.
-    """
-    check_target(path, force=force)
-    scratch.chmod(_mode(path))
-    scratch.replace(path)
 
 
 def check_target(path: Path, *, force: bool = True) -> None:
@@ -109,33 +93,9 @@ def check_target(path: Path, *, force: bool = True) -> None:
         raise InputError(f"{str(path)!r} exists: give another name, or add --force to replace it")
 
 
-def scratch_prefix() -> str:
-    """Returns the prefix of the names of this process's scratch files and folders."""
-    return f".activesuit-{_HOST}-{os.getpid()}-"
-
-
-def remove_leftovers(folder: Path) -> None:
-    """Removes the scratch files and folders in `folder` whose process on this machine is gone."""
-    try:
-        names = os.listdir(folder)
-    except OSError:
-        return  # the write that follows reports the error
-    for name in names:
-        found = _SCRATCH.fullmatch(name)
-        if found and found["host"] == _HOST and not _runs(int(found["process"])):
-            path = folder / name
-            if path.is_dir() and not path.is_symlink():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
-
-
 def _make_scratch(path: Path) -> Path:
-    remove_leftovers(path.parent)
     try:
-        handle, name = tempfile.mkstemp(
-            dir=path.parent, prefix=scratch_prefix(), suffix=path.suffix
-        )
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=SCRATCH, suffix=path.suffix)
     except OSError as error:
         raise _unwritable(path, error) from error
     os.close(handle)
@@ -156,16 +116,3 @@ def _mode(path: Path) -> int:
         umask = os.umask(0)
         os.umask(umask)
         return 0o666 & ~umask
-
-
-def _runs(process: int) -> bool:
-    """Returns whether a process runs on this machine."""
-    if sys.platform == "win32":
-        return True  # os.kill would end the process there
-    try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except PermissionError:
-        return True
-    return True

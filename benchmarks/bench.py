@@ -84,7 +84,7 @@ def bench(
     if worlds and topic != "gpu":
         raise InputError(f"--worlds belongs to gpu, not to {topic}: leave it out")
     if topic == "honesty":
-        folder = RunFolder(out, "bench honesty", force=force) if out else None
+        folder = RunFolder(out, force=force, resumes="config.json") if out else None
         _count(repeats or (FEW if quick else MANY), seed, folder, json)
         return
     if quick or out is not None or seed or force:
@@ -105,6 +105,8 @@ def bench(
 def _count(repeats: int, seed: int, folder: RunFolder | None, json: bool) -> None:
     from . import honesty
 
+    if folder:
+        folder.json("config.json", {"topic": "honesty"})  # so that the run may go on in it
     found = honesty.honesty(repeats, seed, folder.path if folder else None)
     report = Report(
         heading="How often verdicts are right",

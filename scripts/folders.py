@@ -1,17 +1,15 @@
-"""Run folders: which command a folder of results belongs to, and which files it may replace.
+"""Run folders: where a command writes its results, each file in one piece.
 
-A command writes into a new or an empty folder, or into one that it made before: the file
-`.activesuit` in it names the command, and the files that this has written, which alone it replaces.
-Anything else needs `--force`. While a command runs, no other one writes into its folder.
+A command writes into a new or an empty folder, or with `--force` into any. A command that goes on
+where it was stopped may find its own folder again. While a command runs, no other one writes there.
 """
 
 import csv
 import io
 import json
 import math
-import shutil
-import tempfile
-import weakref
+import os
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -19,12 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError
-from ..files import check_target, move, remove_leftovers, replacing, scratch_prefix
-from .record import Record
+from ..errors import InputError, shown
+from ..files import SCRATCH, check_target, replacing, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+FEW = 3  # names of files in a sentence
 
 
 class RunFolder:
@@ -32,121 +31,86 @@ class RunFolder:
 
     Args:
         path: Path of the folder, which is made if it does not exist.
-        command: Name of the command that writes; "" for a folder inside another run folder, of
-            which no record is kept.
-        force: True to write into a folder of another command, and over files that are there.
+        force: Whether to write into a folder that is not empty, and over its files.
+        resumes: Name of a file that a run writes first; where it is there, the run goes on.
 
     Attributes:
         path: Path of the folder.
-        command: Name of the command that writes.
-        own: Whether this command has written into it before.
 
     Raises:
-        InputError: The folder cannot be created or written, holds something else, or another
-            process writes into it.
+        InputError: The folder cannot be created or written, is not empty, or another process
+            writes into it.
     """
 
-    def __init__(self, path: Path, command: str = "", *, force: bool = False) -> None:
-        self.path, self.command = path, command
-        self._force = force or not command
-        self._record = None
+    def __init__(self, path: Path, *, force: bool = False, resumes: str | None = None) -> None:
+        self.path = path
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: give the folder itself as --out")
         self._made = [one for one in (path, *path.parents) if not one.exists()]
         try:
             path.mkdir(parents=True, exist_ok=True)
+            present = sorted(x.name for x in path.iterdir() if not x.name.startswith(SCRATCH))
         except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
             reason = error.strerror if isinstance(error, OSError) else error
             raise InputError(
                 f"cannot make the folder {str(path)!r} ({reason}): choose another --out"
             ) from error
-        try:
-            if command:
-                self._record = Record(path, command, force)
-            tempfile.TemporaryFile(dir=path).close()
-        except OSError as error:
+        if not os.access(path, os.W_OK | os.X_OK):
+            raise InputError(f"cannot write into {str(path)!r}: choose another --out")
+        if present and not force and resumes not in present:
+            more = f" and {len(present) - FEW} more" if len(present) > FEW else ""
             raise InputError(
-                f"cannot write into {str(path)!r} ({error.strerror}): choose another --out"
-            ) from error
-        self.own = self._record is not None and self._record.own
-        remove_leftovers(path)
-        _OPEN.add(self)
+                f"{str(path)!r} is not empty, it holds {', '.join(map(shown, present[:FEW]))}{more}"
+                ": choose a new folder as --out, or add --force to write into it"
+            )
+        self._lock = _locked(path)
+        _OPEN.append(self)
+
+    @classmethod
+    def of(cls, out: Path | None, command: str, *, force: bool = False) -> "RunFolder":
+        """Returns the given folder, by default a new one: runs/COMMAND, runs/COMMAND-2, ..."""
+        number = 1
+        while out is None:
+            path = Path("runs", command if number == 1 else f"{command}-{number}")
+            out = path if not (path.is_dir() and any(path.iterdir())) else None
+            number += 1
+        return cls(out, force=force)
 
     def close(self) -> None:
         """Lets other processes write into the folder; removes it if it is new and still empty."""
-        if self._record is not None and self._record.close():
-            with suppress(OSError):
-                for made in self._made:
-                    made.rmdir()
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+        with suppress(OSError):
+            for made in self._made:
+                made.rmdir()
 
     def __truediv__(self, name: str) -> Path:
         return self.path / name
 
-    def claim(self, name: str) -> Path:
-        """Returns the path of a file that the command is about to write, and puts it on record.
-
-        Raises:
-            InputError: A link or a folder is there, or a file that the command has not written.
-        """
-        path = self.path / name
-        ours = self._force or (self._record is not None and name in self._record.names)
-        check_target(path, force=True)
-        if not ours and path.exists():
-            raise InputError(
-                f"{str(path)!r} was not written by this command: choose another --out, or add "
-                "--force to replace it"
-            )
-        self._note(name)
-        return path
-
     def subfolder(self, name: str) -> Path:
-        """Makes a folder in this one, unless it is there; returns its path.
-
-        Raises:
-            InputError: A link or a file is there, or the folder cannot be made.
-        """
+        """Makes a folder in this one, unless it is there; returns its path."""
         path = self.path / name
         if path.is_symlink():
             raise InputError(f"{str(path)!r} is a link: remove it, or choose another --out")
-        self._note(name)
         try:
             path.mkdir(exist_ok=True)
         except OSError as error:
             raise InputError(
                 f"cannot make the folder {str(path)!r} ({error.strerror}): choose another --out"
             ) from error
-        remove_leftovers(path)
         return path
+
+    def remove(self, name: str) -> None:
+        """Removes a file, if it is there."""
+        check_target(self.path / name)
+        (self.path / name).unlink(missing_ok=True)
 
     @contextmanager
     def replacing(self, name: str) -> Iterator[Path]:
         """Yields the path of a scratch file, which becomes `name` if the block succeeds."""
-        with replacing(self.claim(name)) as scratch:
+        with replacing(self.path / name) as scratch:
             yield scratch
-
-    @contextmanager
-    def together(self, kept: str | None = None) -> Iterator["RunFolder"]:
-        """Yields a folder whose files move into this one at the end of the block, if it succeeds.
-
-        So the results of an earlier run stay together until all of the new ones are there.
-
-        Args:
-            kept: Name of a new folder in this one that keeps the files when Ctrl-C ends the block;
-                by default they are removed.
-        """
-        scratch = Path(tempfile.mkdtemp(dir=self.path, prefix=scratch_prefix()))
-        try:
-            yield RunFolder(scratch)
-            finished = sorted(scratch.iterdir())
-            for path, target in [(path, self.claim(path.name)) for path in finished]:
-                move(path, target)
-        except KeyboardInterrupt:
-            if kept:
-                for path in sorted(scratch.iterdir()):
-                    move(path, self.subfolder(kept) / path.name)
-            raise
-        finally:
-            shutil.rmtree(scratch, ignore_errors=True)
 
     def json(self, name: str, content: Any) -> None:
         """Writes `content` as JSON."""
@@ -162,8 +126,7 @@ class RunFolder:
 
     def text(self, name: str, content: str) -> None:
         """Writes a text file."""
-        with self.replacing(name) as scratch:
-            scratch.write_text(content, encoding="utf-8")
+        write_text(self.path / name, content)
 
     def figure(self, name: str, figure: "Figure") -> None:
         """Writes a matplotlib figure as `name`.png and `name`.svg."""
@@ -178,18 +141,36 @@ class RunFolder:
         with self.replacing(f"{name}.png") as scratch:
             imsave(scratch, pixels, format="png")
 
-    def _note(self, name: str) -> None:
-        if self._record is not None:
-            self._record.add(name)
 
-
-_OPEN: weakref.WeakSet[RunFolder] = weakref.WeakSet()
+_OPEN: list[RunFolder] = []
 
 
 def close_folders() -> None:
     """Closes every run folder of this process, at the end of a command."""
-    for folder in list(_OPEN):
-        folder.close()
+    while _OPEN:
+        _OPEN.pop().close()
+
+
+def _locked(path: Path) -> int | None:
+    """Returns the open folder, which no other process can lock; it ends with this process.
+
+    Windows has no such lock: there two processes that write into one folder are the user's matter.
+    """
+    if sys.platform == "win32":
+        return None
+    import fcntl
+
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        os.close(folder)
+        raise InputError(
+            f"another process writes into {str(path)!r}: wait for its end, or choose another --out"
+        ) from error
+    except OSError:  # a file system without locks
+        pass
+    return folder
 
 
 def to_json(content: Any) -> str:

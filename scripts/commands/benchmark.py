@@ -114,7 +114,7 @@ def benchmark(
         _report(found, folder, json, {**_config(chosen), "backend": backend})
         return
     found = read_results(results)
-    folder = RunFolder(out, f"benchmark-{what}", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     if what == "table":
         if folder:
             folder.text(RESULTS, lines(found))
@@ -209,7 +209,7 @@ def _compare(standings: Standings, policies: tuple[str, ...], json: bool) -> Non
 
 def _folder(out: Path, chosen: Suite, force: bool) -> RunFolder:
     """Opens the folder of a new benchmark, or of one that goes on."""
-    folder = RunFolder(out, "benchmark", force=force)
+    folder = RunFolder(out, force=force, resumes="config.json")
     folder.subfolder(TRIALS)
     wanted = _config(chosen)
     path = folder / "config.json"

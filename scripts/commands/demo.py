@@ -38,7 +38,7 @@ Fits = dict[str, dict[str, Fit]]
 
 
 def demo(
-    out: Path = Path("runs/demo"),
+    out: Path | None = None,
     trials: int = 30,
     episodes: int = 20,
     seed: Seed = 0,
@@ -52,18 +52,18 @@ def demo(
 
     Args:
         out: Folder for suit.json, result.json, tables, figures and report.html: a new or an empty
-            one.
+            one; by default runs/demo, or runs/demo-2, ...
         trials: Number of runs of each swarm, of which the best counts; the paper has 30.
         episodes: Number of simulated motions of each policy.
     """
     at_least("trials", trials, 1)
     at_least("episodes", episodes, FEWEST_MOTIONS)
     check_seed(seed)
-    folder = RunFolder(out, "demo", force=force)
+    folder = RunFolder.of(out, "demo", force=force)
     curves = {name: load_curves(curves_path(name)) for name in CURVES}
     fits: Fits = {name: {} for name in curves}
     try:
-        with telling(lambda: _kept_fits(out, fits)):
+        with telling(lambda: _kept_fits(folder.path, fits)):
             _identify(curves, fits, trials, seed)
     finally:
         folder.json("fits.json", _summaries(fits, seed))
@@ -71,7 +71,7 @@ def demo(
     suit = folder / "suit.json"
     _identified_suit(fits).save(suit)
     kept = (
-        f"fits.json, trials.csv and suit.json are kept in {out}; go on with: "
+        f"fits.json, trials.csv and suit.json are kept in {folder.path}; go on with: "
         f"activesuit validate {suit} --plant {PLANT} --episodes {episodes} --seed "
         f"{FIRST_SEED + seed}"
     )

@@ -76,7 +76,7 @@ def evaluate(
         unadapted: Score wearers who have learned nothing of suit and exoskeleton, instead of those
             who have repeated each motion until nothing is left to learn.
         out: Folder for result.json, the scores and the first motions as CSV, figures and
-            report.html: a new or an empty one, or that of an earlier evaluate.
+            report.html: a new or an empty one.
     """
     at_least("episodes", episodes, 1)
     check_seed(seed)
@@ -93,7 +93,7 @@ def evaluate(
     _check(chosen, score)
     if chosen.options["suit"] != NO_SUIT:
         at_least("episodes", episodes, FEWEST_MOTIONS)
-    folder = RunFolder(out, "evaluate", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     found = run(
         *(chosen.env, chosen.policies, episodes, seed), unadapted=unadapted, **chosen.options
     )

@@ -109,7 +109,7 @@ def identify(
             (elbow.csv).
         base: Suit whose other joints suit.json takes over; by default it has this joint only.
         out: Folder for suit.json, result.json, trials.csv, report.html and the loops as PNG and
-            SVG: a new or an empty one, or that of an earlier identify.
+            SVG: a new or an empty one.
     """
     if not curves:
         raise InputError("there is no file of curves: give at least one")
@@ -135,7 +135,7 @@ def identify(
     motions = intended_motions(curves[0], use, joint)
     needed = needed_coverage(family, use, motions)
     others = None if base is None else load_suit(base)
-    folder = RunFolder(out, "identify", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     beside = {"model": model, "objective": objective, "normalize": normalize, "trials": trials}
     method = method or _usual_method(family, **beside, quiet=json)
     if method == AUTO:

@@ -33,7 +33,7 @@ def rig(
     angle_resolution: float | None = None,
     bearing_friction: float = 0.0,
     seed: Seed = 0,
-    out: Path = Path("runs/rig"),
+    out: Path | None = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -59,7 +59,7 @@ def rig(
         angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
         bearing_friction: Friction of the bearings [N·m].
         out: Folder for the curves (JOINT.csv), config.json, report.html and the loops as PNG and
-            SVG: a new or an empty one, or that of an earlier rig.
+            SVG: a new or an empty one.
     """
     config = RigConfig(
         suit=suit,
@@ -80,7 +80,7 @@ def rig(
     if motion and predict is not None:
         raise InputError("--predict belongs to first-order curves: leave it out beside --motion")
     kept_out = _kept_out(config.turns, predict)
-    folder = RunFolder(out, "rig", force=force)
+    folder = RunFolder.of(out, "rig", force=force)
     _report(config, kept_out, run_rig(config), folder, json)
 
 

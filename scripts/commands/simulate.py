@@ -30,7 +30,7 @@ def simulate(
     suit: Suit = None,
     gravity: Gravity = None,
     seed: Seed = 0,
-    out: Path = Path("runs/simulate"),
+    out: Path | None = None,
     force: Force = False,
     trust: Trust = False,
     arm: ArmOptions = USUAL,
@@ -41,8 +41,7 @@ def simulate(
     The wearer has learned nothing of suit and exoskeleton yet.
 
     Args:
-        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one,
-            or that of an earlier simulate.
+        out: Folder for trace.csv, result.json, report.html and the figures: a new or an empty one.
     """
     check_seed(seed)
     chosen = scene(
@@ -59,7 +58,7 @@ def simulate(
     options = {**chosen.options, **needed_options(acting)}
     arms = make_arms(chosen.env, 1, **options)
     actor = make_policy(acting, arms)
-    folder = RunFolder(out, "simulate", force=force)
+    folder = RunFolder.of(out, "simulate", force=force)
     (trace,) = rollout(arms, actor, [seed])
     arms.close()
     found = score(policy, [trace])

@@ -43,7 +43,7 @@ def suits(
         pressure: Operating pressure at which the suit is shown [kPa]; by default its own.
         export: Path of a new suit file that holds the suit at that pressure.
         out: Folder for the torque-angle loops of its joints, as PNG and SVG: a new or an empty
-            one, or that of an earlier suits.
+            one.
     """
     if suit is None:
         for flag, value in (("--pressure", pressure), ("--export", export), ("--out", out)):
@@ -62,7 +62,7 @@ def suits(
     problems = [f"{joint} {what}" for joint, e in shown.joints.items() if (what := _problem(e))]
     if export:
         check_target(export, force=force)
-    folder = RunFolder(out, "suits", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     if json:
         print(to_json(_content(shown, safe=not problems)))
     else:

@@ -64,7 +64,7 @@ def tasks(
         return
     at_least("episodes", episodes, FEWEST_MOTIONS)
     check_seed(seed)
-    folder = RunFolder(out, "tasks", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     settings = [(name, level) for name in chosen for level in levels]
     found: dict[tuple[str, str], dict[str, Any]] = {}
     with progress("tasks", len(settings)) as bar:

@@ -92,7 +92,7 @@ def validate(
         episodes: Number of motions of each policy, at least 8; all policies get the same motions.
         seed: Seed of the first motion.
         out: Folder for result.json, the first motions, report.html, and the matrix as PNG and SVG:
-            a new or an empty one, or that of an earlier validate.
+            a new or an empty one.
     """
     if not suits:
         raise InputError("no suit is given: name one that the controller believes")
@@ -108,7 +108,7 @@ def validate(
         )
     if held_out:
         report = _predicted(suits, held_out, joint)
-        folder = RunFolder(out, "validate", force=force) if out else None
+        folder = RunFolder(out, force=force) if out else None
         conclude(report, folder, json)
         return
     if joint is not None:
@@ -135,7 +135,7 @@ def validate(
             )
             for true, chosen in scenes.items()
         }
-    folder = RunFolder(out, "validate", force=force) if out else None
+    folder = RunFolder(out, force=force) if out else None
     cells, evaluations = _simulated(suits, scenes, policy, episodes, seed)
     conclude(_report(cells, evaluations, scenes, policy, episodes, seed), folder, json)
 

@@ -9,12 +9,13 @@ import pytest
 from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
+from activesuit.envs.evaluation.report import trace_columns
 from activesuit.envs.figures import strain_figure
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import TASKS
+from activesuit.scripts.folders import RunFolder
 from activesuit.scripts.main import main
-from activesuit.scripts.output import RunFolder
 
 MUSCLES = [f"{joint}_{way}" for way in ("extensor", "flexor") for joint in JOINTS]
 
