@@ -23,7 +23,6 @@ GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
         "doctor": "Check this installation, and say how to mend what fails.",
-        "warm": "Compile all kernels, once, before their first use.",
     },
     "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",
@@ -36,7 +35,6 @@ GROUPS = {
         "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
         "animate": "Draw an assisted motion with its loops as an animation.",
         "tasks": "List the tasks, or measure how difficult each is.",
-        "report": "Make report.html of a run again, from the files of its folder.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
@@ -64,7 +62,9 @@ RENAMED = {
 }
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
-MOVED = {  # commands of 0.2 that are programs of the source repository now
+MOVED = {  # commands that are gone, and what to run in their place
+    "warm": "activesuit doctor --compile",
+    "report": "the command of that folder again, which makes its page",
     "bench": "make bench in a clone of the source repository",
     **{name: _EXAMPLE.format(name) for name in ("knowledge", "branch", "envelope", "tune")},
     **{

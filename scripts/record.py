@@ -7,7 +7,6 @@ import weakref
 from pathlib import Path
 
 from ..errors import InputError
-from ..files import content_of
 
 RECORD = ".activesuit"
 FIRST_LINE = "activesuit "  # the command's name follows; each other line names a file it wrote
@@ -69,19 +68,6 @@ class Record:
 
     def _append(self, line: str) -> None:
         os.write(self._file, f"{line}\n".encode())
-
-
-def command_of_folder(folder: Path) -> str:
-    """Returns the name of the command that a run folder belongs to."""
-    path = folder / RECORD
-    if path.is_symlink() or not path.is_file():
-        raise InputError(
-            f"{str(folder)!r} is no folder of a run: give one that a command wrote with --out"
-        )
-    lines = content_of(path, "record", LONGEST).decode(errors="replace").splitlines()
-    if not lines or not lines[0].startswith(FIRST_LINE):
-        raise InputError(f"{str(folder)!r} holds no run of activesuit: its {RECORD} is damaged")
-    return lines[0].removeprefix(FIRST_LINE)
 
 
 def _check_empty(folder: Path, command: str) -> None:

@@ -302,7 +302,7 @@ WHOLE = {  # command lines that are whole; the last word is the place of the res
     "export": "whole.json --c --out new.h",
     "benchmark": "run --workers 1 --out out",
 }
-LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra; report nosuch;
+LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra;
     identify whole.csv --base mock-suit; identify whole.csv --method mpso --model preisach;
     identify whole.csv --method auto --trials 3; simulate --out out --suit none --pressure 30;
     suits --export new.json; suits whole.json --export nosuch/new.json; animate --out new.txt;

@@ -22,8 +22,7 @@ from .player import player_parts
 PLOTLY = ("package_data", "plotly.min.js")  # in the folder of the package plotly
 NO_PLOTLY = (
     "Figures are still pictures here, because plotly was not installed when this page was made: "
-    f"{install_line('report')} in the clone of the repository, then make the page again with: "
-    "activesuit report FOLDER."
+    f"{install_line('report')} in the clone of the repository, then run the command again."
 )
 # The page takes nothing from anywhere: a browser that reads this refuses what would.
 POLICY = (
