@@ -23,23 +23,23 @@ GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
         "doctor": "Check this installation, and say how to mend what fails.",
+        "list suits": "List the shipped suits, or show and check one.",
+        "list tasks": "List the tasks, or say what one is.",
+        "list policies": "List the policies, with the sensors that they need and their options.",
     },
     "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",
         "measure design": "Design the next record to measure: nested reversals at varied speed.",
         "measure rig": "Measure first-order curves of a suit joint on a simulated rig.",
-        "suits": "List the shipped suits, or show and check one.",
     },
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
         "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
         "animate": "Draw an assisted motion with its loops as an animation.",
-        "tasks": "List the tasks, or measure how difficult each is.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
         "validate": "Validate an identified suit model in closed loop.",
-        "policies": "List the policies, with the sensors that they need and their options.",
     },
     "Train": {
         "train": "Train an assist policy with Stable-Baselines3.",
@@ -59,12 +59,14 @@ PARTS = {  # commands that are nothing without one of these words
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
+    **{name: f"list {name}" for name in ("suits", "tasks", "policies")},
 }
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
 MOVED = {  # commands that are gone, and what to run in their place
     "warm": "activesuit doctor --compile",
     "report": "the command of that folder again, which makes its page",
+    "tasks --table": "activesuit benchmark run --tasks NAME",
     "bench": "make bench in a clone of the source repository",
     **{name: _EXAMPLE.format(name) for name in ("knowledge", "branch", "envelope", "tune")},
     **{
@@ -75,7 +77,10 @@ MOVED = {  # commands that are gone, and what to run in their place
     **dict.fromkeys(("reproduce li-2022", "study"), _PAPER.format("li_2022")),
     **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
 }
-OLD_OPTIONS = {"--naive": "--unadapted"}
+OLD_OPTIONS = {
+    "--naive": "--unadapted",
+    "--export": "load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -32,7 +32,6 @@ SMALL = (  # command, further words of an example, and options beside its own or
     ("identify", "auto", ["--samples", "2"]),
     ("evaluate", "", ["--episodes", "8"]),
     ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
-    ("tasks", "--table", ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
     ("validate", "", ["--episodes", "8"]),
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
     ("train", "", ["--steps", "8192"]),

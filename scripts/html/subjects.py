@@ -178,6 +178,5 @@ SUBJECTS = {
     "benchmark": Subject("benchmark run", "Benchmark of controllers", _profiles),
     "benchmark-table": Subject("benchmark table", "Benchmark of controllers", _profiles),
     "train": Subject("train", "Trained policy", _learning),
-    "tasks": Subject("tasks --table", "Difficulty of the tasks", _none),
     "bench honesty": Subject("bench honesty", "How often verdicts are right", _none),
 }

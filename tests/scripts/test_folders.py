@@ -17,7 +17,6 @@ WRITERS = {
     "identify": ["identify", ELBOW, "--joint", "elbow_flexion"],
     "rig": ["measure", "rig"],
     "demo": ["demo", "--trials", "1", "--episodes", "8"],
-    "suits": ["suits", "mock-suit"],
     "evaluate": ["evaluate", "--episodes", "8"],
     "simulate": ["simulate"],
     "validate": ["validate", "mock-suit", "--plant", "mock-suit"],

@@ -78,10 +78,13 @@ def test_a_section_without_content_is_left_out(tmp_path):
 
 
 def test_numbers_are_right_and_texts_left(tmp_path):
-    run = RunFolder(tmp_path, "tasks")
+    run = RunFolder(tmp_path, "bench honesty")
     cells = [["a", "1.5", "-", "x"], ["b", "-2 (−3 to -1)", "1,000", "2-way"]]
     write_report(
-        *(run, "tasks", "t"), answer=[], tables={"t": (["n", "p", "q", "r"], cells)}, settings={}
+        *(run, "bench honesty", "t"),
+        answer=[],
+        tables={"t": (["n", "p", "q", "r"], cells)},
+        settings={},
     )
     page = parsed(tmp_path / "report.html")
     sides = [one.get("class") for one in page.all("th")[:4]]
@@ -89,9 +92,9 @@ def test_numbers_are_right_and_texts_left(tmp_path):
 
 
 def test_columns_whose_names_do_not_say_it_are_explained(tmp_path):
-    run = RunFolder(tmp_path, "tasks")
+    run = RunFolder(tmp_path, "bench honesty")
     tables = {"t": (["a", "over fit\nnoise"], [["b", "1"]]), "u": (["a", "b"], [["c", "2"]])}
-    write_report(*(run, "tasks", "t"), answer=[], tables=tables, settings={})
+    write_report(*(run, "bench honesty", "t"), answer=[], tables=tables, settings={})
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     line = "<p>over fit noise: root mean square of the error over what the fit left of its curves."
     assert page.count(line) == 1
