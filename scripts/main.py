@@ -34,8 +34,7 @@ GROUPS = {
     },
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
-        "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
-        "animate": "Draw an assisted motion with its loops as an animation.",
+        "view": "Watch the assisted arm move, in a window or a browser; film or picture it.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
@@ -64,6 +63,7 @@ RENAMED = {
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
 MOVED = {  # commands that are gone, and what to run in their place
+    "animate": "activesuit view --film FILE",
     "warm": "activesuit doctor --compile",
     "report": "the command of that folder again, which makes its page",
     "tasks --table": "activesuit benchmark run --tasks NAME",
@@ -79,6 +79,7 @@ MOVED = {  # commands that are gone, and what to run in their place
 }
 OLD_OPTIONS = {
     "--naive": "--unadapted",
+    "--video": "activesuit view --film FILE",
     "--export": "load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
 }
 

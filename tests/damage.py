@@ -292,7 +292,6 @@ WHOLE = {  # command lines that are whole; the last word is the place of the res
     "measure rig": "--out out",
     "simulate": "--out out",
     "view": "--snapshot new.png",
-    "animate": "--out new.gif",
     "evaluate": "--out out",
     "validate": "whole.json --out out",
     "train": "--out out",
@@ -302,7 +301,7 @@ WHOLE = {  # command lines that are whole; the last word is the place of the res
 LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra;
     identify whole.csv --base mock-suit; identify whole.csv --method mpso --model preisach;
     identify whole.csv --method auto --trials 3; simulate --out out --suit none --pressure 30;
-    list fly; list suits nosuch; animate --out new.txt;
+    list fly; list suits nosuch; view --film new.txt;
     view --web --snapshot new.png; view --snapshot new.jpg; train --coupling none --out out;
     export compensation --onnx --out new.onnx; export adaptive --c --out new.h"""
 

@@ -17,7 +17,6 @@ from ...envs.figures import (
 from ...envs.making import make_arms
 from ...envs.policies import make_policy, needed_options
 from ..arm_options import USUAL, ArmOptions
-from ..film import FPS, Picture, Video, film_writer, filmed, stride_of
 from ..html.motions import kept_motion, outcome
 from ..html.writing import write_report
 from ..options import Env, Force, Gravity, Json, Level, PolicyName, Seed, Suit, TaskName, Trust
@@ -36,7 +35,6 @@ def simulate(
     gravity: Gravity = None,
     seed: Seed = 0,
     out: Path = Path("runs/simulate"),
-    video: Video = None,
     force: Force = False,
     trust: Trust = False,
     arm: ArmOptions = USUAL,
@@ -62,19 +60,11 @@ def simulate(
         trusted=trust,
     )
     (acting,) = chosen.policies
-    write = film_writer(video) if video else None
-    mode = "rgb_array" if video else None
     options = {**chosen.options, **needed_options(acting)}
-    arms = make_arms(chosen.env, 1, **options, render_mode=mode)
+    arms = make_arms(chosen.env, 1, **options)
     actor = make_policy(acting, arms)
     folder = RunFolder(out, "simulate", force=force)
-    frames: list[Picture] = []
-    if video:
-        with filmed(arms, stride_of(FPS, arms.control_dt)) as film:
-            (trace,) = rollout(arms, actor, [seed], on_step=film)
-        frames = film.pictures
-    else:
-        (trace,) = rollout(arms, actor, [seed])
+    (trace,) = rollout(arms, actor, [seed])
     arms.close()
     result = score(policy, [trace])
     settings = {"env": chosen.env, "seed": seed, **chosen.options}
@@ -88,8 +78,6 @@ def simulate(
         new.json("result.json", {**settings, **result.to_dict()})
         for name, draw in figures.items():
             new.figure(name, draw({policy: trace}))
-        if write:
-            write(new / f"motion.{video}", frames, FPS)
         write_report(
             *(new, "simulate", f"{chosen.place}, seed {seed}"),
             answer=[outcome(result), *why_remarks([result]), *cuff_remarks([result])],
@@ -106,8 +94,7 @@ def simulate(
         say(remark)
     for remark in cuff_remarks([result]):
         say(remark)
-    film = f", motion.{video}" if video else ""
-    say(f"wrote {folder.path}/trace.csv, result.json, report.html{film} and {len(figures)} figures")
+    say(f"wrote {folder.path}/trace.csv, result.json, report.html and {len(figures)} figures")
 
 
 def _figures(trace: Trace) -> dict[str, Callable[[Mapping[str, Trace]], Figure]]:
