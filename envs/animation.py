@@ -31,7 +31,6 @@ class LoopPanel:
         human_torque: The wearer's torque [N·m].
         width: Width of the picture [pixels].
         height: Height of the picture [pixels].
-        closed: Whether the series are one cycle of a periodic motion, whose end is its beginning.
     """
 
     def __init__(
@@ -42,7 +41,6 @@ class LoopPanel:
         *,
         width: int,
         height: int,
-        closed: bool = True,
     ) -> None:
         dpi = height / INCHES
         figure = Figure(figsize=(width / dpi, INCHES), dpi=dpi, facecolor=BACKGROUND)
@@ -56,7 +54,7 @@ class LoopPanel:
             _dress(ax, JOINTS[column].replace("_", " "))
             for torque, color in ((resistance, SUIT), (human_torque, WEARER)):
                 points = np.column_stack([angle[:, column], torque[:, column]])
-                self._curves.append(_Curve(ax, points, color, closed))
+                self._curves.append(_Curve(ax, points, color))
         axes[-1].set_xlabel("angle [rad]", color=INK, size=11)
 
     def picture(self, sample: int) -> NDArray[np.uint8]:
@@ -70,22 +68,19 @@ class LoopPanel:
 class _Curve:
     """One curve with a bright tail and a dot at the present."""
 
-    def __init__(self, ax: Axes, points: Array, color: str, closed: bool) -> None:
-        self._points, self._closed = points, closed
+    def __init__(self, ax: Axes, points: Array, color: str) -> None:
+        self._points = points
         self._tail = np.arange(-round(TAIL * len(points)), 1)
         colors = np.tile(to_rgba(color), (len(self._tail) - 1, 1))
         colors[:, 3] = np.linspace(0, 1, len(colors)) ** 1.5
         self._line = LineCollection([], colors=colors, linewidths=3.2)
         ax.add_collection(self._line)
         (self._dot,) = ax.plot([], [], "o", color=color, ms=8, mec=BACKGROUND, mew=1.2, zorder=3)
-        whole = np.vstack([points, points[:1]]) if closed else points
-        ax.plot(*whole.T, color=color, alpha=0.45, lw=1.3)
+        ax.plot(*points.T, color=color, alpha=0.45, lw=1.3)
 
     def move_to(self, sample: int) -> None:
-        """Moves the end of the tail to `sample`; around a closed curve it goes on at the start."""
-        shown = sample + self._tail
-        shown = shown % len(self._points) if self._closed else shown.clip(0)
-        points = self._points[shown]
+        """Moves the end of the tail to `sample`."""
+        points = self._points[(sample + self._tail).clip(0)]
         self._line.set_segments([*np.stack([points[:-1], points[1:]], axis=1)])
         self._dot.set_data(*points[-1:].T)
 

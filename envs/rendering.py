@@ -81,7 +81,7 @@ class RenderingUnavailableError(InputError):
 class Renderer:
     """Renders one model from one camera; its OpenGL objects are made when needed, never pickled.
 
-    The quality is written into `vis.quality` of the model that is drawn.
+    Quality and size are written into `vis` of the model that is drawn.
 
     Args:
         camera: Name of a camera of the model.
@@ -164,6 +164,9 @@ class Renderer:
         if self._offscreen is None:
             self._process = os.getpid()
             self.quality.ask(model)
+            buffer = model.vis.global_
+            buffer.offwidth = max(buffer.offwidth, self.width)
+            buffer.offheight = max(buffer.offheight, self.height)
             try:
                 if Renderer._unavailable is None:
                     self._offscreen = mujoco.Renderer(model, self.height, self.width)

@@ -29,21 +29,21 @@ WHOLE, BESIDE = 162, 127
 
 `python -m activesuit.benchmarks first-use` counts them.
 """
-ALL = 470
-"""Kernels that `activesuit warm` compiles."""
 
 
 class FirstUse(event.Listener):
     """Adds up the compile time of our kernels, and reports when it becomes long.
 
     Attributes:
-        expected: Number of kernels that this process will probably compile.
+        expected: Number of kernels that this process will probably compile; None if unknown.
+        done: Number of kernels that are compiled.
     """
 
     def __init__(self) -> None:
-        self.expected = WHOLE
+        self.expected: int | None = WHOLE
+        self.done = 0
         self._depth, self._begun, self._before = 0, 0.0, 0.0
-        self._done, self._next = 0, PATIENCE
+        self._next = PATIENCE
 
     def on_start(self, event: Any) -> None:
         """Notes that a function begins to compile; a function compiles what it calls inside."""
@@ -54,7 +54,7 @@ class FirstUse(event.Listener):
 
     def on_end(self, event: Any) -> None:
         """Notes that a function is compiled."""
-        self._done += 1
+        self.done += 1
         self._speak()
         self._depth = max(self._depth - 1, 0)
         if not self._depth:
@@ -67,9 +67,9 @@ class FirstUse(event.Listener):
         first, self._next = self._next == PATIENCE, spent + EVERY
         if first:
             print(MESSAGE, file=sys.stderr, flush=True)
-        elif self._done < self.expected:  # another use may need more
-            progress = f"activesuit: {self._done} of about {self.expected} kernels are compiled"
-            print(progress, file=sys.stderr, flush=True)
+        elif self.expected is None or self.done < self.expected:  # another use may need more
+            of = f" of about {self.expected}" if self.expected else ""
+            print(f"activesuit: {self.done}{of} kernels are compiled", file=sys.stderr, flush=True)
 
 
 def check_cache() -> None:

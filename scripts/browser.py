@@ -1,5 +1,10 @@
-"""MuJoCo's viewer in a browser, for those who have the address with its token."""
+"""MuJoCo's viewer in a browser, for those who have the address with its token.
 
+Every page that a browser has open can send requests to servers on the same machine. Such a request
+lacks the token, or names the foreign page in its header Origin.
+"""
+
+import secrets
 import socket
 import time
 from collections.abc import Callable, Sequence
@@ -7,14 +12,53 @@ from functools import partial
 from http.client import HTTPConnection
 from ipaddress import ip_address
 from typing import Any
+from urllib.parse import parse_qs, urlsplit
 
+from ..envs.rendering import Capsule
 from ..errors import InputError, shown
 from .output import say
-from .web_access import WebAccess
 
 PORT = 0  # stands for the first free one from 8080
 LOCAL = ("localhost", "127.0.0.1", "::1")
 START = 30.0  # [s], longest time that the server may take to start
+UPLOAD = "/drop"  # path on which MuJoCo's viewer would receive models from the page
+
+
+class WebAccess:
+    """Decides which requests a viewer answers.
+
+    Attributes:
+        token: Secret part of the viewer's address.
+    """
+
+    def __init__(self) -> None:
+        self.token = secrets.token_urlsafe(16)
+
+    def refusal(self, path: str, headers: Any) -> str | None:
+        """Returns why a request is refused, as one sentence; None if it may be answered.
+
+        Args:
+            path: Path and query of the request.
+            headers: Its header fields, as `websockets.datastructures.Headers`.
+        """
+        where, hosts = urlsplit(path), headers.get_all("Host")
+        if any(hosts != [urlsplit(one).netloc] for one in headers.get_all("Origin")):
+            return "The header Origin names another page: only the viewer's own page is served."
+        if where.path.rstrip("/") == UPLOAD:
+            return "This viewer shows one model: it takes no files."
+        cookies = ";".join(headers.get_all("Cookie")).split(";")
+        given = [*parse_qs(where.query).get("token", []), *(c.partition("=")[2] for c in cookies)]
+        if not any(secrets.compare_digest(one.encode(), self.token.encode()) for one in given):
+            return "The token is missing: open the whole address that the viewer printed."
+        return None
+
+    def cookie(self, port: int) -> str:
+        """Returns the header field Set-Cookie with which the page's later requests are answered.
+
+        Args:
+            port: Port of the viewer; browsers share cookies among all ports of a machine.
+        """
+        return f"activesuit-{port}={self.token}; Path=/; HttpOnly; SameSite=Strict"
 
 
 def check_address(host: str, port: int) -> None:
@@ -41,7 +85,7 @@ def check_address(host: str, port: int) -> None:
         ) from error
 
 
-def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
+def served(host: str, port: int, beside: Sequence[Capsule] = ()) -> Any:
     """Starts the viewer in a thread; returns its handle, a context in which it is served.
 
     The viewer of MuJoCo 4.0 listens on all addresses and answers everyone. Here it listens on
@@ -51,7 +95,7 @@ def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
     Args:
         host: Address to listen on.
         port: Port; 0 for the first free one from 8080.
-        panels: Plugins of the viewer that draw panels.
+        beside: What is drawn beside the model, which may change.
     """
     from mujoco.studio import app, launch_thread, plugin, viewer_protocol, web_viewer
     from mujoco.studio.web import web_server
@@ -68,12 +112,12 @@ def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
                 self._stop_server()
                 raise
 
-    access = WebAccess(host)
+    access = WebAccess()
     web_server.serve = partial(_guarded, web_server.serve, access)
     web_viewer._print_url_banner = partial(_announce, access)
     # The panels are about a simulation that the viewer itself would step.
     bare = app.Config(show_options=False, show_inspector=False, show_status_bar=False)
-    shown_parts, simulated_parts = plugin.split_plugins([app.App(bare), *panels])
+    shown_parts, simulated_parts = plugin.split_plugins([app.App(bare), drawer(beside)])
     config = viewer_protocol.ViewerConfig(gfx="web", http_port=port)
 
     def show(endpoint: Any) -> None:
@@ -81,6 +125,19 @@ def served(host: str, port: int, panels: Sequence[Any] = ()) -> Any:
 
     start: Callable[..., Any] = launch_thread.launch_thread
     return start(show, sim_plugins=simulated_parts)
+
+
+def drawer(beside: Sequence[Capsule]) -> Any:
+    """Returns a plugin of MuJoCo Studio that draws capsules."""
+    import mujoco
+    from mujoco.studio import messages, plugin
+
+    class Drawer(plugin.ViewerPlugin):
+        @messages.handler
+        def on_update(self, _: messages.UpdateEvent) -> None:
+            self.viewer.extra_geoms[:] = [one.into(mujoco.MjvGeom()) for one in beside]
+
+    return Drawer()
 
 
 def _guarded(
@@ -97,7 +154,7 @@ def _guarded(
     from websockets.http11 import Response
 
     def decide(connection: Any, request: Any) -> Any:
-        refusal = access.refusal(request.path, request.headers.raw_items())
+        refusal = access.refusal(request.path, request.headers)
         if refusal is not None:
             plain = Headers({"Content-Type": "text/plain; charset=utf-8"})
             return Response(403, "Forbidden", plain, f"{refusal}\n".encode())

@@ -23,25 +23,22 @@ GROUPS = {
     "Start": {
         "demo": "Do the whole job once: identify, simulate, compensate, report.",
         "doctor": "Check this installation, and say how to mend what fails.",
-        "warm": "Compile all kernels, once, before their first use.",
+        "list suits": "List the shipped suits, or show and check one.",
+        "list tasks": "List the tasks, or say what one is.",
+        "list policies": "List the policies, with the sensors that they need and their options.",
     },
     "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",
         "measure design": "Design the next record to measure: nested reversals at varied speed.",
         "measure rig": "Measure first-order curves of a suit joint on a simulated rig.",
-        "suits": "List the shipped suits, or show and check one.",
     },
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
-        "view": "Watch the assisted arm move, in a window or a browser; or take a picture of it.",
-        "animate": "Draw an assisted motion with its loops as an animation.",
-        "tasks": "List the tasks, or measure how difficult each is.",
-        "report": "Make report.html of a run again, from the files of its folder.",
+        "view": "Watch the assisted arm move, in a window or a browser; film or picture it.",
     },
     "Evaluate": {
         "evaluate": "Compare assist policies by what the wearer has to do.",
         "validate": "Validate an identified suit model in closed loop.",
-        "policies": "List the policies, with the sensors that they need and their options.",
     },
     "Train": {
         "train": "Train an assist policy with Stable-Baselines3.",
@@ -61,10 +58,15 @@ PARTS = {  # commands that are nothing without one of these words
 RENAMED = {
     "design": "measure design",
     "rig": "measure rig",
+    **{name: f"list {name}" for name in ("suits", "tasks", "policies")},
 }
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
-MOVED = {  # commands of 0.2 that are programs of the source repository now
+MOVED = {  # commands that are gone, and what to run in their place
+    "animate": "activesuit view --film FILE",
+    "warm": "activesuit doctor --compile",
+    "report": "the command of that folder again, which makes its page",
+    "tasks --table": "activesuit benchmark run --tasks NAME",
     "bench": "make bench in a clone of the source repository",
     **{name: _EXAMPLE.format(name) for name in ("knowledge", "branch", "envelope", "tune")},
     **{
@@ -75,7 +77,11 @@ MOVED = {  # commands of 0.2 that are programs of the source repository now
     **dict.fromkeys(("reproduce li-2022", "study"), _PAPER.format("li_2022")),
     **dict.fromkeys(("reproduce kao-fung-2009", "kao-fung"), _PAPER.format("kao_fung_2009")),
 }
-OLD_OPTIONS = {"--naive": "--unadapted"}
+OLD_OPTIONS = {
+    "--naive": "--unadapted",
+    "--video": "activesuit view --film FILE",
+    "--export": "load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -233,8 +233,7 @@ FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is f
     )),
     "arm.csv": (TABLE, ("simulate --task arm.csv --out out", "evaluate --task arm.csv")),
     "suit.json": (JSON, (
-        "suits suit.json",
-        "suits suit.json --out out --export new.json",
+        "list suits suit.json",
         "measure rig --suit suit.json --out out",
         "simulate --suit suit.json --out out",
         "evaluate --suit suit.json --policies none --out out",
@@ -291,21 +290,18 @@ WHOLE = {  # command lines that are whole; the last word is the place of the res
     "identify": "whole.csv --workers 1 --out out",
     "measure design": "whole.csv --out new.csv",
     "measure rig": "--out out",
-    "suits": "whole.json --out out",
     "simulate": "--out out",
     "view": "--snapshot new.png",
-    "animate": "--out new.gif",
-    "tasks": "--table --out out",
     "evaluate": "--out out",
     "validate": "whole.json --out out",
     "train": "--out out",
     "export": "whole.json --c --out new.h",
     "benchmark": "run --workers 1 --out out",
 }
-LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra; report nosuch;
+LINES = """nosuch; identfy whole.csv; --nosuch; identify; validate; simulate extra;
     identify whole.csv --base mock-suit; identify whole.csv --method mpso --model preisach;
     identify whole.csv --method auto --trials 3; simulate --out out --suit none --pressure 30;
-    suits --export new.json; suits whole.json --export nosuch/new.json; animate --out new.txt;
+    list fly; list suits nosuch; view --film new.txt;
     view --web --snapshot new.png; view --snapshot new.jpg; train --coupling none --out out;
     export compensation --onnx --out new.onnx; export adaptive --c --out new.h"""
 

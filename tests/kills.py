@@ -43,11 +43,13 @@ class Command:
         first: Arguments of a run in a new folder, without --out.
         again: Arguments of the next run in the same folder, after a first one that finished.
         file: Name of the file that --out is, in the folder; empty if --out is the folder.
+        option: Name of --out.
     """
 
     first: list[str]
     again: list[str]
     file: str = ""
+    option: str = "--out"
 
 
 def same(*arguments: str) -> Command:
@@ -62,7 +64,7 @@ COMMANDS = {
     "train": Command([*TRAIN, "--steps", "8192"], [*TRAIN, "--steps", "16384", "--resume"]),
     "evaluate": same("evaluate", "--policies", "none", "feedforward", "--episodes", "8"),
     "simulate": same("simulate"),
-    "animate": Command(["animate"], ["animate", "--force"], "motion.gif"),
+    "view": Command(["view"], ["view", "--force"], "motion.gif", "--film"),
 }
 QUICK = ("identify",)
 
@@ -70,7 +72,7 @@ QUICK = ("identify",)
 def start(arguments: list[str], command: Command, folder: Path) -> subprocess.Popen[str]:
     """Starts a command that writes into `folder`."""
     return subprocess.Popen(
-        [*PROGRAM, *arguments, "--out", str(folder / command.file)],
+        [*PROGRAM, *arguments, command.option, str(folder / command.file)],
         cwd=folder.parent,
         env={**os.environ, "XDG_STATE_HOME": str(state_of(folder))},
         stdout=subprocess.DEVNULL,

@@ -25,19 +25,18 @@ PAGE = ROOT / "docs" / "commands.md"
 CURVES = ROOT / "assets" / "curves" / "elbow.csv"
 ELSEWHERE = {  # how examples begin that are not run here, and why
     "demo": "CI runs it from the wheel",
-    "view --policy": "it needs a display",
+    "view --task": "it needs a display",
     "view --web": "it serves until somebody stops it",
 }
 SMALL = (  # command, further words of an example, and options beside its own or instead of them
     ("identify", "auto", ["--samples", "2"]),
     ("evaluate", "", ["--episodes", "8"]),
     ("evaluate", "--table", ["--policies", "none", "--unadapted"]),
-    ("tasks", "--table", ["--only", "Ratchet", "--episodes", "8", "--levels", "nominal"]),
     ("validate", "", ["--episodes", "8"]),
     ("benchmark", "run", ["--tasks", "ElbowFlexion", "--levels", "nominal", "--episodes", "8"]),
     ("train", "", ["--steps", "8192"]),
     ("train", "--resume", ["--steps", "16384"]),
-    ("animate", "--quality", ["--fps", "5", "--width", "320", "--height", "240"]),
+    ("view", "--film", ["--set", "max_episode_steps=100", "--size", "320", "240"]),
 )
 SECONDS = 600  # longest time of an example
 

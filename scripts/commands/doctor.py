@@ -51,14 +51,17 @@ class Check:
     needed: bool = True
 
 
-def doctor(json: Json = False) -> None:
+def doctor(compile: bool = False, json: Json = False) -> None:
     """Check this installation, and say how to mend what fails.
 
     It checks the versions of Python and packages, the cache of kernels, the MuJoCo plugins, and
     whether pictures can be drawn. If something that is needed fails, the exit code is 2.
+
+    Args:
+        compile: Compile all kernels too, so that no later command waits for them.
     """
     checks = []
-    for check in _checks():
+    for check in _checks(compile):
         checks.append(check)
         if not json:
             mark = "ok" if check.ok else "FAILS" if check.needed else "-"
@@ -70,7 +73,7 @@ def doctor(json: Json = False) -> None:
         raise InputError(f"{', '.join(failed)} must be mended: each line above says how")
 
 
-def _checks() -> Iterator[Check]:
+def _checks(compile: bool) -> Iterator[Check]:
     try:
         about = metadata.metadata(PACKAGE)
         requirements = [Requirement(one) for one in metadata.requires(PACKAGE) or ()]
@@ -85,6 +88,8 @@ def _checks() -> Iterator[Check]:
     yield from (_package(one) for one in requirements if one.marker is None)
     yield _cache()
     yield _plugins()
+    if compile:
+        yield _kernels()
     yield _pictures()
     for extra in about.get_all("Provides-Extra") or ():
         if extra not in NOT_FOR_USERS:
@@ -139,7 +144,7 @@ def _cache() -> Check:
     except InputError as error:  # which importing the models raises too
         return Check(name=name, ok=False, found="cannot be used", mend=str(error))
     folder = os.environ.get(CACHE) or cache_folder()
-    return Check(name=name, ok=True, found=f"{folder} (activesuit warm fills it)")
+    return Check(name=name, ok=True, found=f"{folder} (doctor --compile fills it)")
 
 
 def _plugins() -> Check:
@@ -150,9 +155,24 @@ def _plugins() -> Check:
 
         names = [*engine.register(), bushing.PLUGIN_NAME]
     except Exception as error:  # a broken package fails in any way that code can
-        why = f"{type(error).__name__}: {error}"
-        return Check(name=name, ok=False, found=why, mend="mend what fails above, or reinstall it")
+        return _broken(name, error)
     return Check(name=name, ok=True, found=f"{len(names)} are registered")
+
+
+def _kernels() -> Check:
+    name = "kernels"
+    try:
+        from ..compiling import compile_kernels
+
+        new = compile_kernels()
+    except Exception as error:
+        return _broken(name, error)
+    return Check(name=name, ok=True, found=f"all are compiled, {new or 'none'} of them now")
+
+
+def _broken(name: str, error: Exception) -> Check:
+    why = f"{type(error).__name__}: {error}"
+    return Check(name=name, ok=False, found=why, mend="mend what fails above, or reinstall it")
 
 
 def _pictures() -> Check:

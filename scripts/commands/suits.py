@@ -1,21 +1,19 @@
-"""`activesuit suits`: lists the shipped suits, or shows and checks one suit."""
+"""`activesuit list suits`: lists the shipped suits, or shows and checks one suit."""
 
 import math
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
-from ...assets import JOINTS, Suit, SuitJoint, load_suit, save_suit, suit_names
+from ...assets import Suit, SuitJoint, load_suit, suit_names
 from ...errors import InputError
-from ...files import check_target, replacing
 from ...hysteresis import HysteresisModel, PoleError
 from ...hysteresis.certificate import ALL_ANGLES
-from ..options import Force, Json, choice
+from ...hysteresis.parameter_table import parameter_table
+from ..options import Json, choice
 from ..options import suits as known_suits
-from ..output import RunFolder, say, table, to_json
-from ..reports.parameters import parameter_table
+from ..output import say, table, to_json
 
 LOSS_FACTOR = (
     "loss factor: what one steady cycle over the joint's range dissipates, over the work that goes "
@@ -25,12 +23,8 @@ LOSS_FACTOR = (
 
 
 def suits(
-    suit: Annotated[str | None, choice(known_suits), tyro.conf.Positional] = None,
+    name: Annotated[str | None, choice(known_suits, usual="all"), tyro.conf.Positional] = None,
     /,
-    pressure: float | None = None,
-    export: Path | None = None,
-    out: Path | None = None,
-    force: Force = False,
     json: Json = False,
 ) -> None:
     """List the shipped suits, or show and check one.
@@ -38,41 +32,20 @@ def suits(
     If it is not safe to simulate, the exit code is 2.
 
     Args:
-        suit: Name of a shipped suit, or path of a suit file; by default all shipped suits are
-            listed.
-        pressure: Operating pressure at which the suit is shown [kPa]; by default its own.
-        export: Path of a new suit file that holds the suit at that pressure.
-        out: Folder for the torque-angle loops of its joints, as PNG and SVG: a new or an empty
-            one.
+        name: Name of a shipped suit, or path of a suit file.
     """
-    if suit is None:
-        for flag, value in (("--pressure", pressure), ("--export", export), ("--out", out)):
-            if value is not None:
-                raise InputError(
-                    f"{flag} is {value}, but of which suit: give one of {', '.join(suit_names())}, "
-                    "or a suit file"
-                )
+    if name is None:
         _list(json)
         return
-    shown = load_suit(suit)
-    if pressure is not None:
-        shown = shown.at_pressure(pressure)
-    if out and not shown.joints:
-        raise InputError(f"--out is {out}, but {shown.name} resists no joint: leave --out away")
-    problems = [f"{joint} {what}" for joint, e in shown.joints.items() if (what := _problem(e))]
-    if export:
-        check_target(export, force=force)
-    folder = RunFolder(out, force=force) if out else None
+    suit = load_suit(name)
+    problems = [f"{joint} {what}" for joint, e in suit.joints.items() if (what := _problem(e))]
     if json:
-        print(to_json(_content(shown, safe=not problems)))
+        print(to_json(_content(suit, safe=not problems)))
     else:
-        _show(shown)
-    written = _write(shown, export, folder, force)
-    if written and not json:
-        say(f"wrote {', '.join(map(str, written))}")
+        _show(suit)
     if problems:
         raise InputError(
-            f"{shown.name} is not safe to simulate: {'; '.join(problems)}; identify its curves "
+            f"{suit.name} is not safe to simulate: {'; '.join(problems)}; identify its curves "
             "by method certified, or simulate with --allow-uncertified"
         )
     if not json:
@@ -83,18 +56,15 @@ def _list(json: bool) -> None:
     shipped = [load_suit(name) for name in suit_names()]
     if json:
         fields = {"label", "pressure_kpa", "description"}
-        print(
-            to_json(
-                {
-                    suit.name: {
-                        **suit.model_dump(include=fields),
-                        "joints": [*suit.joints],
-                        "loss_factor": {j: _loss_factor(e) for j, e in suit.joints.items()},
-                    }
-                    for suit in shipped
-                }
-            )
-        )
+        found = {
+            suit.name: {
+                **suit.model_dump(include=fields),
+                "joints": [*suit.joints],
+                "loss_factor": {j: _loss_factor(e) for j, e in suit.joints.items()},
+            }
+            for suit in shipped
+        }
+        print(to_json(found))
         return
     rows = [
         [
@@ -106,15 +76,6 @@ def _list(json: bool) -> None:
         for suit in shipped
     ]
     table("suits", ["name", "label", "joints", "pressure"], rows, left=3)
-    rows = [
-        [
-            joint,
-            *(_shown_loss(suit.joints[joint]) if joint in suit.joints else "-" for suit in shipped),
-        ]
-        for joint in JOINTS
-    ]
-    table("loss factor", ["joint", *(suit.name for suit in shipped)], rows, left=1)
-    say(f"{LOSS_FACTOR}\n")
     for suit in shipped:
         say(f"{suit.name}: {suit.description}\n")
 
@@ -140,7 +101,7 @@ def _show(suit: Suit) -> None:
     table("models", header, rows, left=1)
     for joint, entry in suit.joints.items():
         say(f"{joint}: {entry.source}")
-    print()
+    say(f"\n{LOSS_FACTOR}\n")
 
 
 def _pressure(suit: Suit) -> str:
@@ -163,7 +124,7 @@ def _column(entry: SuitJoint) -> dict[str, str]:
         "start [rad, N·m]": f"{entry.start_angle:.2f}, {entry.start_torque:.2f}",
         "range [rad]": f"{low:.2f} .. {high:.2f}",
         "torque at its end [N·m]": f"{_end_torque(entry, entry.model):.2f}",
-        "loss factor": _shown_loss(entry),
+        "loss factor": "-" if (factor := _loss_factor(entry)) is None else f"{factor:.2f}",
         "samples": str(len(torques)),
         "their torque there [N·m]": f"{torques[0]:.2f} .. {torques[-1]:.2f}" if torques else "-",
         "certificate margin": f"{entry.model.certificate().margin:.3f}",
@@ -188,11 +149,6 @@ def _loss_factor(entry: SuitJoint) -> float | None:
         return None
 
 
-def _shown_loss(entry: SuitJoint) -> str:
-    factor = _loss_factor(entry)
-    return "-" if factor is None else f"{factor:.2f}"
-
-
 def _problem(entry: SuitJoint) -> str | None:
     """Returns the reason why a joint is not safe to simulate, or None."""
     model = entry.model
@@ -213,20 +169,3 @@ def _problem(entry: SuitJoint) -> str | None:
 def _is_safe(model: HysteresisModel, span: tuple[float, float] = ALL_ANGLES) -> bool:
     certificate = model.certificate(span)
     return certificate.certified and certificate.dissipative
-
-
-def _write(suit: Suit, export: Path | None, folder: RunFolder | None, force: bool) -> list[Path]:
-    """Writes the suit file and the figures that were asked for; returns their paths."""
-    written = []
-    if export:
-        with replacing(export, force=force) as scratch:
-            save_suit(suit, scratch)
-        written.append(export)
-    if folder:
-        from ..reports.suit_figure import (
-            suit_figure,  # draws, which takes most of a second to import
-        )
-
-        folder.figure("loops", suit_figure(suit))
-        written += [folder / "loops.png", folder / "loops.svg"]
-    return written

@@ -1,32 +1,47 @@
-"""`activesuit view`: shows the moving arm in a window or a browser, or draws a picture of it."""
+"""`activesuit view`: shows the moving arm in a window or a browser, as a film or as a picture."""
 
 import itertools
 import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Annotated, Any
 
 import gymnasium
 import mujoco
+import numpy as np
 
 from ...checks import check_seed
+from ...envs.arm_env import ArmEnv
 from ...envs.extras import DRAWINGS
 from ...envs.making import make_env
-from ...envs.model import ArmConfig, arm_spec, compose
+from ...envs.model import ArmConfig, arm_spec
 from ...envs.policies import Policy, make_policy, needed_options
-from ...envs.rendering import Renderer, RenderingUnavailableError
-from ...errors import InputError, unknown_name
+from ...envs.rendering import QUALITIES, Capsule, RenderingUnavailableError
+from ...errors import InputError
 from ...files import check_target, replacing
 from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
-from ..film import Quality
-from ..live import panel
-from ..options import Draw, Env, Force, Gravity, PolicyName, Seed, Suit, Trust
+from ..film import PANEL, episode, film_writer, filmed
+from ..options import (
+    Draw,
+    Env,
+    Force,
+    Gravity,
+    Level,
+    PolicyName,
+    Seed,
+    Suit,
+    TaskName,
+    Trust,
+    choice,
+    optional_number,
+)
 from ..output import say
 from ..runs import scene
-from ..stage import Stage
 
-LARGEST = 4096  # pixels of a side of a snapshot
+FILM, PICTURE = (960, 540), (1280, 960)  # pixels
+SMALLEST, LARGEST_FILM, LARGEST = 120, 1920, 4096  # pixels of a side
 View = tuple[tuple[float, float, float], float]
 WHOLE: View = (-0.25, -0.34, 1.05), 1.75  # [m], middle and size of what a browser shows
 WITH_DRAWING: View = (-0.3, -0.65, 1.2), 1.5  # the same, where something is beside the arm
@@ -35,7 +50,9 @@ VISOR = (0.85, 0.60, 0.22, 1.0)  # the middle of its texture's gradient
 
 def view(
     env: Env = None,
-    policy: PolicyName = "feedforward",
+    task: TaskName = None,
+    level: Level = None,
+    policy: PolicyName = "compensation",
     suit: Suit = None,
     gravity: Gravity = None,
     arm: ArmOptions = USUAL,
@@ -44,16 +61,18 @@ def view(
     web: bool = False,
     host: str = "localhost",
     port: int = PORT,
+    film: Path | None = None,
     snapshot: Path | None = None,
     camera: str = "overview",
-    pose: str = "home",
-    width: int = 1280,
-    height: int = 960,
-    quality: Quality = "fine",
+    size: Annotated[
+        tuple[int, int] | None,
+        optional_number("960 540 of a film, 1280 960 of a picture", int, 2),
+    ] = None,
+    quality: Annotated[str | None, choice(lambda: QUALITIES, usual="fast of a film, fine")] = None,
     force: Force = False,
     trust: Trust = False,
 ) -> None:
-    """Watch the assisted arm move, in a window or a browser; or take a picture of it.
+    """Watch the assisted arm move, in a window or a browser; film or picture it.
 
     Each next motion has the next seed.
 
@@ -65,85 +84,119 @@ def view(
             reaches.
         port: Port of the web page and of all that it streams; 0 is the first free one from 8080. A
             second port, for this process itself, listens on localhost only.
-        snapshot: File name, ending with .png, of a picture to draw instead, without a display.
-        camera: Camera of the snapshot: overview, front, side, elbow, cuffs or follow.
-        pose: Pose of the arm in the snapshot: home or reach.
-        width: Width of the snapshot [pixels].
-        height: Height of the snapshot [pixels].
+        film: File name of a film of one motion with its loops instead, ending with .gif or .mp4
+            (which needs the extra activesuit[video]); no display is needed.
+        snapshot: File name, ending with .png, of a picture of the beginning of the motion instead;
+            no display is needed.
+        camera: Camera of film and picture: overview, front, side, elbow, cuffs or follow.
+        size: Width and height of film or picture [pixels].
+        quality: Quality of the pictures: fine has shadows, smooth edges and reflections, and takes
+            a second a picture without a graphics card.
     """
     check_seed(seed)
-    if draw is not None and snapshot is not None:
-        raise InputError(
-            "both draw and snapshot are given, and a drawing is of a moving arm: use animate --draw"
-        )
-    chosen = scene(arm, env=env, suit=suit, gravity=gravity, policies=(policy,), trusted=trust)
-    (acting,) = chosen.policies
-    if snapshot is not None:
-        if web:
-            raise InputError("both web and snapshot are given: use one of them")
-        renderer = Renderer(camera=camera, width=width, height=height, quality=quality)
-        _take_picture(ArmConfig.from_dict(chosen.arm), snapshot, renderer, pose, force)
-        return
+    if draw is not None and snapshot:
+        raise InputError("draw and snapshot are given, and a drawing is of a motion: use --film")
+    path = _target(web, film, snapshot, force)
+    write = film_writer(film) if film else None
     if web:
         check_address(host, port)
-        with suppress(KeyboardInterrupt):
-            stage = Stage(chosen, seed, draw=draw)
-            _serve(stage, host, port, WITH_DRAWING if draw else WHOLE)
-        return
-    made, simulated = make_env(
-        chosen.env,
-        **{**chosen.options, **needed_options(acting)},
-        render_mode="human",
-        render_quality=quality,
+    chosen = scene(
+        arm,
+        env=env,
+        task=task,
+        level=level,
+        suit=suit,
+        gravity=gravity,
+        policies=(policy,),
+        trusted=trust,
     )
+    (acting,) = chosen.policies
+    options: dict[str, Any] = {**chosen.options, **needed_options(acting)}
+    options["render_quality"] = quality or ("fast" if film else "fine")
+    options["render_mode"] = None if web else "human"
+    panel = 0
+    if path:
+        width, height = _checked_size(size, film)
+        panel = 2 * round(width * PANEL / 2) if film else 0
+        options |= {"render_mode": "rgb_array", "camera": camera}
+        options |= {"width": width - panel, "height": height}
+    made, simulated = make_env(chosen.env, **options)
+    actor = make_policy(acting, simulated)
     if draw is not None:
         simulated.renderer.beside = DRAWINGS.find(draw)(simulated.episodes.simulation)
-    with suppress(KeyboardInterrupt):
-        _open_window(_move(made, make_policy(acting, simulated), seed))
+    if path:
+        with replacing(path, force=force) as scratch:
+            if write:
+                write(scratch, *filmed(made, simulated, actor, seed, panel))
+            else:
+                _take_picture(made, seed, scratch)
+        say(f"wrote {path}")
+    else:
+        with suppress(KeyboardInterrupt):
+            if web:
+                _serve(simulated, _motions(made, actor, seed), host, port)
+            else:
+                _open_window(_motions(made, actor, seed))
     made.close()
 
 
-def _move(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[None]:
+def _target(web: bool, film: Path | None, snapshot: Path | None, force: bool) -> Path | None:
+    """Returns the file to write, or None."""
+    given = {"--web": web, "--film": film, "--snapshot": snapshot}
+    names = [name for name, value in given.items() if value]
+    if len(names) > 1:
+        raise InputError(f"{' and '.join(names)} are given: use one of them")
+    if snapshot and snapshot.suffix != ".png":
+        raise InputError(f"snapshot is {str(snapshot)!r}: use a name that ends with .png")
+    path = film or snapshot
+    if path:
+        check_target(path, force=force)
+    return path
+
+
+def _checked_size(size: tuple[int, int] | None, film: Path | None) -> tuple[int, int]:
+    usual, largest = (FILM, LARGEST_FILM) if film else (PICTURE, LARGEST)
+    for one in size or usual:
+        if not SMALLEST <= one <= largest or one % 2:
+            raise InputError(
+                f"size has {one}: use even numbers of pixels from {SMALLEST} to {largest}"
+            )
+    return size or usual
+
+
+def _motions(env: gymnasium.Env, policy: Policy, seed: int) -> Iterator[Any]:
     """Runs episodes without end; yields after each reset and after each step."""
-    for episode in itertools.count(seed):
-        observation, _ = env.reset(seed=episode)
-        policy.reset()
-        ended = False
-        while not ended:
-            yield
-            observation, _, terminated, truncated, _ = env.step(policy.act(observation))
-            ended = terminated or truncated
+    for one in itertools.count(seed):
+        yield from episode(env, policy, one)
 
 
-def _open_window(motion: Iterator[None]) -> None:
+def _open_window(motion: Iterator[Any]) -> None:
     try:
         next(motion)
     except RenderingUnavailableError as error:
         raise InputError(
-            "no window can be opened here: use --snapshot FILE.png for a picture, or --web for a "
-            "viewer in the browser"
+            "no window can be opened here: use --snapshot FILE.png for a picture, --film FILE.gif "
+            "for a film, or --web for a viewer in the browser"
         ) from error
     with suppress(RenderingUnavailableError):  # when the window is closed
         for _ in motion:
             pass
 
 
-def _serve(stage: Stage, host: str, port: int, seen: View) -> None:
-    simulated, shown = stage.env, _drawing(stage.env.config, seen)
-    drawn = mujoco.MjData(shown)
-    with served(host, port, panels=[panel(stage.live)]) as viewer:
+def _serve(env: ArmEnv, motion: Iterator[Any], host: str, port: int) -> None:
+    beside = env.renderer.beside
+    shown = _drawing(env.config, WITH_DRAWING if beside else WHOLE)
+    drawn, capsules = mujoco.MjData(shown), list[Capsule]()
+    with served(host, port, capsules) as viewer:
         begin = time.monotonic()
-        for step, env in enumerate(stage.motion()):
+        for step, _ in enumerate(motion):
             if not viewer.is_running():
                 break
-            if env is not simulated:
-                simulated, shown = env, _drawing(env.config, seen)
-                drawn = mujoco.MjData(shown)
-                begin = time.monotonic() - step * env.control_dt
+            if beside is not None:
+                capsules[:] = beside()
             drawn.qpos[:] = env.data.qpos
             viewer.sync(shown, drawn)
             time.sleep(max(0.0, begin + step * env.control_dt - time.monotonic()))
-    stage.env.close()
 
 
 def _drawing(config: ArmConfig, seen: View) -> mujoco.MjModel:
@@ -160,26 +213,8 @@ def _drawing(config: ArmConfig, seen: View) -> mujoco.MjModel:
     return spec.compile()
 
 
-def _take_picture(
-    config: ArmConfig, path: Path, renderer: Renderer, pose: str, force: bool
-) -> None:
-    if path.suffix != ".png":
-        raise InputError(f"snapshot is {str(path)!r}: use a name that ends with .png")
-    for name, size in (("width", renderer.width), ("height", renderer.height)):
-        if size > LARGEST:
-            raise InputError(f"{name} is {size}: use 1 to {LARGEST} pixels")
-    check_target(path, force=force)
-    model = compose(config)
-    poses = [model.key(i).name for i in range(model.nkey)]
-    if pose not in poses:
-        raise unknown_name("pose", pose, poses)
-    model.vis.global_.offwidth, model.vis.global_.offheight = renderer.width, renderer.height
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(pose).id)
-    mujoco.mj_forward(model, data)
-    with replacing(path, force=force) as scratch:
-        from matplotlib.image import imsave
+def _take_picture(env: gymnasium.Env, seed: int, path: Path) -> None:
+    from matplotlib.image import imsave
 
-        imsave(scratch, renderer.picture(model, data), format="png")
-    renderer.close()
-    say(f"wrote {path}")
+    env.reset(seed=seed)
+    imsave(path, np.asarray(env.render()), format="png")

@@ -62,7 +62,7 @@ def test_what_it_observes_cannot_be_given_beside_it(capsys):
 
 
 def test_the_list_of_policies_has_it(capsys):
-    main(["policies"])
+    main(["list", "policies"])
     assert "It does little." in capsys.readouterr().out
 
 

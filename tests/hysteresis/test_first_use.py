@@ -39,6 +39,11 @@ def test_long_compiling_is_announced_once_and_progress_later(capsys, clock):
     clock[0] += 100
     listener.on_end(None)
     assert capsys.readouterr().err == ""
+    listener.expected = None
+    listener.on_start(None)
+    clock[0] += 100
+    listener.on_end(None)
+    assert "activesuit: 7 kernels are compiled\n" in capsys.readouterr().err
 
 
 def test_a_cache_that_others_may_write_is_refused(monkeypatch, tmp_path):

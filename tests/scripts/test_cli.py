@@ -243,9 +243,9 @@ def test_unknown_and_missing_command_and_option(capsys):
         assert stop.value.code == 2
     capsys.readouterr()
     assert fails(capsys, "evaluat").endswith("did you mean 'evaluate'?")
-    unknown = fails(capsys, "--fly", "suits")
-    assert "unknown command '--fly': use one of animate, benchmark, demo" in unknown
-    assert "give a command: animate, benchmark" in fails(capsys)
+    unknown = fails(capsys, "--fly", "list")
+    assert "unknown command '--fly': use one of benchmark, demo" in unknown
+    assert "give a command: benchmark" in fails(capsys)
     assert "unknown part of measure 'suit': use one of design, rig" in fails(
         capsys, "measure", "suit"
     )
@@ -312,7 +312,7 @@ def test_any_model_goes_from_curves_to_the_closed_loop(capsys, tmp_path, model, 
     assert entry.model.name == model
     result = json.loads((tmp_path / "result.json").read_text())
     assert entry.start_torque == result["initial_torque"]
-    assert model.rpartition("-")[2] in run(capsys, "suits", suit)
+    assert model.rpartition("-")[2] in run(capsys, "list", "suits", suit)
     motion = tmp_path / "motion"
     simulated = run(capsys, "simulate", "--suit", suit, "--out", motion, "--json")
     assert json.loads(simulated)["failures"] == 0

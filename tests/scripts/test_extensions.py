@@ -65,7 +65,7 @@ def test_a_model_of_an_extension_goes_from_curves_to_a_simulated_suit(tmp_path):
 
 
 def test_a_broken_extension_ends_with_one_sentence(tmp_path):
-    broken = run(installed(tmp_path, "import no_such_module\n"), "suits")
+    broken = run(installed(tmp_path, "import no_such_module\n"), "list", "suits")
     assert broken.returncode == 2
     assert broken.stdout == ""
     (sentence,) = broken.stderr.strip().splitlines()

@@ -1,7 +1,6 @@
 """Run folders of somebody else: they run no code and end in one sentence."""
 
 import json
-import sys
 
 import pytest
 from activesuit.scripts.main import main
@@ -44,7 +43,6 @@ def answer(capsys, *arguments) -> str:
 COMMANDS = {
     "evaluate": ["evaluate", "--unadapted", "--episodes", "8", "--policies", "{run}"],
     "simulate": ["simulate", "--policy", "{run}", "--out", "{tmp}/out"],
-    "animate": ["animate", "--policy", "{run}", "--out", "{tmp}/film.mp3"],
     "view": ["view", "--policy", "{run}"],
     "resume": ["train", "--resume", "--steps", "2048", "--out", "{run}"],
 }
@@ -68,17 +66,6 @@ def test_no_code_of_a_run_is_run(capsys, tmp_path, monkeypatch, foreign, command
         assert "is not a readable network" in said
     elif command != "view":
         assert said == ""
-
-
-def test_animate_runs_no_code_either(capsys, tmp_path, monkeypatch, foreign):
-    from activesuit.scripts.commands import animate
-
-    monkeypatch.setattr(animate, "_film", lambda *given, **more: sys.exit(2))
-    trap = tmp_path / "trap"
-    poison_data(foreign, trap)
-    with pytest.raises(SystemExit):
-        main(["animate", "--policy", str(foreign), "--out", str(tmp_path / "film.gif")])
-    assert not trap.exists()
 
 
 @pytest.mark.parametrize("poison", [poison_data, poison_replay])

@@ -180,12 +180,12 @@ def test_names_of_a_suit_and_in_messages_are_escaped(capsys, tmp_path):
     joints = {"elbow_flexion": load_suit("mock-suit").joints["elbow_flexion"]}
     names = {"name": "a\x1b[31m", "description": "b\x1b]0;title\x07"}
     save_suit(Suit(**names, joints=joints), tmp_path / "s.json")
-    main(["suits", str(tmp_path / "s.json")])
+    main(["list", "suits", str(tmp_path / "s.json")])
     shown = capsys.readouterr().out
     assert "\x1b" not in shown
     assert "\\x1b[31m" in shown
     with pytest.raises(SystemExit):
-        main(["suits", "x\x1b[2J\ny"])
+        main(["list", "suits", "x\x1b[2J\ny"])
     (message,) = capsys.readouterr().err.splitlines()
     assert "\x1b" not in message
     assert os.linesep not in message

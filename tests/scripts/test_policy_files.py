@@ -25,7 +25,7 @@ COMMANDS = [
     "simulate --out out --policy",
     "evaluate --episodes 8 --unadapted --out out --policies",
     "benchmark run --tasks ElbowFlexion --levels nominal --episodes 8 --out out --policies",
-    "animate --out film.gif --policy",
+    "view --film film.gif --policy",
     "view --policy",
 ]
 

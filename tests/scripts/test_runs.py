@@ -156,7 +156,6 @@ def test_another_option_is_one_sentence(tmp_path, given, arm, message):
     [
         ["evaluate", "--policies"],
         ["simulate", "--out", "out", "--policy"],
-        ["animate", "--out", "film.gif", "--policy"],
         ["view", "--policy"],
     ],
 )

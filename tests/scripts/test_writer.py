@@ -73,7 +73,7 @@ def test_everything_is_in_the_folder_and_the_page_lists_it(tmp_path, capsys):
     assert len(page) < 3_000_000
     packed = re.search(r'id="plotly">([\w+/=]+)<', page)
     assert packed is not None and b"Plotly" in gzip.decompress(base64.b64decode(packed[1]))
-    assert not re.search(r"(src|href)=[\"']?(?!data:|#)", page)  # nothing from other places
+    assert not re.search(r"(src|href)=[\"'](?!data:|#)", page)  # nothing from other places
 
 
 def test_json_is_all_that_is_printed(tmp_path, capsys):

@@ -1,13 +1,20 @@
 """`activesuit doctor`: a line for each check, with the mend where something fails."""
 
 import json
+import os
+import subprocess
+import sys
 from importlib import metadata
 
 import pytest
+from activesuit.assets import curves_path
+from activesuit.envs.simulation.compiling import ALONE
 from activesuit.errors import InputError
 from activesuit.hysteresis import first_use
+from activesuit.scripts import compiling
 from activesuit.scripts.commands import doctor as module
 from activesuit.scripts.main import main
+from numba import njit
 
 
 @pytest.fixture(autouse=True)
@@ -118,3 +125,40 @@ def test_a_picture_is_drawn(draws, monkeypatch, capsys):
     monkeypatch.setattr(module, "BACKENDS", {})
     lines, _ = shown(capsys)
     assert any(line.startswith("ok OpenGL: draws off-screen") for line in lines)
+
+
+def test_it_counts_what_it_compiles(capsys, monkeypatch):
+    @njit
+    def twice(x):
+        return 2 * x
+
+    monkeypatch.setenv(ALONE, "1")
+    monkeypatch.setattr(first_use.listener, "expected", None)
+    for name in ("_plugins", "_arms", "_models", "_fit"):
+        monkeypatch.setattr(compiling, name, lambda: None)
+    monkeypatch.setattr(compiling, "_fit", lambda: twice(1.0))
+    for count in ("1", "none"):
+        main(["doctor", "--compile"])
+        assert f"kernels: all are compiled, {count} of them now\n" in capsys.readouterr().out
+
+
+COMMANDS = (
+    ["simulate", "--out", "s"],
+    ["evaluate", "--episodes", "8", "--task", "ElbowFlexion", "--unadapted"],
+    ["identify", str(curves_path("elbow")), "--joint", "elbow_flexion"],
+)
+
+
+@pytest.mark.slow
+def test_after_it_no_command_compiles_for_long(tmp_path):
+    def run(*arguments):
+        program = [sys.executable, "-m", "activesuit.scripts.main", *arguments]
+        given = {"env": {**os.environ, ALONE: "1"}, "cwd": tmp_path, "capture_output": True}
+        found = subprocess.run(program, **given, text=True, check=False)
+        assert "Traceback" not in found.stderr
+        return found
+
+    run("doctor", "--compile")
+    assert "all are compiled, none of them now" in run("doctor", "--compile").stdout
+    for command in COMMANDS:
+        assert "kernels" not in run(*command).stderr

@@ -23,7 +23,7 @@ SMALL = (
     *("emu-like", "--policies", "compensation", "--episodes", "8"),
     *("--workers", "1", "--backend", "threading"),
 )
-FILM = ("animate", *SHORT, "--width", "240", "--height", "120", "--fps", "10")
+FILM = ("view", *SHORT, "--size", "240", "120", "--film")
 
 
 def scored(motions, *, threads, on_motion):
@@ -109,11 +109,11 @@ def test_the_benchmark_keeps_a_registered_score(capsys, tmp_path):
 
 @pytest.mark.render
 @pytest.mark.usefixtures("toy")
-def test_animate_draws_what_is_registered(tmp_path, monkeypatch):
+def test_a_film_draws_what_is_registered(tmp_path, monkeypatch):
     shorten_tasks(monkeypatch, 0.2)
     films = [tmp_path / "without.gif", tmp_path / "with.gif"]
     for film, more in zip(films, ((), ("--draw", "toy")), strict=True):
-        main([*FILM, "--out", str(film), *more])
+        main([*FILM, str(film), *more])
     assert films[0].read_bytes() != films[1].read_bytes()
 
 
@@ -146,7 +146,7 @@ def test_a_package_that_cannot_be_imported_is_named(monkeypatch):
     "command",
     [
         ("evaluate", "--score"),
-        ("animate", "--draw"),
+        ("view", "--film", "{tmp}/out.gif", "--draw"),
         ("benchmark", "run", "--score"),
         ("view", "--web", "--draw"),
     ],
@@ -156,6 +156,7 @@ def test_missing_muscles_are_named_before_anything_runs(command, tmp_path, capsy
 
     MyoArm.load.cache_clear()
     monkeypatch.setitem(sys.modules, "myo_sim", None)
+    command = [one.format(tmp=tmp_path) for one in command]
     out = () if "view" in command else ("--out", str(tmp_path / "out.gif"))
     assert "activesuit[muscles]" in fails(capsys, *command, "muscles", *out)
     assert not (tmp_path / "out.gif").exists()

@@ -1,30 +1,29 @@
-"""`activesuit view` and `animate`: what they draw, and one sentence for every mistake."""
+"""`activesuit view`: what it draws, and who may see the page in the browser."""
 
 import itertools
 import re
 import socket
 import subprocess
 import sys
+from contextlib import nullcontext
 from http.client import HTTPConnection
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from threading import Thread
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
 from activesuit.envs.animation import LoopPanel
-from activesuit.envs.evaluation import rollout
-from activesuit.envs.making import make_arms
 from activesuit.envs.model import ArmConfig, compose
-from activesuit.envs.policies import make_policy
-from activesuit.envs.rendering import Renderer, RenderingUnavailableError
+from activesuit.envs.rendering import Capsule, Renderer, RenderingUnavailableError
 from activesuit.errors import InputError
-from activesuit.scripts import browser, output
-from activesuit.scripts.commands import animate, view
-from activesuit.scripts.film import filmed
+from activesuit.scripts import browser
+from activesuit.scripts.commands import view
 from activesuit.scripts.main import main
 from helpers import PATIENCE, fails, run, shorten_tasks
 from matplotlib.image import imread
+from websockets.datastructures import Headers
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +45,9 @@ def short(monkeypatch):
 @pytest.mark.render
 def test_a_snapshot_shows_what_is_asked_for(capsys, tmp_path, opengl):
     pictures = []
-    for options in ("", "--pose reach", "--camera cuffs", "--side left", "--payload 9"):
+    for options in ("", "--task Ratchet", "--camera cuffs", "--side left", "--payload 9"):
         path = tmp_path / "arm.png"
-        small = ["--width", 160, "--height", 120, "--quality", "fast"]
+        small = ["--size", 160, 120, "--quality", "fast"]
         out = run(capsys, "view", "--snapshot", path, "--force", *small, *options.split())
         assert out == f"wrote {path}\n"
         pictures.append(imread(path)[:, :, :3])
@@ -70,120 +69,48 @@ def test_the_browser_gets_the_same_arm_without_plugins(coupling):
     np.testing.assert_array_equal(poses[0].geom_xpos, poses[1].geom_xpos)
 
 
-def test_the_panel_moves_with_the_cycle_and_closes_it():
-    phase = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+def test_the_panel_moves_with_the_motion():
+    phase = np.linspace(0, 2 * np.pi, 100)
     angle, torque = np.tile(np.cos(phase), (4, 1)).T, np.tile(5 * np.sin(phase), (4, 1)).T
     panel = LoopPanel(angle, torque, 0 * torque, width=200, height=300)
     first, later = panel.picture(0).astype(int), panel.picture(50)
     assert first.shape == (300, 200, 3)
     assert np.abs(first - later).max() > 100
-    np.testing.assert_array_equal(panel.picture(100), first)
-
-
-@pytest.mark.slow
-@pytest.mark.render
-def test_an_animation_is_a_loop(capsys, tmp_path, monkeypatch, opengl):
-    monkeypatch.setattr(output, "QUIET", 0.0)
-    monkeypatch.chdir(tmp_path)
-    small = ["--width", "192", "--height", "120", "--fps", "5"]
-    main(["animate", "--out", "arm.gif", *small])
-    captured = capsys.readouterr()
-    assert captured.out == "wrote arm.gif\n"
-    lines = captured.err.splitlines()
-    assert sum(line.startswith("pictures: ") for line in lines) == 10
-    assert lines[-1].startswith("panels beside the arm: 100 % after ")
-    assert [path.name for path in tmp_path.iterdir()] == ["arm.gif"]
-    frames = loop(tmp_path / "arm.gif")
-    # The other format gets the same pictures, which take long to draw.
-    monkeypatch.setattr(animate, "_film", lambda *given: list(frames.astype(np.uint8)))
-    assert run(capsys, "animate", "--out", "arm.mp4", *small) == "wrote arm.mp4\n"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.gif", "arm.mp4"]
-    loop(tmp_path / "arm.mp4")
-    again = fails(capsys, "animate", "--out", "arm.mp4", *small)
-    assert "exists: give another name, or add --force" in again
-
-
-def loop(path):
-    """The pictures of a film whose last one leads to its first one."""
-    imageio = pytest.importorskip("imageio.v3")
-    frames = np.array(imageio.imread(path, index=None)[..., :3], float)
-    assert len(frames) == 30
-    assert frames.shape[1:] == (120, 192, 3)
-    steps = np.abs(np.diff(frames, axis=0, append=frames[:1])).mean(axis=(1, 2, 3))
-    assert steps[-1] < steps.max()
-    assert np.abs(frames[8] - frames[0]).mean() > 2 * steps[-1]
-    return frames
-
-
-@pytest.mark.slow
-@pytest.mark.render
-def test_an_episode_is_filmed_whole(capsys, tmp_path, opengl, short):
-    imageio = pytest.importorskip("imageio.v3")
-    films = []
-    for seed in ("0", "1"):
-        out = tmp_path / f"{seed}.gif"
-        arguments = ["--env", "ActiveSuit/ElbowFlexion-v0", "--seed", seed, "--out", out]
-        run(capsys, "animate", *arguments, "--width", 192, "--height", 120, "--fps", 4)
-        films.append(imageio.imread(out, index=None)[..., :3].astype(float))
-        assert films[-1].shape == (4, 120, 192, 3)
-    assert np.abs(films[0] - films[1]).mean() > 0.5
 
 
 @pytest.mark.slow
 @pytest.mark.render
 @pytest.mark.parametrize("kind", ["gif", "mp4"])
-@pytest.mark.usefixtures("opengl", "short", "undrawn")
-def test_simulate_films_in_real_time(capsys, tmp_path, monkeypatch, kind):
+def test_an_episode_is_filmed_whole_in_real_time(capsys, tmp_path, opengl, short, kind):
     imageio = pytest.importorskip("imageio.v3")
-    draw, drawn = Renderer.picture, []
-
-    def move_the_first(renderer, *scene):  # what is on the others is no matter here
-        drawn.append(np.roll(drawn[0], len(drawn), axis=1) if drawn else draw(renderer, *scene))
-        return drawn[-1]
-
-    monkeypatch.setattr(Renderer, "picture", move_the_first)
-    out = run(capsys, "simulate", "--out", tmp_path / "film", "--video", kind)
-    assert f"trace.csv, result.json, report.html, motion.{kind} and 4 figures" in out
-    film = tmp_path / "film" / f"motion.{kind}"
-    frames = imageio.imread(film, index=None)
-    assert frames.shape[:3] == (25, 480, 640)
-    reported = imageio.immeta(film)
-    assert reported["duration"] == pytest.approx(1 if kind == "mp4" else 40, rel=0.01)  # s; ms each
-
-
-@pytest.mark.slow
-@pytest.mark.render
-def test_filming_changes_nothing(opengl, short):
-    small = {"render_mode": "rgb_array", "width": 40, "height": 30}
-    arms = make_arms("ActiveSuit/ElbowFlexion-v0", 1, **small)
-    policy = make_policy("feedforward", arms)
-    with filmed(arms, 20) as film:
-        (one,) = rollout(arms, policy, [0], on_step=film)
-    assert film.steps == [*range(0, 100, 20)]
-    assert len(film.pictures) == len(film.steps)
-    (other,) = rollout(arms, policy, [0])
-    for name in ("angle", "human_torque", "rewards"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    arms.close()
+    films = []
+    for seed in ("0", "1"):
+        out = tmp_path / f"{seed}.{kind}"
+        arguments = ["--task", "ElbowFlexion", "--seed", seed, "--film", out]
+        assert run(capsys, "view", *arguments, "--size", 192, 120) == f"wrote {out}\n"
+        films.append(imageio.imread(out, index=None)[..., :3].astype(float))
+        assert films[-1].shape == (26, 120, 192, 3)
+    assert np.abs(films[0] - films[1]).mean() > 0.5
+    duration = imageio.immeta(out)["duration"]  # s; ms each
+    assert duration == pytest.approx(1.04 if kind == "mp4" else 40, rel=0.01)
 
 
 def test_mp4_without_its_extra_is_one_sentence(capsys, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    for command in (["animate", "--out", "arm.mp4"], ["simulate", "--video", "mp4"]):
-        monkeypatch.chdir(tmp_path)
-        assert "needs the extra activesuit[video]" in fails(capsys, *command)
+    monkeypatch.chdir(tmp_path)
+    assert "needs the extra activesuit[video]" in fails(capsys, "view", "--film", "arm.mp4")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_snapshot_replaces_nothing_unasked(capsys, tmp_path, opengl):
     path = tmp_path / "arm.png"
     path.write_text("mine")
-    small = ["--width", "40", "--height", "30", "--quality", "fast"]
+    small = ["--size", "160", "120", "--quality", "fast"]
     arguments = ["view", "--snapshot", str(path), *small]
     assert "exists: give another name, or add --force" in fails(capsys, *arguments)
     assert path.read_text() == "mine"
     run(capsys, *arguments, "--force")
-    assert imread(path).shape[:2] == (30, 40)
+    assert imread(path).shape[:2] == (120, 160)
 
 
 @pytest.mark.slow
@@ -200,10 +127,9 @@ def test_the_web_page_listens_on_its_address_and_asks_for_the_token(host):
             assert address.endswith(f":{port}")
             # Another address of this machine, as far as a listener is concerned.
             assert answers("127.0.0.2", port) == (host == "0.0.0.0")
-            ours, foreign = f"localhost:{port}", "evil.example"
+            ours = f"localhost:{port}"
             assert asked(port, "/", Host=ours)[0] == 403
-            assert asked(port, f"/?token={token}", Host=foreign)[0] == 403
-            foreign_page = {"Host": ours, "Origin": f"http://{foreign}"}
+            foreign_page = {"Host": ours, "Origin": "http://evil.example"}
             assert asked(port, f"/?token={token}", **foreign_page)[0] == 403
             status, page, cookie = asked(port, f"/?token={token}", Host=ours)
             assert (status, "<html" in page.lower()) == (200, True)
@@ -217,6 +143,58 @@ def test_the_web_page_listens_on_its_address_and_asks_for_the_token(host):
             assert asked(port, "/state?sid=1", **socket_of_page)[0] == 403
         finally:
             viewer.kill()
+
+
+ACCESS = browser.WebAccess()
+OWN = {"Host": "localhost:8080"}
+TOKEN = {"Cookie": f"a=b; {ACCESS.cookie(8080).split(';')[0]}"}
+
+
+@pytest.mark.parametrize(
+    ("path", "given", "sentence"),
+    [
+        (f"/?token={ACCESS.token}", OWN, None),
+        ("/state?sid=1", {**OWN, **TOKEN, "Origin": "http://localhost:8080"}, None),
+        ("/", OWN, "token is missing"),
+        ("/state?token=é", OWN, "token is missing"),
+        ("/", {**OWN, "Cookie": "activesuit-8080=guess; other=1"}, "token is missing"),
+        ("/", {**OWN, **TOKEN, "Origin": "null"}, "Origin names another page"),
+        ("/", {**OWN, **TOKEN, "Origin": "http://localhost:3000"}, "Origin names another page"),
+        ("/", {**TOKEN, "Origin": "http://evil.example"}, "Origin names another page"),
+        # A foreign name that was made to point to this machine has no cookie.
+        ("/", {"Host": "evil.example", "Origin": "http://evil.example"}, "token is missing"),
+        ("/drop/?sid=1", {**OWN, **TOKEN}, "takes no files"),
+    ],
+)
+def test_only_the_own_page_with_the_token_is_answered(path, given, sentence):
+    said = ACCESS.refusal(path, Headers(given))
+    assert said is None if sentence is None else sentence in said
+
+
+def test_the_browser_gets_motion_and_drawing(monkeypatch, short):
+    shown = []
+
+    class Viewer:
+        def is_running(self):
+            return len(shown) < 30
+
+        def sync(self, model, data):
+            shown.append(data.qpos.copy())
+
+    drawn = []
+    monkeypatch.setattr(view, "served", lambda host, port, beside: nullcontext(Viewer()))
+    monkeypatch.setattr(view, "check_address", lambda host, port: drawn.append(port))
+    main(["view", "--web", "--task", "ElbowFlexion"])
+    assert drawn == [browser.PORT]
+    assert np.ptp(shown, axis=0).max() > 0.001
+    messages = pytest.importorskip("mujoco.studio.messages")
+    end = np.array([0.0, 0.0, 1.0])
+    capsules = [Capsule(end, 2 * end, 0.1, np.array([1.0, 0.0, 1.0, 1.0]))]
+    plugin = browser.drawer(capsules)
+    plugin.viewer = SimpleNamespace(extra_geoms=["of before"])
+    plugin.on_update(messages.UpdateEvent())
+    (geom,) = plugin.viewer.extra_geoms
+    assert geom.rgba.tolist() == [1, 0, 1, 1]
 
 
 UPGRADE = {

@@ -1,70 +1,35 @@
-"""`activesuit warm`: compiles all kernels once, so that no later use has to."""
+"""Compiles all kernels once, so that no later use has to."""
 
 import inspect
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numba.core import event
 
-from ... import TASKS
-from ...envs.making import make_arms, make_env
-from ...envs.model import bushing
-from ...envs.observation import SUITES
-from ...envs.simulation.compiling import ALONE
-from ...hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
-from ...hysteresis.engine.native import compile_plugin
-from ...identification import Certified, Curve, identify
-from ...identification.fits.registry import FITS, fit_model
-from ..output import progress, say
+from .. import TASKS
+from ..envs.making import make_arms, make_env
+from ..envs.model import bushing
+from ..envs.observation import SUITES
+from ..envs.simulation.compiling import ALONE
+from ..hysteresis import Backlash, Dahl, HysteresisModel, Viscoelastic, engine, first_use
+from ..hysteresis.engine.native import compile_plugin
+from ..identification import Certified, Curve, identify
+from ..identification.fits.registry import FITS, fit_model
 
 ENV = "ActiveSuit/ArmTracking-v0"
 RANGE = np.array([0.5, 1.5])  # rad, of the record to which all models are fitted
 BUDGET = 100  # evaluations of each fit, which need not be good
 
 
-def warm() -> None:
-    """Compile all kernels, once, before their first use.
-
-    They are kept on disk, beside the package or in the folder that NUMBA_CACHE_DIR names. Where all
-    are there already, it takes some seconds.
-    """
-    with progress("compiling kernels", first_use.ALL) as bar, _counted(bar.advance) as compiled:
-        for use in (_plugins, _arms, _models, _fit):
-            use()
-    if not compiled:
-        say("all kernels are compiled already")
-        return
-    say(f"compiled {len(compiled)} kernels; they are kept in {first_use.cache_folder()}")
-
-
-@contextmanager
-def _counted(advance: Callable[[], None]) -> Iterator[list[str]]:
-    """Yields a list that gets what is compiled in the block, which reports nothing else."""
-    compiled: list[str] = []
-
-    class Count(event.Listener):
-        def on_start(self, event: Any) -> None:
-            pass
-
-        def on_end(self, event: Any) -> None:
-            compiled.append(event.data["dispatcher"].py_func.__name__)
-            advance()
-
-    before = os.environ.get(ALONE)
+def compile_kernels() -> int:
+    """Compiles all kernels that are not in the cache yet; returns their number."""
     os.environ[ALONE] = "1"  # a second process would not be counted
-    event.unregister("numba:compile", first_use.listener)
-    try:
-        with event.install_listener("numba:compile", Count()):
-            yield compiled
-    finally:
-        event.register("numba:compile", first_use.listener)
-        os.environ.pop(ALONE)
-        if before is not None:
-            os.environ[ALONE] = before
+    listener = first_use.listener
+    listener.expected, before = None, listener.done
+    for use in (_plugins, _arms, _models, _fit):
+        use()
+    return listener.done - before
 
 
 def _plugins() -> None:
