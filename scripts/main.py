@@ -29,8 +29,8 @@ GROUPS = {
     },
     "Identify": {
         "identify": "Identify a hysteresis model from measured angle-torque curves.",
-        "measure design": "Design the next record to measure: nested reversals at varied speed.",
-        "measure rig": "Measure first-order curves of a suit joint on a simulated rig.",
+        "design": "Design the next record to measure: nested reversals at varied speed.",
+        "rig": "Measure first-order curves of a suit joint on a simulated rig.",
     },
     "Simulate and look": {
         "simulate": "Simulate one assisted arm motion, headless.",
@@ -56,13 +56,12 @@ PARTS = {  # commands that are nothing without one of these words
     if one not in COMMANDS
 }
 RENAMED = {
-    "design": "measure design",
-    "rig": "measure rig",
     **{name: f"list {name}" for name in ("suits", "tasks", "policies")},
 }
 _EXAMPLE = "python examples/{}.py of the source repository"
 _PAPER = "python -m activesuit.reproductions.{} of the source repository (make reproduce)"
 MOVED = {  # commands that are gone, and what to run in their place
+    **{f"measure {name}": f"activesuit {name}" for name in ("design", "rig")},
     "animate": "activesuit view --film FILE",
     "warm": "activesuit doctor --compile",
     "report": "the command of that folder again, which makes its page",

@@ -224,17 +224,17 @@ FILES: dict[str, tuple[Outcomes, tuple[str, ...]]] = {  # the first command is f
     "elbow.csv": (TABLE, (
         "identify elbow.csv --model prandtl-ishlinskii",
         "identify elbow.csv --out out --workers 1",
-        "measure design elbow.csv --out new.csv",
+        "design elbow.csv --out new.csv",
         "validate whole.json --held-out elbow.csv --joint elbow_flexion --out out",
     )),
     "motion.csv": (TABLE, (
-        "measure rig --motion motion.csv --out out",
+        "rig --motion motion.csv --out out",
         "identify whole.csv --for motion.csv --model prandtl-ishlinskii",
     )),
     "arm.csv": (TABLE, ("simulate --task arm.csv --out out", "evaluate --task arm.csv")),
     "suit.json": (JSON, (
         "list suits suit.json",
-        "measure rig --suit suit.json --out out",
+        "rig --suit suit.json --out out",
         "simulate --suit suit.json --out out",
         "evaluate --suit suit.json --policies none --out out",
         "validate suit.json --out out",
@@ -288,8 +288,8 @@ JUNK: dict[str, tuple[list[str], list[str]]] = {  # by kind: what is refused, an
 WHOLE = {  # command lines that are whole; the last word is the place of the results
     "demo": "--out out",
     "identify": "whole.csv --workers 1 --out out",
-    "measure design": "whole.csv --out new.csv",
-    "measure rig": "--out out",
+    "design": "whole.csv --out new.csv",
+    "rig": "--out out",
     "simulate": "--out out",
     "view": "--snapshot new.png",
     "evaluate": "--out out",

@@ -1,4 +1,4 @@
-"""`activesuit measure design`: writes the motion that is worth measuring next."""
+"""`activesuit design`: writes the motion that is worth measuring next."""
 
 from pathlib import Path
 from typing import Annotated, Any
