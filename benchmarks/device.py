@@ -15,7 +15,8 @@ from ..errors import InputError
 from ..hysteresis import HysteresisModel, State, Viscoelastic
 from ..hysteresis.c_code import BYTES, Header, stepped
 from ..hysteresis.references import EXAMPLES
-from ..scripts.output import table, to_json
+from ..scripts.folders import to_json
+from ..scripts.output import table
 
 SAMPLES = 10_000
 DT = 0.01  # s, time of a step

@@ -12,7 +12,8 @@ from ..arrays import Array
 from ..hysteresis import MODELS, Asymmetric, Backlash, Viscoelastic
 from ..hysteresis.engine import attach
 from ..hysteresis.references import EXAMPLES, Example, integrate, reference_of, turn_indices
-from ..scripts.output import table, to_json
+from ..scripts.folders import to_json
+from ..scripts.output import table
 
 TOLERANCE = 1e-6  # [N·m], kernel against reference and against SciPy
 SUM_TOLERANCE = 1e-12  # [N·m], the engine's sum with a polynomial; without one it is exact

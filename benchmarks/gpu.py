@@ -13,7 +13,8 @@ from ..checks import at_least, once
 from ..envs.model import ArmConfig, for_warp, resisting_joints
 from ..errors import InputError
 from ..hysteresis.warp import attach
-from ..scripts.output import table, to_json
+from ..scripts.folders import to_json
+from ..scripts.output import table
 from .timing import Row, compare
 
 WORLDS = (1024, 4096, 16384)

@@ -26,7 +26,8 @@ from ..envs.person import Person, VoluntaryControl, isometric_strength, segments
 from ..envs.person.strength import PROVENANCE
 from ..envs.policies import make_policy
 from ..envs.simulation.inverse_dynamics import Chain
-from ..scripts.output import progress, table, to_json
+from ..scripts.folders import to_json
+from ..scripts.output import progress, table
 from ..tables import Rows
 from .timing import seconds
 

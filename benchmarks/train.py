@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..scripts.output import RunFolder
+from ..scripts.folders import RunFolder
 from ..scripts.training.hyperparameters import algorithm_class, hyperparameters
 from ..scripts.training.learners import new_learner, threads, training_environments
 from ..tables import Rows

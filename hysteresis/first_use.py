@@ -19,28 +19,21 @@ from ..errors import InputError, shown
 CACHE = "NUMBA_CACHE_DIR"
 
 PATIENCE = 2.0  # [s], compile time before the message
-EVERY = 5.0  # [s], compile time between two reports of progress
+LONGER = 2.5  # times the compile time of a report, until the next one
 MESSAGE = (
     "activesuit: compiling kernels for their first use, up to a minute; they are cached on disk "
     f"({CACHE} chooses where)"
 )
-WHOLE, BESIDE = 162, 127
-"""Kernels that a first environment compiles, alone and beside a second process.
-
-`python -m activesuit.benchmarks first-use` counts them.
-"""
 
 
 class FirstUse(event.Listener):
     """Adds up the compile time of our kernels, and reports when it becomes long.
 
     Attributes:
-        expected: Number of kernels that this process will probably compile; None if unknown.
         done: Number of kernels that are compiled.
     """
 
     def __init__(self) -> None:
-        self.expected: int | None = WHOLE
         self.done = 0
         self._depth, self._begun, self._before = 0, 0.0, 0.0
         self._next = PATIENCE
@@ -64,12 +57,9 @@ class FirstUse(event.Listener):
         spent = self._before + time.monotonic() - self._begun
         if spent <= self._next:
             return
-        first, self._next = self._next == PATIENCE, spent + EVERY
-        if first:
-            print(MESSAGE, file=sys.stderr, flush=True)
-        elif self.expected is None or self.done < self.expected:  # another use may need more
-            of = f" of about {self.expected}" if self.expected else ""
-            print(f"activesuit: {self.done}{of} kernels are compiled", file=sys.stderr, flush=True)
+        first, self._next = self._next == PATIENCE, LONGER * spent
+        said = f"activesuit: {self.done} kernels are compiled after {spent:.0f} s of compilation"
+        print(MESSAGE if first else said, file=sys.stderr, flush=True)
 
 
 def check_cache() -> None:

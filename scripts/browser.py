@@ -16,7 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from ..envs.rendering import Capsule
 from ..errors import InputError, shown
-from .output import say
+from ..text import say
 
 PORT = 0  # stands for the first free one from 8080
 LOCAL = ("localhost", "127.0.0.1", "::1")

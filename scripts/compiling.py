@@ -26,7 +26,7 @@ def compile_kernels() -> int:
     """Compiles all kernels that are not in the cache yet; returns their number."""
     os.environ[ALONE] = "1"  # a second process would not be counted
     listener = first_use.listener
-    listener.expected, before = None, listener.done
+    before = listener.done
     for use in (_plugins, _arms, _models, _fit):
         use()
     return listener.done - before

@@ -12,7 +12,8 @@ from ..envs.animation import LoopPanel
 from ..envs.arm_env import ArmEnv
 from ..envs.policies import Policy
 from ..errors import InputError, shown
-from .output import progress, say
+from ..text import say
+from .output import progress
 
 Picture = NDArray[np.uint8]
 PERIOD = 0.04  # [s], from one picture to the next

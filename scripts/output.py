@@ -9,24 +9,11 @@ from contextlib import contextmanager
 from rich import box
 from rich.cells import cell_len
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 from rich.text import Text
 
-from ..text import say, visible
-from .folders import RunFolder, to_json
-
-__all__ = [
-    "Bar",
-    "RunFolder",
-    "messages",
-    "progress",
-    "say",
-    "table",
-    "telling",
-    "to_json",
-    "visible",
-]
+from ..text import visible
 
 WIDEST = 24  # characters of a table cell that are never broken
 NARROWEST = 100  # columns of a terminal; a narrower one wraps the lines
@@ -48,7 +35,7 @@ def telling(kept: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def progress(description: str, total: int) -> Iterator["Bar"]:
-    """Shows on stderr how far the block is: a bar with remaining time, or lines in a pipe."""
+    """Shows on stderr how far the block is: a bar on a terminal, else at most ten lines."""
     if not messages.is_terminal:
         yield Bar(_Lines(visible(description), total))
         return
@@ -57,7 +44,6 @@ def progress(description: str, total: int) -> Iterator["Bar"]:
         BarColumn(),
         TextColumn("{task.completed:>5.0f}/{task.total:.0f}"),
         TimeElapsedColumn(),
-        TimeRemainingColumn(),
     )
     with Progress(*columns, console=messages) as bars:
         task = bars.add_task(visible(description), total=total)
@@ -87,32 +73,20 @@ class Bar:
 class _Lines:
     """Prints a line for a tenth of the way, for logs; none where the whole way is short.
 
-    The time left follows from all steps but the first, in which kernels may have been compiled.
+    No time that is left is said: the steps of an evaluation take from seconds to minutes.
     """
 
     def __init__(self, description: str, total: int) -> None:
         self._description, self._total, self._tenth = description, total, 0
         self._begin = self._said = time.monotonic()
-        self._first: tuple[float, float] | None = None  # steps and time
 
     def __call__(self, done: float) -> None:
         now, tenth = time.monotonic(), int(10 * done / max(self._total, 1))
-        if self._first is None and done > 0:
-            self._first = (done, now)
         if tenth > self._tenth and now - self._said >= QUIET:
             self._tenth, self._said = tenth, now
             percent, taken = 100 * done / self._total, now - self._begin
-            print(
-                f"{self._description}: {percent:.0f} % after {taken:.0f} s{self._left(done, now)}",
-                file=sys.stderr,
-            )
-
-    def _left(self, done: float, now: float) -> str:
-        steps, begin = self._first or (done, now)
-        if not steps < done < self._total:
-            return ""
-        left = (now - begin) / (done - steps) * (self._total - done)
-        return f", about {left:.0f} s left"
+            said = f"{self._description}: {percent:.0f} % after {taken:.0f} s"
+            print(said, file=sys.stderr, flush=True)
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[str]], left: int = 2) -> None:

@@ -21,7 +21,8 @@ from ...identification.objective import InitialTorque
 from ...identification.residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN, UNLIKELY
 from ...json_files import read_json
 from ...scripts.backends import run_all
-from ...scripts.output import progress, to_json
+from ...scripts.folders import to_json
+from ...scripts.output import progress
 from ...tables import Rows
 from .bands import FAMILIES, band_case
 from .faults import FAULTS, is_named, named

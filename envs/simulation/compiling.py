@@ -10,8 +10,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from ...hysteresis import first_use
-
 PROGRAM = "from activesuit.envs import ArmEnv; ArmEnv(suit='none').reset(seed=0)"
 ALONE = "ACTIVESUIT_COMPILE_ALONE"  # environment variable: any value forbids the second process
 
@@ -38,7 +36,6 @@ def begin(kernel: Any) -> None:
             stderr=subprocess.DEVNULL,
         )
     )
-    first_use.listener.expected = first_use.BESIDE
 
 
 def wait() -> None:

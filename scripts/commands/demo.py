@@ -19,9 +19,10 @@ from ...hysteresis.parameter_table import parameter_table
 from ...identification import Certified, Curves, Fit, Search, Trial, identify, load_curves
 from ...identification.figures import COLUMNS, compared, convergence_plot, loop_rows, loops_plot
 from ...identification.report import fit_summary, quality_table, trial_columns
+from ...text import say
 from ..folders import RunFolder
 from ..options import Force, Seed
-from ..output import progress, say, telling
+from ..output import progress, telling
 from ..writer import Report, conclude
 
 COMPARED = ("sa-pso", "mpso", "certified")

@@ -12,8 +12,9 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from ...errors import InputError, install_line
+from ...text import say
+from ..folders import to_json
 from ..options import Json
-from ..output import say, to_json
 
 PACKAGE = "activesuit"
 NOT_FOR_USERS = ("dev",)  # extras that only the development of this package needs

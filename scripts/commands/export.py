@@ -19,9 +19,10 @@ from ...errors import InputError, install_line, shown, unknown_name
 from ...files import check_target, replacing
 from ...hysteresis.c_code import BYTES, identifier
 from ...json_files import read_json
+from ...text import say
 from ..arm_options import USUAL, ArmOptions
 from ..options import ENV, Force, Gravity, choice, joints
-from ..output import say, table
+from ..output import table
 
 TOLERANCE = 1e-5  # largest difference between the model's outputs and those of the network
 OF_SUITS = {"joint", "pressure", "preconditioned", "allow_uncertified"}  # options that a suit has

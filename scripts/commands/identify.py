@@ -21,11 +21,12 @@ from ...identification.methods import DEFAULT_MODEL, Magnetic, method_names, met
 from ...identification.objective import InitialTorque, Loss, Normalize
 from ...identification.report import Identification
 from ...identification.residual.verdict import NOT
+from ...text import say
 from ..curve_joints import joint_of
 from ..folders import RunFolder
 from ..intended import intended_motions, needed_coverage
 from ..options import Force, Json, Seed, Use, choice, joints, optional_number, suits
-from ..output import progress, say
+from ..output import progress
 from ..parsing import named_values
 from ..writer import Report, conclude
 

@@ -11,9 +11,11 @@ from ...envs.policies.build import options_of
 from ...envs.policies.network import read_card
 from ...envs.policies.trained import shipped_policies
 from ...errors import unknown_name
+from ...text import say
+from ..folders import to_json
 from ..options import Json, choice
 from ..options import policies as known_policies
-from ..output import say, table, to_json
+from ..output import table
 
 
 def policies(

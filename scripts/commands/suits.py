@@ -11,9 +11,11 @@ from ...errors import InputError
 from ...hysteresis import HysteresisModel, PoleError
 from ...hysteresis.certificate import ALL_ANGLES
 from ...hysteresis.parameter_table import parameter_table
+from ...text import say
+from ..folders import to_json
 from ..options import Json, choice
 from ..options import suits as known_suits
-from ..output import say, table, to_json
+from ..output import table
 
 LOSS_FACTOR = (
     "loss factor: what one steady cycle over the joint's range dissipates, over the work that goes "

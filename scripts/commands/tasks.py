@@ -8,8 +8,10 @@ import tyro
 from ...envs.making import OURS
 from ...envs.tasks import TASKS, Task
 from ...errors import unknown_name
+from ...text import say
+from ..folders import to_json
 from ..options import Json, choice, shipped_tasks
-from ..output import say, table, to_json
+from ..output import table
 
 
 def tasks(

@@ -12,6 +12,7 @@ from ...envs.policies.network import Residual
 from ...envs.policies.residual import SCALE
 from ...envs.policies.trained import OBSERVATION, portable
 from ...errors import InputError
+from ...text import say
 from ..arm_options import USUAL, ArmOptions
 from ..options import Force, Gravity, RunSeed, Suit, choice, env_option, optional_number
 from ..options import correctable as corrected_names
@@ -19,7 +20,6 @@ from ..options import levels as level_names
 from ..options import policies as policy_names
 from ..options import shipped_tasks as task_names
 from ..options import suits as suit_names
-from ..output import say
 from ..runs import scene
 from ..settings import joined
 from ..training.evaluations import MOTIONS

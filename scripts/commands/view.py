@@ -20,6 +20,7 @@ from ...envs.policies import Policy, make_policy, needed_options
 from ...envs.rendering import QUALITIES, Capsule, RenderingUnavailableError
 from ...errors import InputError
 from ...files import check_target, replacing
+from ...text import say
 from ..arm_options import USUAL, ArmOptions
 from ..browser import PORT, check_address, served
 from ..film import PANEL, episode, film_writer, filmed
@@ -37,7 +38,6 @@ from ..options import (
     choice,
     optional_number,
 )
-from ..output import say
 from ..runs import scene
 
 FILM, PICTURE = (960, 540), (1280, 960)  # pixels
