@@ -79,6 +79,8 @@ MOVED = {  # commands that are gone, and what to run in their place
 OLD_OPTIONS = {
     "--naive": "--unadapted",
     "--video": "activesuit view --film FILE",
+    "--width": "--size WIDTH HEIGHT",
+    "--height": "--size WIDTH HEIGHT",
     "--export": "load_suit(SUIT).at_pressure(KPA).save(FILE) in Python",
 }
 
