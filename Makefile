@@ -66,7 +66,7 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/core: pyproject.toml constraints.txt | .venv/bin/python
-	$(PIP) -e '.[report]'
+	$(PIP) -e .
 	touch $@
 
 .venv/train: pyproject.toml constraints.txt | .venv/bin/python

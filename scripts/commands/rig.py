@@ -58,7 +58,7 @@ def rig(
         torque_resolution: Resolution of the torque sensor [N·m]; by default it has no steps.
         angle_resolution: Resolution of the encoder [rad]; by default it has no steps.
         bearing_friction: Friction of the bearings [N·m].
-        out: Folder for the curves (JOINT.csv), config.json, report.html and the loops as PNG and
+        out: Folder for the curves (JOINT.csv), result.json, report.html and the loops as PNG and
             SVG: a new or an empty one.
     """
     config = RigConfig(
@@ -108,14 +108,15 @@ def _report(
     header = ["curve", "role", "samples", "peak torque\n[N·m]", "work\n[J]"]
     rows = [[f"{v:.3f}" if isinstance(v, float) else str(v) for v in m.values()] for m in measured]
     save_curves(path, curves, comments=(f"Measured on the simulated rig: {title}.",))
+    settings = {**asdict(config), "predict": kept_out}
     report = Report(
         heading="Measured on the simulated rig",
         about=title,
-        result={"curves": path, "measured": measured},
+        result={"curves": path, "measured": measured, "config": settings},
         tables={title: (header, rows)},
         answer=[_answer(curves), f"next: activesuit identify {path}"],
         plots={"loops": loops_plot(config.joint, {"": compared(curves)})},
-        settings={**asdict(config), "predict": kept_out},
+        settings=settings,
     )
     conclude(report, folder, json)
 

@@ -18,7 +18,7 @@ def test_design_rig_identify(capsys, tmp_path, undrawn):
     (record,) = load_curves(measured)
     assert (record.name, record.role) == ("motion", "fit")
     assert record.time is not None
-    config = json.loads((tmp_path / "rig" / "config.json").read_text())
+    config = json.loads((tmp_path / "rig" / "result.json").read_text())["config"]
     assert config["turns"] == []
     assert len(config["motion"]) < 30  # the reversals, not all samples
     together = tmp_path / "elbow.csv"

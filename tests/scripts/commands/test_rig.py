@@ -15,9 +15,8 @@ from helpers import run
 def test_rig_identify_simulate(capsys, tmp_path, undrawn):
     out = run(capsys, "rig", "--noise", 0.05, "--out", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    loops = {"loops.csv", "loops.png", "loops.svg"}
-    own = {".activesuit", "elbow_flexion.csv", "config.json", "report.html", "report.json"}
-    assert names == own | loops
+    own = {"elbow_flexion.csv", "result.json", "report.html", "loops.png", "loops.svg"}
+    assert names == own
     curves = tmp_path / "elbow_flexion.csv"
     assert f"next: activesuit identify {curves}" in out
     run(capsys, "identify", curves, "--out", tmp_path / "fit")
@@ -46,11 +45,11 @@ def test_what_is_written(capsys, tmp_path, undrawn):
         assert one["samples"] == curve.angle.size
         assert one["peak_torque"] == pytest.approx(np.abs(curve.torque).max(), abs=1e-5)
         assert one["work"] == pytest.approx(np.trapezoid(curve.torque, curve.angle), abs=1e-4)
-    config = json.loads((tmp_path / "config.json").read_text())
+    config = json.loads((tmp_path / "result.json").read_text())["config"]
     assert config["turns"] == [0.9, 1.2, 1.1, 1.0]
     assert config["predict"] == [1.0]
     assert config["start_angle"] == 0.52
-    run(capsys, "rig", *arguments, "--predict", 1.1)
+    run(capsys, "rig", *arguments, "--predict", 1.1, "--force")
     assert [curve.role for curve in load_curves(result["curves"])] == [
         "fit",
         "fit",
