@@ -80,12 +80,11 @@ def write(report: Report, folder: RunFolder) -> None:
     folder.json("result.json", report.result)
     for name, (header, rows) in report.columns.items():
         folder.csv(name, header, rows)
-    drawn: dict[str, Any] = {name: plot.figure() for name, plot in report.plots.items()}
-    for name, figure in (drawn | dict(report.pictures)).items():
-        if hasattr(figure, "savefig"):
-            folder.figure(name, figure)
-        else:
-            folder.picture(name, figure)
+    for name, plot in report.plots.items():
+        folder.figure(name, plot.figure())
+    for name, picture in report.pictures.items():
+        write_picture = folder.figure if hasattr(picture, "savefig") else folder.picture
+        write_picture(name, picture)
     folder.text(PAGE, page(report, folder))
 
 

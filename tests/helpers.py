@@ -1,5 +1,6 @@
 """Published numbers and motions that several tests share."""
 
+import json
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -7,6 +8,7 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import count, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +17,10 @@ from activesuit.envs.tasks import TASKS, Task
 from activesuit.errors import InputError
 from activesuit.hysteresis import HysteresisModel
 from activesuit.identification import Curve
+from activesuit.plots import Plot
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
+from activesuit.scripts.folders import RunFolder
 from activesuit.scripts.main import main
-from activesuit.scripts.output import RunFolder
 
 NUMBERS = count()
 PATIENCE = 600  # [s], longest wait for another process or a server, far more than any takes
@@ -143,4 +146,12 @@ def without_figures() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(RunFolder, "figure", write_number)
+        patch.setattr(Plot, "figure", lambda plot: plot)
         yield
+
+
+def panels_of(folder: Path) -> list[dict[str, Any]]:
+    """Returns data and layout of every panel of the page of a run."""
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    found = re.findall(r'<script type="application/json">(.*?)</script>', page)
+    return [json.loads(one) for one in found]

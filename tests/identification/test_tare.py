@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification import Corrections, Curve, identify, select
-from activesuit.identification.figures import loops_figure
+from activesuit.identification.figures import compared, loops_plot
 from helpers import sweep
 
 OFFSET, NOISE = 1.3, 0.05
@@ -98,7 +98,9 @@ def test_the_figure_shows_the_curves_that_were_fitted(elbow):
     angle = sweep(0.52, 1.57, 0.52, samples=60)
     curves = [Curve(angle, elbow.response(angle) + 1.3, "A")]
     fit = identify(curves, corrections=Corrections(tare=1.3))
-    figure = loops_figure({"elbow": fit.curves}, {"elbow": {"certified": fit}})
-    (ax,) = figure.axes  # nothing was kept out of the fit, so there is no panel for it
-    measured, modeled = (line.get_ydata() for line in ax.lines[:2])
-    np.testing.assert_allclose(measured, modeled, atol=0.01)
+    plot = loops_plot("elbow", {"certified": compared(fit.curves, fit)}, fit.tare)
+    loops, residuals = plot.panels  # nothing was kept out of the fit, so there is no panel for it
+    measured, modeled = loops.marks
+    np.testing.assert_allclose(measured.y, modeled.y, atol=0.01)
+    assert max(np.abs(one.y).max() for one in residuals.marks) < 0.01
+    assert "1.3 N·m of the sensor" in loops.y

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.errors import InputError
 from activesuit.identification import Curve, Curves, fit_preisach, identify
-from activesuit.identification.figures import loops_figure
+from activesuit.identification.figures import compared, loops_plot
 from activesuit.identification.thinning import (
     drawn_note,
     drawn_samples,
@@ -79,10 +79,9 @@ def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
     errors = np.concatenate([fit.predict(c) - c.torque for c in family.fitted()])
     assert fit.nrmse == pytest.approx(np.sqrt(np.mean(errors**2)) / family.fitted().peak)
     assert fit.nrmse == pytest.approx(0.05 / family.peak, rel=0.05)
-    figure = loops_figure({"elbow": family}, {"elbow": {"certified": fit}})
-    for ax in figure.axes:
-        assert sum(len(line.get_xdata()) for line in ax.lines) < 2 * 4100
-        assert "samples drawn" in ax.get_xlabel()
+    for panel in loops_plot("elbow", {"certified": compared(family, fit)}).panels[:2]:
+        assert sum(len(line.x) for line in panel.marks) < 2 * 4100
+        assert "samples drawn" in panel.x
 
 
 def test_a_direct_fit_refuses_what_memory_does_not_hold(elbow):

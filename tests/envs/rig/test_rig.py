@@ -8,7 +8,6 @@ import pytest
 from activesuit.assets import load_suit, suit_names
 from activesuit.envs.rig import RigConfig, run_rig
 from activesuit.envs.rig.config import NOISE
-from activesuit.envs.rig.figure import records_figure
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Preisach
 from activesuit.identification import (
@@ -197,12 +196,6 @@ def test_a_truth_of_many_weights_is_predicted():
     fit = select(curves).fit
     assert fit.model_name == "preisach"
     assert prediction_error(fit, curves) <= 1.2 * config.noise
-
-
-def test_the_figure_shows_every_curve(elbow):
-    ax = records_figure("an elbow", exact(elbow)).axes[0]
-    assert {text.get_text() for text in ax.get_legend().get_texts()} == {"0.87", "1.22"}
-    assert ax.get_title() == "an elbow"
 
 
 def test_bad_input_is_refused_with_a_sentence():

@@ -19,7 +19,6 @@ from activesuit.scripts.output import Bar
 from activesuit.scripts.training import request as request_module
 from activesuit.scripts.training import run as run_module
 from helpers import fails, shorten_tasks
-from pages import checked_page
 
 pytest.importorskip("stable_baselines3")
 from activesuit.scripts.training import distillation

@@ -10,7 +10,7 @@ from activesuit.assets import JOINTS
 from activesuit.envs import ArmEnv
 from activesuit.envs.evaluation import rollout
 from activesuit.envs.evaluation.report import trace_columns
-from activesuit.envs.figures import strain_figure
+from activesuit.envs.figures import strain_plot
 from activesuit.envs.model import ASSISTED
 from activesuit.envs.policies import make_policy
 from activesuit.envs.tasks import TASKS
@@ -28,8 +28,8 @@ def played(**options):
 
 def columns(folder):
     with open(folder / "trace.csv") as file:
-        header, *rows = csv.reader(file)
-    return dict(zip(header, np.array(rows, float).T, strict=True))
+        (_, *header), *rows = csv.reader(file)
+    return dict(zip(header, np.array([row[1:] for row in rows], float).T, strict=True))
 
 
 def test_fatigue_strength_and_heat_are_in_the_trace(tmp_path):
@@ -56,7 +56,7 @@ def test_what_is_not_there_is_left_out(tmp_path, options, rows):
     assert not any("motor_load" in name for name in names)
     assert any("fatigue" in name for name in names) == (rows == 4)
     for trace, count in ((bare, rows - 1), (played(**options), rows)):
-        assert len(strain_figure({"none": trace}).axes) == 2 * count
+        assert len(strain_plot({"none": trace}).panels) == 2 * count
 
 
 def test_simulate_keeps_them(tmp_path, undrawn):

@@ -5,12 +5,13 @@ from types import SimpleNamespace
 from typing import Any
 
 from activesuit.envs.benchmark import Result
+from activesuit.envs.benchmark.report import benchmark_remarks
 from activesuit.envs.benchmark.results import lines, read_results
+from activesuit.envs.evaluation.failures import why_remarks
 from activesuit.envs.evaluation.oscillation import Oscillation
 from activesuit.envs.evaluation.reasons import Reason, most_frequent
 from activesuit.envs.tasks.task import EVERYWHERE, TOLERANCES
 from activesuit.scripts.main import main
-from activesuit.scripts.reports.why import benchmark_remarks, why_remarks
 
 HAND = Reason("hand_error", 0.065, 0.03, "m", 10.5, None)
 EFFORT = Reason("effort", 0.229, 0.15, "1", 54.0, "shoulder_flexion")
