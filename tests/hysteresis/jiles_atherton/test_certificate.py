@@ -165,9 +165,3 @@ def test_a_start_outside_the_certificate_is_named():
     assert not model.start_is_certified(model.start(6.596))
     with pytest.raises(PoleError, match="began outside the model's certificate, further than"):
         model.response([6.596, 0])
-
-
-def test_range_must_ascend(elbow):
-    for bad in ((1.0, 1.0), (1.0, 0.5), (math.nan, 1.0), "ab", 3.0, (1, 2, 3)):
-        with pytest.raises(InputError, match=r"angle_range is .*two ascending angles"):
-            elbow.certificate(bad)
