@@ -38,7 +38,8 @@ def uniform_model(elastic=5.0):
 def relays(model, path, initial=0.0):
     """The torque of the readable model, whose relays are single patches of the half plane."""
     reference = reference_of(model, np.array(path), initial)
-    return [initial, *(reference.move(angle) for angle in path[1:])]
+    with np.errstate(over="ignore"):  # where patches are as narrow as numbers can be
+        return [initial, *(reference.move(angle) for angle in path[1:])]
 
 
 def work(model, state, angle, turns=()):
