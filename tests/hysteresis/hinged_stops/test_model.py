@@ -1,15 +1,13 @@
 """Hinged stops: their hinge, starts and certificates."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.hysteresis import HingedStops
 from helpers import assert_refused
 from hypothesis import strategies as st
-from stop_models import for_any, hinged, paths
+from stop_models import for_any, paths
 
 
 def simple(**change):
@@ -61,15 +59,7 @@ def test_tangent_on_a_knot_is_that_of_the_side_where_the_motion_goes():
     assert simple(knots=[-0.5, 0.0]).tangent(state, -1) == pytest.approx(1 * 8)
 
 
-@for_any(hinged())
-def test_the_hinge_is_zero_at_zero_and_has_its_slopes(model):
-    assert model.hinge(0.0) == 0.0
-    ends = [model.knots[0] - 1, *model.knots, model.knots[-1] + 1]
-    slopes = [(model.hinge(b) - model.hinge(a)) / (b - a) for a, b in pairwise(ends)]
-    np.testing.assert_allclose(slopes, model.slopes, atol=1e-11)
-
-
-def test_bad_parameters():
+def test_bad_input():
     rows = [
         ({"stiffness": "big"}, "stiffness is 'big': give a number"),
         ({"stiffness": -1.0}, r"stiffness is -1\.0: it must be at least 0, or the model would"),
@@ -86,8 +76,5 @@ def test_bad_parameters():
         ({"slopes": [1.0, 1.0, -0.1]}, r"slopes\[2\] is -0\.1: it must be at least 0"),
     ]
     assert_refused(lambda change: simple(**change), rows)
-
-
-def test_a_torque_that_no_first_loading_has():
-    with pytest.raises(InputError, match=r"9 N·m at 0.2 rad: .* -0.55 to 1.45 .*; give a torque"):
-        simple().start(0.2, 9.0)
+    words = r"9 N·m at 0.2 rad: .* -0.55 to 1.45 .*; give a torque"
+    assert_refused(simple().start, [(0.2, 9.0, words)])
