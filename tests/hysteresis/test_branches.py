@@ -1,7 +1,6 @@
-"""Curves without memory, and memories of many joints at once."""
+"""Curves without memory."""
 
 import numpy as np
-import pytest
 from activesuit.assets import load_suit
 from activesuit.hysteresis.branches import Branches, spring, spring_with_friction, two_branches
 
@@ -44,19 +43,3 @@ def test_the_direction_lasts_through_a_rest():
     path = [0.1, 0.1, 0.05, 0.05, 0.2]
     reported = [belief.advance(memory, np.array([x]), np.array([x]))[0] for x in path]
     assert reported == [1, 1, -1, -1, 1]
-
-
-@pytest.mark.parametrize("suit", ["mock-suit", "emu-like"])
-def test_rows_are_followed_as_one_joint_is(suit):
-    """`advance` gives the torques of `step`, to the last bit."""
-    rng = np.random.default_rng(0)
-    for entry in load_suit(suit).joints.values():
-        model, state = entry.model, entry.begun()
-        memories = np.tile(state.memory, (3, 1))
-        low, high = entry.range
-        for here, soon in rng.uniform(low, high, (50, 2)):
-            state, _ = model.step(state, here)
-            _, torque = model.step(state, soon)
-            found = model.advance(memories, np.full(3, here), np.full(3, soon))
-            assert found.tolist() == [torque] * 3
-            np.testing.assert_array_equal(memories[1], state.memory)

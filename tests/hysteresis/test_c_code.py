@@ -1,7 +1,6 @@
 """The C code of every model, compiled and compared with the kernels of Python."""
 
 import subprocess
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -13,14 +12,13 @@ from activesuit.hysteresis import (
     Backlash,
     BoucWen,
     Clipped,
-    HysteresisModel,
     JilesAtherton,
     Viscoelastic,
 )
 from activesuit.hysteresis.around import Wrapper
 from activesuit.hysteresis.around import viscoelastic_kernels as kernels
 from activesuit.hysteresis.c_code import Header, comment, identifier, parameters, stepped
-from activesuit.hysteresis.references import EXAMPLES
+from activesuit.hysteresis.references import EXAMPLES, Example
 from c_programs import answers, compiled, need_compiler
 from maxwell_slip import MaxwellSlip
 
@@ -31,23 +29,16 @@ OTHER_FORMS = {"double": 1e-11, "float": 3e-4}
 POLYNOMIAL = (0.3, -0.5, 0.8)
 
 
-@dataclass(frozen=True)
-class Case:
-    model: HysteresisModel
-    low: float
-    high: float
-    torque: float = 0.0
-
-    def start(self):
-        """Angle and torque at which the bare model inside begins at its lowest angle."""
-        angle, torque, model = self.low, self.torque, self.model
-        if isinstance(model, Viscoelastic):
-            model = model.model
-        gap = model.gap if isinstance(model, Backlash) else 0.0
-        model = model.model if gap else model
-        if isinstance(model, Asymmetric):
-            torque += float(model.elastic(angle))
-        return angle + np.copysign(gap / 2, torque) * (abs(torque) > 1e-9), torque
+def start_of(case):
+    """Angle and torque at which the bare model inside begins at its lowest angle."""
+    angle, torque, model = case.low, case.start_torque, case.model
+    if isinstance(model, Viscoelastic):
+        model = model.model
+    gap = model.gap if isinstance(model, Backlash) else 0.0
+    model = model.model if gap else model
+    if isinstance(model, Asymmetric):
+        torque += float(model.elastic(angle))
+    return angle + np.copysign(gap / 2, torque) * (abs(torque) > 1e-9), torque
 
 
 def around(model, low, high):
@@ -70,27 +61,26 @@ def around(model, low, high):
 
 
 def cases():
-    found = {}
-    for name, examples in EXAMPLES.items():
-        for one in examples:
-            found[one.name] = Case(one.model, one.low, one.high, one.start_torque)
-        one = examples[0]
+    found = [one for examples in EXAMPLES.values() for one in examples]
+
+    def add(name, model, low, high, torque=0.0):
+        found.append(Example(name=name, model=model, low=low, high=high, start_torque=torque))
+
+    for name, (one, *_) in EXAMPLES.items():
         if not isinstance(one.model, Wrapper):
             for kind, model in around(one.model, one.low, one.high).items():
-                found[f"{kind} {name}"] = Case(model, one.low, one.high, one.start_torque)
+                add(f"{kind} {name}", model, one.low, one.high, one.start_torque)
     active = {"angle_unit": "deg", "allow_active": True}
     for form, c in (("bulk", 0.2), ("original", 0.2), ("derivative", 0.3), ("jiles-1992", 0.1)):
         for clamp in ("none", "jiles", "irreversible"):
-            model = JilesAtherton(
-                Ms=12, a=40, alpha=1.0, c=c, k=20, form=form, clamp=clamp, **active
-            )
-            found[f"J-A {form} {clamp}"] = Case(model, -2, 2)
+            shape = {"c": c, "form": form, "clamp": clamp, **active}
+            add(f"J-A {form} {clamp}", JilesAtherton(Ms=12, a=40, alpha=1.0, k=20, **shape), -2, 2)
+    stiff = {"elastic": 2, "hysteretic": 5}
     for n, beta, gamma in ((3.5, 4, -3), (1, 3, -5), (20, 1, 0), (2, 2, -2), (1.2, 1, 1)):
-        model = BoucWen(elastic=2, hysteretic=5, beta=beta, gamma=gamma, n=n, rest_angle=0.1)
-        found[f"bouc-wen {n} {beta} {gamma}"] = Case(model, -1, 1)
-    decay = BoucWen(elastic=2, hysteretic=5, beta=3, gamma=1, n=4)
-    found["bouc-wen from far"] = Case(decay, 0, 1, 1e6)
-    return found
+        model = BoucWen(**stiff, beta=beta, gamma=gamma, n=n, rest_angle=0.1)
+        add(f"bouc-wen {n} {beta} {gamma}", model, -1, 1)
+    add("bouc-wen from far", BoucWen(**stiff, beta=3, gamma=1, n=4), 0, 1, 1e6)
+    return {one.name: one for one in found}
 
 
 CASES = cases()
@@ -127,7 +117,7 @@ def apart(names):
     given, expected = {}, {}
     for number, name in enumerate(names):
         case = CASES[name]
-        angle, torque = case.start()
+        angle, torque = start_of(case)
         angles = motion(case.low, case.high, number)
         angles[-240:] = spiral(case.low, case.high)
         given[name] = (case.model, case.model.start(angle, torque), angles)
@@ -181,7 +171,7 @@ def test_an_angle_that_is_not_finite_changes_nothing(tmp_path):
     header, runs, at = Header("all"), [], "(all_real)0.8"
     for number, name in enumerate(names):
         case = CASES[name]
-        header.model(f"as_m{number}", case.model, case.model.start(*case.start()))
+        header.model(f"as_m{number}", case.model, case.model.start(*start_of(case)))
         dt = ", 1" if isinstance(case.model, Viscoelastic) else ""
         step = f"all_m{number}_step(&s, %s{dt})"
         again = f"!isfinite({step % at})" if dt else f"torque != {step % at}"
@@ -199,7 +189,7 @@ def test_an_angle_that_is_not_finite_changes_nothing(tmp_path):
 
 def test_golden_values_are_those_of_the_steps():
     case = CASES["viscoelastic backlash asymmetric clipped dahl"]
-    angle, torque = case.start()
+    angle, torque = start_of(case)
     angles = motion(case.low, case.high)[:500]
     found = stepped(case.model, case.model.start(angle, torque), angles, DT)
     np.testing.assert_array_equal(found, torques(case, angles, angle, torque))

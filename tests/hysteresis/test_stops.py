@@ -1,6 +1,5 @@
 """Models of stops, with and without a hinge, against operators in plain Python; invariants."""
 
-import math
 from itertools import pairwise
 
 import numpy as np
@@ -106,16 +105,6 @@ def test_tangent_is_the_slope_up_to_the_next_knee():
                 end = [*knees(operators, far), far][0]
                 slope = (model.step(state, end)[1] - state.torque) / (end - state.angle)
                 assert model.tangent(state, far) == pytest.approx(slope, abs=1e-9)
-
-
-def test_kernels_return_nan_where_there_is_no_motion():
-    for model in KINDS:
-        p, torque = model.parameter_vector.copy(), np.empty(4)
-        memory = run(model, [0.2])[0].memory.copy()
-        model.kernels.response(p, memory, np.array([0.2, 0.3, math.nan, 0.4]), torque)
-        np.testing.assert_array_equal(np.isnan(torque), [False, False, True, True])
-        assert memory[0] == 0.3
-        assert math.isnan(model.kernels.move(p, memory, math.inf)[0])
 
 
 def test_saturated_states_are_starts():

@@ -1,4 +1,4 @@
-"""Dahl's friction and the Duhem model: exact solution, energy, unlike ways, and bad input."""
+"""Dahl's friction and the Duhem model: exact solution, energy, unlike ways."""
 
 import math
 from itertools import pairwise
@@ -9,8 +9,7 @@ from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Dahl, Duhem, model_from_dict
 from activesuit.hysteresis.dahl import kernels
 from helpers import assert_refused, sweep
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from known_models import ledger
 from scipy.integrate import quad, solve_ivp
 
 SPRING = (1.0, 2.0, -3.0, 1.5)
@@ -21,16 +20,6 @@ NO_SPRING = Duhem(spring=(0.0,), stiffness=3.0, friction_up=2.0, friction_down=0
 
 def spring(angle):
     return np.polynomial.polynomial.polyval(angle, SPRING)
-
-
-def ledger(model, angle, torque):
-    """Stored and dissipated energy at each angle, taken step by step."""
-    state = model.start(angle[0], torque)
-    energies = [model.energy(state)]
-    for a in angle[1:]:
-        state, _ = model.step(state, a)
-        energies.append(model.energy(state))
-    return np.array(energies).T
 
 
 @pytest.mark.parametrize("model", [DAHL, DUHEM], ids=["dahl", "duhem"])
@@ -90,37 +79,6 @@ def test_loss_and_torque_have_all_digits_in_tiny_and_huge_steps():
                 assert loss == pytest.approx(expected, rel=1e-10)
 
 
-models = st.builds(
-    Duhem,
-    spring=st.lists(st.floats(-5, 5), min_size=1, max_size=4).map(tuple),
-    stiffness=st.floats(0.05, 100),
-    friction_up=st.floats(0.05, 20),
-    friction_down=st.floats(0.05, 20),
-)
-paths = st.lists(
-    st.tuples(st.sampled_from((-1, 1)), st.floats(-9, 1)).map(lambda x: x[0] * 10 ** x[1]),
-    min_size=1,
-    max_size=15,
-)
-
-
-@settings(deadline=None, max_examples=300)
-@given(models, paths, st.floats(0, 1))
-def test_z_stays_between_its_limits_and_loss_never_falls(model, steps, share):
-    angle = np.cumsum([0.0, *steps])
-    z = share * model.friction_up - (1 - share) * model.friction_down
-    state = model.start(0.0, model.spring[0] + z)
-    assert model.start_is_certified(state)
-    bound = model.certificate((angle.min() - 1e-9, angle.max() + 1e-9)).torque_bound
-    for a in angle[1:]:
-        lost = model.energy(state).dissipated
-        state, torque = model.step(state, a)
-        assert model.energy(state).dissipated >= lost
-        z = state.memory[kernels.Z]
-        assert -model.friction_down * (1 + 1e-13) <= z <= model.friction_up * (1 + 1e-13)
-        assert abs(torque) <= bound * (1 + 1e-12)
-
-
 def test_a_start_outside_the_limits_comes_back_and_loses_energy():
     angle = np.linspace(0, 5, 100)
     torque = NO_SPRING.response(angle, 9.0)
@@ -159,45 +117,27 @@ def test_certificate():
     assert certificate.torque_bound == pytest.approx(max(inside.max() + 2.0, 0.7 - inside.min()))
     assert math.isinf(DUHEM.certificate().torque_bound)
     assert NO_SPRING.certificate().torque_bound == 2.0
-    with pytest.raises(InputError, match="ascending"):
-        DUHEM.certificate((1.0, 0.0))
-
-
-def test_a_trial_that_is_not_finite_leaves_the_memory():
-    p, s = DUHEM.parameter_vector.copy(), DUHEM.start(0.0).memory.copy()
-    before = s.copy()
-    for angle in (math.nan, math.inf, -math.inf, 1e300):
-        assert math.isnan(kernels.move(p, s, angle)[0])
-        assert math.isnan(kernels.commit(p, s, angle))
-    np.testing.assert_array_equal(s, before)
-
-
-GOOD = {"spring": [1.0, 2.0], "stiffness": 30.0, "friction_up": 2.0, "friction_down": 1.0}
 
 
 def test_bad_parameters():
+    good = {"spring": [1.0, 2.0], "stiffness": 30.0, "friction_up": 2.0, "friction_down": 1.0}
     rows = [
         ({"spring": []}, r"spring is \[\]: give at least one number \(N·m/rad\^i\)"),
         ({"spring": [1, math.nan]}, r"spring\[1\] is nan: give finite numbers"),
-        (
-            {"spring": [0] * 7},
-            r"spring has 7 coefficients: give at most 6, of theta\^0 to theta\^5",
-        ),
+        ({"spring": [0] * 7}, r"spring has 7 coefficients: give at most 6, of theta\^0 to"),
         ({"spring": 1.0}, r"spring is 1.0: give at least one number"),
         ({"stiffness": 0}, r"stiffness is 0.0: give a number above 0 \(N·m/rad\)"),
         ({"stiffness": math.inf}, "stiffness is inf: give a finite number"),
         ({"friction_up": -1}, r"friction_up is -1.0: give a number above 0 \(N·m\)"),
         ({"friction_down": "a"}, "friction_down is 'a': give a number"),
     ]
-    assert_refused(lambda changes: Duhem(**{**GOOD, **changes}), rows)
-    assert_refused(lambda changes: model_from_dict({"model": "duhem", **GOOD, **changes}), rows)
-
-
-def test_bad_frictions_and_limits():
+    assert_refused(lambda changes: Duhem(**{**good, **changes}), rows)
+    assert_refused(lambda changes: model_from_dict({"model": "duhem", **good, **changes}), rows)
+    limits = {"rate_up": 1.0, "limit_up": 1.0, "rate_down": 1.0, "limit_down": -1.0}
+    rows = [
+        ({"rate_up": 0}, r"rate_up is 0: give a number above 0 \(1/rad\)"),
+        ({"limit_down": 2}, "limit_down is 2 N·m: it must be below limit_up"),
+    ]
+    assert_refused(lambda changes: Duhem.from_limits(**{**limits, **changes}), rows)
     with pytest.raises(InputError, match=r"friction is 0.0: give a number above 0 \(N·m\)"):
         Dahl(spring=(0.0,), stiffness=1.0, friction=0)
-    limits = {"rate_up": 1.0, "limit_up": 1.0, "rate_down": 1.0, "limit_down": -1.0}
-    with pytest.raises(InputError, match=r"rate_up is 0: give a number above 0 \(1/rad\)"):
-        Duhem.from_limits(**{**limits, "rate_up": 0})
-    with pytest.raises(InputError, match=r"limit_down is 2 N·m: it must be below limit_up"):
-        Duhem.from_limits(**{**limits, "limit_down": 2})

@@ -1,5 +1,7 @@
 """Hysteresis in plain MJCF: what works, and one sentence for each mistake."""
 
+import re
+
 import mujoco
 import numpy as np
 import pytest
@@ -103,7 +105,7 @@ RISKY = {  # the published shoulder
 
 
 def say(key, value, what):
-    return f"'one': {key} is '{value}': {what}"
+    return f"'one': {key} is '{re.escape(value)}': {what}"
 
 
 BAD = [
@@ -111,32 +113,15 @@ BAD = [
     ("jiles_atherton", {"joint": "ball"}, "of joint 'ball': it is not a hinge or a slide"),
     ("bouc_wen", {"joint": "free"}, "bouc_wen of joint 'free': it is not a hinge or a slide"),
     ("jiles_atherton", {"Ms": "many"}, say("Ms", "many", ONE_NUMBER)),
-    ("jiles_atherton", {"k": "1e999"}, say("k", "1e999", ONE_NUMBER)),
-    ("bouc_wen", {"A": "1e-320"}, say("A", "1e-320", ONE_NUMBER)),
-    ("preisach", {"start_torque": "1e308"}, say("start_torque", "1e308", ONE_NUMBER)),
-    ("jiles_atherton", {"c": "0x10"}, say("c", "0x10", ONE_NUMBER)),
-    ("jiles_atherton", {"c": "1e"}, say("c", "1e", ONE_NUMBER)),
-    ("jiles_atherton", {"c": "."}, say("c", ".", ONE_NUMBER)),
-    ("jiles_atherton", {"c": "1 2"}, say("c", "1 2", ONE_NUMBER)),
-    ("jiles_atherton", {"c": ""}, say("c", "", ONE_NUMBER)),
     ("jiles_atherton", {"a": "-3"}, say("a", "-3", "give a number above 0")),
-    ("jiles_atherton", {"k": "1e-320"}, say("k", "1e-320", ONE_NUMBER)),
-    ("jiles_atherton", {"Ms": "1e101"}, say("Ms", "1e101", ONE_NUMBER)),
     ("jiles_atherton", {"angle_unit": "turn"}, say("angle_unit", "turn", "use rad or deg")),
-    ("jiles_atherton", {"angle_unit": "d"}, say("angle_unit", "d", "use rad or deg")),
     ("jiles_atherton", {"form": "wiki"}, say("form", "wiki", "use bulk, original")),
     ("jiles_atherton", {"clamp": "on"}, say("clamp", "on", "use none, jiles or irr")),
     ("jiles_atherton", {"alpha": "5"}, "have no certificate .* allow_uncertified to true"),
-    ("jiles_atherton", {"c": "0.5"}, "have no certificate"),
     ("jiles_atherton", {"form": "original"}, "have no certificate"),
     ("jiles_atherton", {"form": "original", "c": "-1"}, say("c", "-1", "give a number of at")),
     ("jiles_atherton", {"start_angle": "1 rad"}, say("start_angle", "1 rad", "give one")),
-    ("jiles_atherton", {"start_path": "1 x"}, say("start_path", "1 x", NUMBERS)),
-    (
-        "jiles_atherton",
-        {"start_path": "1 inf"},
-        say("start_path", "1 inf", "give numbers, 0 or"),
-    ),
+    ("jiles_atherton", {"start_path": "1 inf"}, say("start_path", "1 inf", NUMBERS)),
     ("jiles_atherton", {**RISKY, "start_path": "2.5 -1"}, "'2.5 -1': its torque becomes in"),
     ("jiles_atherton", {"start_angle": "3"}, "starts too far from rest"),
     ("jiles_atherton", {"allow_uncertified": "1"}, say("allow_uncertified", "1", "use true")),
@@ -144,52 +129,39 @@ BAD = [
     ("jiles_atherton", {"polynomial": "1 1 1 1 1 1 1"}, "give at most 6 coefficients"),
     ("jiles_atherton", {"angle_range": "1 0"}, say("angle_range", "1 0", "give lowest and")),
     ("bouc_wen", {"angle_range": "1"}, say("angle_range", "1", "give lowest and highest")),
-    ("jiles_atherton", {"alpha": "5", "angle_range": "0 1"}, "have no certificate"),
     ("jiles_atherton", {"colour": "red"}, "unrecognized attribute 'plugin:colour'"),
     ("bouc_wen", {"Ms": "1"}, "unrecognized attribute 'plugin:Ms'"),
     ("bouc_wen", {"A": "0"}, say("A", "0", "give a number above 0")),
     ("bouc_wen", {"n": "0.5"}, say("n", "0.5", "give a number from 1 to 1e6")),
     ("bouc_wen", {"hysteretic": "0"}, say("hysteretic", "0", "give a number other than 0")),
-    ("bouc_wen", {"beta": "text"}, say("beta", "text", ONE_NUMBER)),
     ("bouc_wen", {"gamma": "-4"}, "have no certificate"),
     ("bouc_wen", {"start_torque": "40"}, "starts too far from rest"),
-    (
-        "prandtl_ishlinskii",
-        {"thresholds": "0.1 x"},
-        say("thresholds", "0.1 x", "give numbers, 0 or"),
-    ),
-    ("prandtl_ishlinskii", {"thresholds": ""}, say("thresholds", "", NUMBERS)),
+    ("prandtl_ishlinskii", {"thresholds": "0.1 x"}, say("thresholds", "0.1 x", NUMBERS)),
     ("prandtl_ishlinskii", {"thresholds": "0.1 0.5 0.2"}, "give increasing numbers"),
-    ("prandtl_ishlinskii", {"thresholds": "0 0.1 0.2"}, "give increasing numbers"),
     ("prandtl_ishlinskii", {"weights": "1 2"}, say("weights", "1 2", "give as many numbers")),
-    ("prandtl_ishlinskii", {"weights": "1 2 3 4"}, "give as many numbers as thresholds"),
     ("prandtl_ishlinskii", {"weights": "3 -2 1"}, "have no certificate"),
     ("prandtl_ishlinskii", {"start_torque": "40"}, "cannot have start_torque at start_angle"),
     ("hinged_stops", {"stiffness": "-1"}, say("stiffness", "-1", "give numbers of at least 0")),
-    ("hinged_stops", {"weights": "1 2"}, say("weights", "1 2", "give as many numbers as thr")),
     ("hinged_stops", {"weights": "3 -2 1"}, say("weights", "3 -2 1", "give numbers of at")),
     ("hinged_stops", {"thresholds": "0.1 0.5 0.2"}, "give increasing numbers above 0"),
     ("hinged_stops", {"knots": "1 -1"}, say("knots", "1 -1", "give 1 to 16 increasing")),
     ("hinged_stops", {"knots": " 1" * 17, "slopes": " 1" * 18}, "give 1 to 16 increasing"),
     ("hinged_stops", {"slopes": "1 2"}, say("slopes", "1 2", "give one number more than")),
     ("hinged_stops", {"slopes": "1 2 -3"}, "give numbers of at least 0"),
-    ("hinged_stops", {"offset": "x"}, say("offset", "x", ONE_NUMBER)),
     ("hinged_stops", {"start_torque": "40"}, "cannot have start_torque at start_angle"),
     ("dahl", {"spring": ""}, "spring is ''"),
     ("dahl", {"spring": " 1" * 7}, "give 1 to 6 coefficients"),
     ("dahl", {"stiffness": "0"}, say("stiffness", "0", "give a number above 0")),
     ("dahl", {"friction": "-1"}, say("friction", "-1", "give a number above 0")),
     ("duhem", {"friction_up": "-1"}, say("friction_up", "-1", "give a number above 0")),
-    ("duhem", {"friction_down": "0"}, say("friction_down", "0", "give a number above 0")),
     ("duhem", {"start_torque": "9"}, "starts too far from rest"),
     ("preisach", {"levels": "0"}, say("levels", "0", "give increasing numbers")),
-    ("preisach", {"levels": "0 0 1"}, say("levels", "0 0 1", "give increasing numbers")),
-    ("preisach", {"levels": ""}, "levels is ''"),
     ("preisach", {"density": "1 2"}, r"n \(n \+ 1\) / 2 numbers"),
     ("preisach", {"density": "1 -2 1"}, "have no certificate"),
     ("preisach", {"elastic": "1"}, say("elastic", "1", "give as many numbers")),
-    ("preisach", {"elastic": "1 nan"}, say("elastic", "1 nan", NUMBERS)),
 ]
+NO_NUMBERS = ("1e999", "1e-320", "1e101", "0x10", "1e", ".", "1 2", "")
+BAD += [("jiles_atherton", {"c": one}, say("c", one, ONE_NUMBER)) for one in NO_NUMBERS]
 GAP = "give one number above 0, the angle by which"
 BAD += [("jiles_atherton", {"gap": one}, GAP) for one in ("0", "-0.1", "x", "0.1 0.2", "inf")]
 RATE = "give damping, relaxation stiffness and relaxation"
@@ -200,7 +172,8 @@ BAD += [
 
 
 def test_bad_mjcf_is_one_sentence():
-    for name, change, message in BAD:
+    long = {"Ms": "9" * 5000 + "x"}  # is cut off
+    for name, change, message in [*BAD, ("jiles_atherton", long, "'one': Ms is '999")]:
         with pytest.raises(ValueError, match=message):
             mujoco.MjModel.from_xml_string(mjcf(name, {**GOOD[name], **change}, "a_torque"))
     good = {"gap": "0.05", "viscoelastic": "0.1 0 0"}
@@ -213,12 +186,6 @@ def test_bad_sensors():
             mujoco.MjModel.from_xml_string(mjcf(name, config, "elbow"))
         with pytest.raises(ValueError, match="two of its sensors measure the same"):
             mujoco.MjModel.from_xml_string(mjcf(name, config, "a_torque", "b_torque"))
-
-
-def test_very_long_values_are_cut_off():
-    config = {**JILES_ATHERTON, "Ms": "9" * 5000 + "x"}
-    with pytest.raises(ValueError, match="'one': Ms is '999"):
-        mujoco.MjModel.from_xml_string(mjcf("jiles_atherton", config))
 
 
 def test_a_joint_has_one_model():

@@ -6,52 +6,23 @@ import mujoco
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.hysteresis import (
-    MODELS,
-    TABLE_2,
-    Asymmetric,
-    Backlash,
-    BoucWen,
-    Clipped,
-    Dahl,
-    Preisach,
-    Viscoelastic,
-    model_from_dict,
-)
+from activesuit.hysteresis import BoucWen, Dahl, Preisach, model_from_dict
 from activesuit.hysteresis.engine import attach, fault_slots, replace_model, take_off
-from activesuit.hysteresis.references import EXAMPLES
+from helpers import assert_refused
+from known_models import ELBOW, KNOWN
 
 # So heavy that a step does not move it: the tests say where it is.
 JOINT = """<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody>
   <body><joint name="j" axis="0 1 0" armature="1e14"/><geom size=".1"/></body>
   </worldbody></mujoco>"""
-ELBOW = TABLE_2["elbow-sa-pso"]
-CASES = {
-    f"{name} {number}": example.model
-    for name in MODELS
-    for number, example in enumerate(EXAMPLES[name])
-    if example.model.certificate().certified and example.model.certificate().dissipative
-} | {
-    "all wrappers": Viscoelastic(
-        model=Backlash(
-            model=Asymmetric(
-                model=Clipped(model=ELBOW, angle_range=(-0.3, 0.6)), polynomial=[0.2, 0.5, -0.1]
-            ),
-            gap=0.02,
-        ),
-        damping=0.3,
-        relaxation_stiffness=1.5,
-        relaxation_time=0.4,
-    )
-}
 TURNS = (0.0, 0.9, 0.1, 0.7, 0.3, 0.55)
 PATH = np.concatenate([np.linspace(*ends, 41)[1:] for ends in pairwise(TURNS)])
 SMALL = 1e-3
 
 
-@pytest.fixture(params=CASES)
+@pytest.fixture(params=KNOWN)
 def model(request):
-    return CASES[request.param]
+    return KNOWN[request.param]
 
 
 def simulation(model):
@@ -186,16 +157,14 @@ def test_what_keeps_no_memory_is_refused():
     def replaced(model, **options):
         replace_model(data.model, data.plugin_state, "j", model, keep_memory=True, **options)
 
-    for start in ({"start_angle": 0.1}, {"start_torque": 0.0}, {"start_path": ()}):
-        with pytest.raises(InputError, match="keep_memory is True, and a start is given: leave"):
-            replaced(dahl, **start)
-    with pytest.raises(InputError, match="compiled with another kind or size of model than this"):
-        replaced(ELBOW)
-    with pytest.raises(InputError, match="compiled with another kind or size of model than this"):
-        replaced(Dahl(spring=[0.0, 1.0, 2.0], stiffness=9, friction=1.5))
+    rows = [
+        (dahl, {start: value}, "keep_memory is True, and a start is given: leave")
+        for start, value in (("start_angle", 0.1), ("start_torque", 0.0), ("start_path", ()))
+    ]
+    for other in (ELBOW, Dahl(spring=[0.0, 1.0, 2.0], stiffness=9, friction=1.5)):
+        rows.append((other, {}, "compiled with another kind or size of model than this"))
+    assert_refused(lambda model, start: replaced(model, **start), rows)
     take_off(data.model, data.plugin_state, "j")
-    with pytest.raises(InputError, match="the dahl model of joint 'j' has no memory to keep: it"):
-        replaced(dahl)
+    assert_refused(replaced, [(dahl, "the dahl model of joint 'j' has no memory to keep: it")])
     data.plugin_state[fault_slots(data.model)] = 1.0
-    with pytest.raises(InputError, match="its torque has met a pole; leave keep_memory out"):
-        replaced(dahl)
+    assert_refused(replaced, [(dahl, "its torque has met a pole; leave keep_memory out")])

@@ -1,10 +1,50 @@
-"""The coordinates in which every certified Jiles-Atherton model lies in a box."""
+"""The Langevin function, and the coordinates in which all certified models lie in a box."""
 
+import math
+
+import mpmath
 import numpy as np
+import pytest
 from activesuit.hysteresis import JilesAtherton
 from activesuit.hysteresis.jiles_atherton import coordinates
+from activesuit.hysteresis.jiles_atherton.langevin import SERIES_BELOW, langevin
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from helpers import TABLE_2
+
+
+def model_of(row, **unit):
+    return JilesAtherton(**dict(zip(PARAMETERS, row, strict=True)), **unit)
+
+
+def exact(x):
+    with mpmath.workdps(60):
+        x = mpmath.mpf(x)
+        return mpmath.coth(x) - 1 / x, 1 / x**2 - mpmath.csch(x) ** 2
+
+
+def test_value_and_slope_are_exact_to_1e_14():
+    for sign in [1, -1]:
+        near_the_switch = np.linspace(0.9, 1.1, 101) * SERIES_BELOW
+        for x in np.concatenate([np.logspace(-12, 5, 600), near_the_switch]):
+            value, slope, _ = langevin(sign * float(x))
+            true_value, true_slope = exact(sign * float(x))
+            assert abs(value / true_value - 1) < 1e-14
+            assert abs(slope / true_slope - 1) < 1e-14
+
+
+def test_zero_and_huge_arguments():
+    assert langevin(0.0) == (0.0, 1 / 3, 0.0)
+    value, slope, _ = langevin(1e300)
+    assert value == 1.0
+    assert slope == pytest.approx(0.0)
+    assert all(math.isfinite(part) for part in langevin(-750.0))
+
+
+def test_curvature_predicts():
+    for x in (1e-3, 0.1, 0.34, 0.36, 1.0, 5.0):
+        with mpmath.workdps(60):
+            true = mpmath.diff(lambda y: mpmath.coth(y) - 1 / y, x, 2)
+        assert langevin(x)[2] == pytest.approx(float(true), rel=1e-4)
 
 
 def test_there_and_back():
@@ -20,11 +60,9 @@ def test_every_steepness_between_the_limits_is_certified():
     low = np.array([0.0, least + 1e-6, -4.0, 0.0, -1.0])
     high = np.array([8.0, most - 1e-6, 3.0, 9.0, 4.0])
     for row in coordinates.rows(rng.uniform(low, high, (200, 5))):
-        model = JilesAtherton(**dict(zip(PARAMETERS, row, strict=True)))
-        assert model.certificate().certified
+        assert model_of(row).certificate().certified
     (row,) = coordinates.rows(np.array([[5.0, most + 1e-3, 1.0, 3.0, 2.0]]))
-    model = JilesAtherton(**dict(zip(PARAMETERS, row, strict=True)))
-    assert not model.certificate().certified
+    assert not model_of(row).certificate().certified
 
 
 def test_at_one_shape_the_torque_is_proportional_to_ms():
@@ -32,8 +70,5 @@ def test_at_one_shape_the_torque_is_proportional_to_ms():
     unit = coordinates.unit_rows(shape[None])[0]
     (row,) = coordinates.rows(np.append(shape, np.log(7.0))[None])
     angle = np.array([0.0, 0.6, 0.2, 1.0])
-    one, seven = (
-        JilesAtherton(**dict(zip(PARAMETERS, r, strict=True)), angle_unit="deg").response(angle)
-        for r in (unit, row)
-    )
+    one, seven = (model_of(one, angle_unit="deg").response(angle) for one in (unit, row))
     np.testing.assert_allclose(seven, 7 * one, rtol=1e-6)

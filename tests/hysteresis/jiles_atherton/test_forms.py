@@ -132,15 +132,3 @@ def test_clamps_at_the_published_shoulder(shoulder):
         runaway.response(turns)
     corrected = replace(shoulder, clamp="irreversible").response(turns)[1:]
     np.testing.assert_allclose(corrected, [9.75, -4.79, 8.24, -5.47, 7.99, -5.57], atol=0.011)
-
-
-def test_other_forms_step_like_they_respond_and_prove_nothing():
-    for form in ["original", "derivative", "jiles-1992"]:
-        model = magnetic(IRON, form)
-        H = 500 * np.cumsum(np.random.default_rng(1).normal(size=60))
-        response, state = model.response(H), model.start(H[0])
-        for i in range(1, H.size):
-            state, torque = model.step(state, H[i])
-            assert torque == response[i]
-        assert model.certificate().margin == -math.inf
-        assert not model.certificate().dissipative

@@ -67,15 +67,9 @@ def test_torque_is_that_of_the_population_to_the_last_bit():
     angle = np.concatenate([np.degrees(sweep(0.3, top, 0.5, samples=40)) for top in (0.9, 1.5)])
     angle[10:12] = angle[9]
     starts, initial = np.array([0, angle.size // 2, angle.size]), np.array([0.0, 0.4])
-    rows = np.column_stack(
-        [
-            rng.uniform(1, 100, 200),
-            10 ** rng.uniform(0.5, 3.5, 200),
-            rng.uniform(-10, 10, 200),
-            rng.uniform(0.5, 10, 200),
-            10 ** rng.uniform(0, 3, 200),
-        ]
-    )
+    low, high = [1, 0.5, -10, 0.5, 0], [100, 3.5, 10, 10, 3]
+    rows = rng.uniform(low, high, (200, 5))
+    rows[:, [1, 4]] = 10 ** rows[:, [1, 4]]
     expected = np.empty((200, angle.size))
     population_response(angle, starts, np.tile(initial, (200, 1)), rows, expected)
     assert 20 < np.isnan(expected).any(axis=1).sum() < 180  # some meet their pole, some do not
