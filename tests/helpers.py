@@ -81,6 +81,22 @@ def family(
     return curves
 
 
+def along(
+    model: HysteresisModel,
+    *turns: float,
+    name: str = "A",
+    first: float = 0.0,
+    noise: float = 0.0,
+    rng: int | np.random.Generator = 0,
+    samples: int = 200,
+    **fields: object,
+) -> Curve:
+    """Returns the curve through `turns` [rad], with white noise [N·m]."""
+    angle = sweep(*turns, samples=samples)
+    errors = noise * np.random.default_rng(rng).standard_normal(angle.size)
+    return Curve(angle, model.response(angle, first) + errors, name, **fields)
+
+
 def one_sentence(refusal: pytest.ExceptionInfo) -> bool:
     """Returns whether an error is one sentence, without a full stop at its end."""
     text = str(refusal.value)

@@ -4,16 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from activesuit.identification import (
-    Curve,
-    Motion,
-    coverage,
-    motion_coverage,
-    nested_motion,
-    shortfalls,
-)
+from activesuit.identification import Motion, coverage, motion_coverage, nested_motion, shortfalls
 from activesuit.identification.coverage import DEEP, any_motion, nesting_of
-from helpers import assert_refused, sweep
+from helpers import along, assert_refused, sweep
 
 LOW, HIGH = 0.52, 1.57
 
@@ -76,14 +69,18 @@ def _series(points):
     return count
 
 
-def test_first_order_curves():
+def test_first_order_curves(elbow):
     found = first_order(rate=0.1)
     assert found.range == (LOW, HIGH)
     assert (found.reversals, found.nesting, found.cycles) == (3, 1, 1)
     assert found.branches == pytest.approx((1 / 3, 2 / 3, 1.0))
     assert found.rates == pytest.approx((0.1, 0.1))
     assert first_order().rates is None
+    some = [motion(LOW, HIGH, LOW, rate=0.3), motion(LOW, 1.0, LOW)]
+    assert motion_coverage(some).rates == pytest.approx((0.3, 0.3))
     json.dumps(found.to_dict(), allow_nan=False)
+    curve = along(elbow, LOW, HIGH, LOW, time=np.arange(399) / 25)
+    assert coverage([curve]) == motion_coverage([Motion(curve.time, curve.angle)])
 
 
 def test_noise_and_pauses_are_no_reversals_and_no_rates():
@@ -100,60 +97,39 @@ def test_noise_and_pauses_are_no_reversals_and_no_rates():
 
 def test_a_motion_that_has_just_turned_has_no_branch_there():
     found = motion_coverage([motion(1.0, 0.995, 1.01, 0, 1, 0.975, 0.994, rate=0.2)])
-    assert found.branches[0] == pytest.approx(
-        0.025 / 1.01
-    )  # way from 1 rad on, not the 0.006 rad left
+    assert found.branches[0] == pytest.approx(0.025 / 1.01)  # from 1 rad on, not the last 0.006
     assert found.rates == pytest.approx((0.2, 0.2))
     assert found.cycles == 1
 
 
-def test_times_of_some_curves_are_enough():
-    both = [motion(LOW, HIGH, LOW, rate=0.3), motion(LOW, 1.0, LOW)]
-    assert motion_coverage(both).rates == pytest.approx((0.3, 0.3))
-
-
-def test_one_cycle_is_no_need_of_more():
-    rising = motion_coverage([motion(LOW, HIGH, 1.0)])
-    assert not any("cycles" in one for one in shortfalls(rising, first_order()))
-
-
 def test_cycles_are_whole_ones():
-    assert motion_coverage([motion(0, 1, 0, 1, 0, 1, 0)]).cycles == 3
-    assert motion_coverage([motion(0, 1, 0.5, 1, 0.5, 1, 0)]).cycles == 1
-    assert motion_coverage([motion(0, 1)]).cycles == 0
+    ways = ([0, 1, 0, 1, 0, 1, 0], [0, 1, 0.5, 1, 0.5, 1, 0], [0, 1])
+    assert [motion_coverage([motion(*way)]).cycles for way in ways] == [3, 1, 0]
 
 
 def test_what_is_covered_gets_no_sentence():
     assert shortfalls(first_order(), first_order()) == []
     assert shortfalls(record(), any_motion(record())) == []
     assert shortfalls(record(), first_order(rate=0.4)) == []
+    rising = motion_coverage([motion(LOW, HIGH, 1.0)])
+    assert not any("cycles" in one for one in shortfalls(rising, first_order()))
 
 
 def test_each_difference_that_matters_gets_one_sentence():
-    for needed, words in [
-        (
-            motion_coverage([motion(0.1, 1.9, 0.1)]),
-            "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: below 0.52 rad and above",
-        ),
-        (
-            motion_coverage([motion(LOW, HIGH, 0.9, 1.4, 0.97)]),
-            "has reversals nested 3 deep, the curves at most 1: first-order curves do not",
-        ),
-        (motion_coverage([motion(LOW, HIGH, 1.47)]), "turns back after 0.1 rad, the curves after"),
-        (motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)]), "moves at up to 1 rad/s, the curves"),
-        (motion_coverage([motion(*[LOW, HIGH] * 3)]), "goes through 2 whole cycles, a curve"),
+    timed, untimed = first_order(rate=0.1), first_order()
+    for curves, needed, words in [
+        (timed, motion(0.1, 1.9, 0.1), "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: be"),
+        (timed, motion(LOW, HIGH, 0.9, 1.4, 0.97), "nested 3 deep, the curves at most 1: first-o"),
+        (timed, motion(LOW, HIGH, 1.47), "turns back after 0.1 rad, the curves after"),
+        (timed, motion(LOW, HIGH, LOW, rate=1.0), "moves at up to 1 rad/s, the curves"),
+        (timed, motion(*[LOW, HIGH] * 3), "goes through 2 whole cycles, a curve"),
+        (untimed, motion(LOW, HIGH, LOW, rate=1.0), "come without their time"),
     ]:
-        (sentence,) = shortfalls(first_order(rate=0.1), needed)
+        (sentence,) = shortfalls(curves, motion_coverage([needed]))
         assert words in sentence
         assert "measure" in sentence
-
-
-def test_curves_without_time_and_without_a_return():
-    fast = motion_coverage([motion(LOW, HIGH, LOW, rate=1.0)])
-    (sentence,) = shortfalls(first_order(), fast)
-    assert "come without their time" in sentence
     rising = motion_coverage([motion(LOW, HIGH)])
-    assert "that never turn back do not identify loops" in shortfalls(rising, first_order())[0]
+    assert "that never turn back do not identify loops" in shortfalls(rising, timed)[0]
 
 
 def test_deeper_than_the_record_is_not_required():
@@ -163,12 +139,6 @@ def test_deeper_than_the_record_is_not_required():
     deep = motion_coverage([motion(*points)])
     assert deep.nesting > DEEP == record().nesting
     assert not any("deep" in sentence for sentence in shortfalls(record(), deep))
-
-
-def test_curves_are_motions(elbow):
-    angle = sweep(LOW, HIGH, LOW)
-    curve = Curve(angle, elbow.response(angle), "A", time=np.arange(angle.size) / 25)
-    assert coverage([curve]) == motion_coverage([Motion(curve.time, curve.angle)])
 
 
 def test_bad_motions():

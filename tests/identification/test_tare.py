@@ -5,7 +5,6 @@ from dataclasses import replace
 import helpers
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.identification import Corrections, Curve, identify, select
 from activesuit.identification.figures import loops_figure
 from helpers import sweep
@@ -76,22 +75,6 @@ def test_a_spring_with_a_rest_angle_leaves_the_offset_open(elbow):
     assert found.offset_open == ("bouc-wen",)
     assert identify(family(elbow, 0.0)).uncertainty().offset_open == ()
     assert "the curves have no times" in found.left_open[1]
-
-
-def test_bad_input(elbow):
-    with pytest.raises(InputError, match="fits these curves with any offset"):
-        identify(family(elbow), corrections=Corrections(tare="fit"), model="bouc-wen")
-    with pytest.raises(InputError, match="tare is 'zeros': give a number"):
-        identify(family(elbow), corrections=Corrections(tare="zeros"))
-    with pytest.raises(InputError, match="tare is array"):
-        identify(family(elbow), corrections=Corrections(tare=np.array([1.0, 2.0])))
-    with pytest.raises(InputError, match="tare is nan"):
-        identify(family(elbow), corrections=Corrections(tare=float("nan")))
-    with pytest.raises(InputError, match="change its sign"):
-        identify(
-            [replace(one, torque=-one.torque) for one in family(elbow)],
-            corrections=Corrections(tare="fit"),
-        )
 
 
 def test_the_figure_shows_the_curves_that_were_fitted(elbow):

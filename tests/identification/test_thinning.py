@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.identification import Curve, Curves, fit_preisach, identify
+from activesuit.identification import Curves, fit_preisach, identify
 from activesuit.identification.figures import loops_figure
 from activesuit.identification.thinning import (
     drawn_note,
@@ -14,16 +14,16 @@ from activesuit.identification.thinning import (
     thinned,
     thinning_note,
 )
-from helpers import sweep
+from helpers import along
 
 
-def long_family(model, samples, noise=0.05):
-    rng = np.random.default_rng(0)
-    curves = []
-    for turn, role in ((0.87, "fit"), (1.22, "fit"), (1.40, "predict"), (1.57, "fit")):
-        angle = sweep(0.52, turn, 0.52, samples=samples // 2)
-        torque = model.response(angle) + noise * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn:.2f}", role))
+def long_family(model, samples):
+    rng, way = np.random.default_rng(0), {"noise": 0.05, "samples": samples // 2}
+    turns = {"0.87": "fit", "1.22": "fit", "1.40": "predict", "1.57": "fit"}
+    curves = [
+        along(model, 0.52, float(turn), 0.52, name=turn, role=role, rng=rng, **way)
+        for turn, role in turns.items()
+    ]
     return Curves(curves, source="elbow.csv", sha256="5e5f")
 
 
@@ -72,7 +72,7 @@ def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
     fit = identify(family)
     assert [remark.sentence for remark in fit.remarks] == [
         "40,005 of 119,997 samples are used: one in 3 of each curve, its ends and its turning "
-        "points, in the fit; errors are those of all",
+        "points, in the fit; errors are those of all"
     ]
     assert fit.curves is not family
     assert fit.curves.fitted()[0].angle.size == 39_999

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.hysteresis import Asymmetric, Clipped
 from activesuit.identification import certified_fit
 from activesuit.identification.fits.asymmetric import fit_asymmetric
@@ -62,10 +61,3 @@ def test_a_model_that_is_safe_in_its_range_only_is_constant_outside(shoulder):
     assert found.model.angle_range == (START, TURNS[-1])
     assert not found.model.model.certificate().certified
     assert prediction(found, known) <= 1.3 * NOISE
-
-
-def test_bad_input(elbow):
-    curves = family(elbow)
-    for degree in (0, 6):
-        with pytest.raises(InputError, match=f"degree is {degree}: use 1 to 5"):
-            fit_asymmetric(curves, degree=degree)

@@ -4,7 +4,6 @@ import warnings
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.hysteresis import Clipped, JilesAtherton
 from activesuit.identification import Curve, CurveObjective, certified_fit
 from activesuit.identification.fits.certified import CertifiedProblem
@@ -60,16 +59,6 @@ def test_curves_that_begin_apart_begin_as_measured(elbow):
     for curve in curves:
         predicted = fit.model.response(curve.angle, curve.torque[0])
         assert np.sqrt(np.mean((predicted - curve.torque) ** 2)) < 2 * NOISE
-
-
-def test_bad_input(elbow):
-    curves = family(elbow, noise=NOISE)
-    with pytest.raises(InputError, match="guessed"):
-        certified_fit(curves, initial_torque="guessed")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="nan"):
-        certified_fit(curves, initial_torque=np.nan)
-    with pytest.raises(InputError, match="budget is 32: use at least 33"):
-        certified_fit(curves, budget=32)
 
 
 def test_a_heavy_curve_is_fitted_better(elbow):

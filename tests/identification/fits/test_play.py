@@ -2,25 +2,19 @@
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.hysteresis import Backlash, Viscoelastic
 from activesuit.identification import Corrections, Curve, identify
 from activesuit.identification.fits.play import play_of
 from activesuit.identification.fits.registry import fit_model
+from helpers import family
 
 GAP = 0.05
 
 
 def measured(truth, seed=0, noise=0.01):
     """Returns first-order curves with white noise, a share of the peak."""
-    rng, curves = np.random.default_rng(seed), []
     peak = np.abs(truth.response([0.52, 1.57])).max()
-    for turn in (0.8, 1.1, 1.4, 1.57):
-        legs = np.linspace(0.52, turn, 80), np.linspace(turn, 0.52, 80)[1:]
-        angle = np.concatenate(legs)
-        torque = truth.response(angle) + noise * peak * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn} rad", time=np.arange(angle.size) * 0.05))
-    return curves
+    return family(truth, (0.8, 1.1, 1.4, 1.57), noise=noise * peak, seed=seed, samples=80)
 
 
 @pytest.mark.parametrize(("gap", "seed"), [(0.02, 0), (0.05, 1), (0.08, 2)])
@@ -69,11 +63,3 @@ def test_a_dashpot_is_found_around_the_play(elbow):
     found = fit_model("bouc-wen", curves, rng, rate="viscous", play="fit").model
     assert found.damping == pytest.approx(0.3, rel=0.1)
     assert found.model.gap == pytest.approx(GAP, rel=0.15)
-
-
-def test_what_cannot_be_fitted_is_refused(elbow):
-    curves = measured(elbow)
-    with pytest.raises(InputError, match="play is 'fit', which the method 'pso' does not fit"):
-        identify(curves, method="pso", corrections=Corrections(play="fit"))
-    with pytest.raises(InputError, match=r"unknown play 'fitted': use one of fit, none"):
-        Corrections(play="fitted")

@@ -14,7 +14,7 @@ from activesuit.identification.residual.loop_work import loop_work, refuse_drive
 from activesuit.identification.residual.misfit import repeated_noise
 from activesuit.identification.residual.noise import slow_noise
 from activesuit.identification.residual.verdict import DESCRIBES, NOT, NOT_BEYOND, UNKNOWN
-from helpers import sweep
+from helpers import along, sweep
 
 TURNS = (0.87, 1.05, 1.22, 1.4, 1.57)
 NOISE = 0.05
@@ -65,25 +65,28 @@ def test_a_record_of_growing_cycles_does_not_excuse_a_misfit(model):
         assert fit.judgement.causes == ()
 
 
+def louder(curves, deviation, seed=0):
+    """Adds noise, a function of the torque."""
+    out = []
+    for one in curves:
+        noise = np.random.default_rng([one.torque.size, seed]).standard_normal(one.torque.size)
+        out.append(replace(one, torque=one.torque + deviation(one.torque) * noise))
+    return out
+
+
 def test_an_error_above_five_percent_needs_repeats(elbow):
-    loud = [replace(one, torque=one.torque + 8 * NOISE * noise_of(one)) for one in family(elbow)]
+    loud, again = (louder(family(elbow), lambda torque: 8 * NOISE, seed) for seed in (0, 1))
     fit = identify(loud)
     assert fit.verdict == UNKNOWN
     assert f"the error is {fit.nrmse:.1%} of the peak" in " ".join(map(str, fit.remarks))
-    again = [
-        replace(one, torque=one.torque + 8 * NOISE * noise_of(one, 1), name=f"{one.name} again")
-        for one in family(elbow)
-    ]
+    again = [replace(one, name=f"{one.name} again") for one in again]
     assert identify([*loud, *again]).verdict == NOT_BEYOND
 
 
 @pytest.mark.slow
 def test_noise_in_proportion_to_the_torque_has_no_outliers(elbow):
     for seed in range(8):
-        loud = family(elbow, seed=seed)
-        curves = [
-            replace(one, torque=one.torque * (1 + 0.02 * noise_of(one, seed))) for one in loud
-        ]
+        curves = louder(family(elbow, seed=seed), lambda torque: 0.02 * torque, seed)
         fit = identify(curves)
         assert fit.verdict == NOT_BEYOND
         assert not any(one.code == "outliers" for one in fit.remarks)
@@ -92,10 +95,6 @@ def test_noise_in_proportion_to_the_torque_has_no_outliers(elbow):
     spoilt[[20, 50]] += 2.0
     (remark,) = identify([*curves[:-1], replace(curves[-1], torque=spoilt)]).remarks
     assert remark.code == "outliers"
-
-
-def noise_of(curve, seed=0):
-    return np.random.default_rng([curve.torque.size, seed]).standard_normal(curve.torque.size)
 
 
 def test_repeated_curves_tell_the_noise_whatever_the_misfit(elbow):
@@ -174,24 +173,17 @@ def test_loops_that_drive_the_joint_are_refused(elbow):
     with pytest.raises(InputError, match="change its sign"):
         identify(driven)
     # A joint that begins far below its rest gives back what it stored, and is no mistake.
-    begins = replace(elbow, Ms=337.4, a=934.73, alpha=-1.5777, c=1.781, k=95.9)
-    loaded = family(begins)
+    loaded = family(replace(elbow, Ms=337.4, a=934.73, alpha=-1.5777, c=1.781, k=95.9))
     assert loop_work(loaded).z < -3
     refuse_driven(loaded)
-    rng = np.random.default_rng(0)
-    false = 0
-    for _ in range(100):
-        angle = sweep(0.52, 1.5, 0.52, samples=60)
-        spring = Curve(angle, angle + 0.1 * rng.standard_normal(angle.size), "spring")
-        false += loop_work([spring]).z < -3
-    assert false <= 1
+    rng, spring = np.random.default_rng(0), replace(STOPS, hysteretic=0.0)
+    springs = [along(spring, 0.52, 1.5, 0.52, noise=0.1, rng=rng, samples=60) for _ in range(100)]
+    assert sum(loop_work([one]).z < -3 for one in springs) <= 1
 
 
 def test_where_no_memory_is_seen_a_baseline_is_as_good():
-    angle = sweep(0.52, 1.5, 0.52)
-    rng = np.random.default_rng(0)
-    curves = [Curve(angle, 3 * (angle - 0.52) + 0.05 * rng.standard_normal(angle.size), "spring")]
-    fit = identify(curves, model="bouc-wen")
+    spring = replace(STOPS, elastic=3.0, hysteretic=0.0)
+    fit = identify([along(spring, 0.52, 1.5, 0.52, noise=0.05)], model="bouc-wen")
     assert any("described as well by" in str(one) for one in fit.judgement.remarks)
     assert fit.judgement.baselines["a spring"] < 1.2 * fit.nrmse
 
@@ -204,15 +196,12 @@ def test_the_verdict_knows_the_intended_motion(elbow):
     beyond = identify(curves, needed=nested)
     assert beyond.verdict == NOT_BEYOND
     assert "nested loops" in " ".join(beyond.shortfalls)
-    record = Curve(
-        angle := sweep(0.52, 1.5, 0.6, 1.4, 0.7, 1.3, 0.8, 1.2), elbow.response(angle), "record"
-    )
+    record = along(elbow, 0.52, 1.5, 0.6, 1.4, 0.7, 1.3, 0.8, 1.2)
     assert identify([*curves, record]).verdict == DESCRIBES
 
 
 def test_a_search_that_ended_early_is_reported(elbow):
-    fit = identify(
-        family(elbow), method=Search("pso", trials=1, swarm_size=10, max_iterations=3), workers=1
-    )
+    search = Search("pso", trials=1, swarm_size=10, max_iterations=3)
+    fit = identify(family(elbow), method=search, workers=1)
     assert fit.verdict == NOT
     assert "the search ended before the least error" in " ".join(map(str, fit.remarks))
