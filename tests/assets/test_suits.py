@@ -135,8 +135,10 @@ def test_provenance_names_the_curves_it_came_from():
 @pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
 def test_every_model_can_be_in_a_suit(tmp_path, model):
     suit = suit_of(joint_of(model, samples=(model, model.scaled(torque=1.1))))
-    save_suit(suit, tmp_path / "any.json")
-    assert load_suit(tmp_path / "any.json") == suit
+    for one in (suit, suit.preconditioned()):
+        save_suit(one, tmp_path / "any.json")
+        assert load_suit(tmp_path / "any.json") == one
+    assert suit != one
 
 
 @pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
@@ -202,13 +204,6 @@ def test_all_samples_of_a_preconditioned_joint_are_steady():
         assert np.abs(second - first).max() <= 1e-5 * np.ptp(second)
 
 
-def test_a_preconditioned_suit_is_a_suit_file_too(tmp_path):
-    suit = load_suit("mock-suit").preconditioned()
-    suit.save(tmp_path / "worn.json")
-    assert load_suit(tmp_path / "worn.json") == suit
-    assert suit != load_suit("mock-suit")
-
-
 @pytest.mark.parametrize("model", KINDS, ids=lambda model: model.name)
 def test_a_volume_share_changes_the_elastic_torque_alone(model):
     joint = joint_of(model, volume_share=0.7, samples=(model,))
@@ -257,10 +252,7 @@ def test_bad_content(tmp_path):
     rows = [
         (("colour",), "white", "colour is not a known field"),
         (("schema_version",), 1, "schema_version is 1, .*reads 2: remake it with `activesuit i"),
-        *(
-            (("schema_version",), one, "_version is .* reads 2")
-            for one in (2.0, True, "2", 10**300)
-        ),
+        *((("schema_version",), one, "is .* reads 2") for one in (2.0, True, "2", [2], 10**300)),
         (("joints", "knee"), {}, "joints.knee is 'knee': use .*'elbow_flexion'"),
         ((*elbow, "model"), "preisach", "elbow_flexion.model: a model is described by a dict"),
         ((*elbow, "model"), {"model": "jiles-atherton"}, r"suit\.json.*\.model: .* has no Ms"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.hysteresis import BoucWen, Clipped, JilesAtherton
+from activesuit.hysteresis import BoucWen
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Certified,
@@ -52,19 +52,6 @@ def test_certified_fit_reaches_the_noise_floor(joint):
     assert fit.model.certificate().certified
     assert fit.model.certificate().dissipative
     assert max(fit.prediction_errors.values()) < 0.35  # the noise itself reaches 0.3
-
-
-def test_a_model_that_is_safe_in_its_range_only_is_constant_outside():
-    curves = fitted("shoulder")
-    model = identify(curves).model
-    assert isinstance(model, Clipped)
-    assert model.angle_range == (0.35, 1.22)
-    assert not bare(model).certificate().certified
-    rng = np.random.default_rng(0)
-    for _ in range(50):
-        torque = model.response(np.concatenate([[0.35], rng.normal(0.8, 1, 50)]))
-        assert np.abs(torque).max() <= model.certificate().torque_bound
-    assert isinstance(identify(fitted("elbow")).model, JilesAtherton)
 
 
 def test_certified_fit_recovers_a_certified_truth_without_noise(table_2):

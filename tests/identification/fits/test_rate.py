@@ -53,13 +53,6 @@ def test_a_maxwell_element_is_found_too(relaxing, model):
     assert found.relaxation_time == pytest.approx(0.4, rel=0.2)
 
 
-def test_without_noise_the_truth_is_found_exactly(relaxing):
-    curves = measured(relaxing, noise=0.0)
-    found = fit_model("jiles-atherton", curves, np.random.default_rng(0), rate="relaxing")
-    assert found.loss < 1e-3
-    assert found.model.relaxation_time == pytest.approx(0.4, rel=0.02)
-
-
 def test_a_joint_that_does_not_depend_on_the_rate_gets_next_to_nothing(elbow):
     curves = measured(Viscoelastic(model=elbow))
     found = fit_model("jiles-atherton", curves, np.random.default_rng(0), rate="relaxing").model
