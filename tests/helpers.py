@@ -13,7 +13,7 @@ import pytest
 from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
 from activesuit.errors import InputError
-from activesuit.hysteresis import HysteresisModel
+from activesuit.hysteresis import HysteresisModel, PrandtlIshlinskii
 from activesuit.identification import Curve
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
 from activesuit.scripts.main import main
@@ -95,6 +95,13 @@ def along(
     angle = sweep(*turns, samples=samples)
     errors = noise * np.random.default_rng(rng).standard_normal(angle.size)
     return Curve(angle, model.response(angle, first) + errors, name, **fields)
+
+
+def spring(stiffness: float, rest_angle: float = 0.52) -> HysteresisModel:
+    """Returns a model without memory, of that stiffness [N·m/rad]."""
+    return PrandtlIshlinskii(
+        stiffness=stiffness, thresholds=[1.0], weights=[0.0], rest_angle=rest_angle
+    )
 
 
 def one_sentence(refusal: pytest.ExceptionInfo) -> bool:

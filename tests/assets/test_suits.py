@@ -17,33 +17,14 @@ from activesuit.assets import (
     save_suit,
     suit_names,
 )
-from activesuit.hysteresis import (
-    Asymmetric,
-    Backlash,
-    BoucWen,
-    Clipped,
-    HingedStops,
-    JilesAtherton,
-    PrandtlIshlinskii,
-    Preisach,
-    Viscoelastic,
-)
+from activesuit.hysteresis import Backlash, JilesAtherton, Viscoelastic
+from activesuit.hysteresis.references import EXAMPLES
 from activesuit.identification import Curve, identify, load_curves
 from helpers import TABLE_2, assert_refused, sweep, without_volume_shares
 
 SAFE, UNSAFE = hysteresis.TABLE_2["elbow-sa-pso"], hysteresis.TABLE_2["shoulder-sa-pso"]
-KINDS = [
-    SAFE,
-    JilesAtherton(Ms=10, a=2, alpha=0.01, c=0.5, k=1, allow_active=True, clamp="jiles"),
-    Clipped(model=SAFE, angle_range=(0.4, 1.2)),
-    Asymmetric(model=Clipped(model=SAFE, angle_range=(0.4, 1.2)), polynomial=[0.1, 2.0]),
-    BoucWen(elastic=2.0, hysteretic=15.0, beta=20.0, gamma=8.0, n=1.5, rest_angle=0.5),
-    PrandtlIshlinskii(stiffness=-1, thresholds=[0.1, 0.4], weights=[-2, -3], operator="play"),
-    HingedStops(
-        stiffness=1, thresholds=[0.1, 0.4], weights=[2, 3], knots=[0, 1], slopes=[0.5, 1, 2]
-    ),
-    Preisach(levels=[0.1, 0.7, 1.5], density=[[0.2], [0.1, 0.3]], elastic=[1.0, 2.0]),
-]
+# Elastic torque is added behind the play, and so is not that of the joint's own angle.
+KINDS = [one.model for name in EXAMPLES if name != "backlash" for one in EXAMPLES[name]]
 
 
 def read_mock_suit():

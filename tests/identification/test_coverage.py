@@ -127,20 +127,21 @@ def test_what_is_covered_gets_no_sentence():
 
 
 def test_each_difference_that_matters_gets_one_sentence():
-    timed, untimed = first_order(rate=0.1), first_order()
-    for curves, needed, words in [
-        (timed, motion(0.1, 1.9, 0.1), "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: be"),
-        (timed, motion(LOW, HIGH, 0.9, 1.4, 0.97), "nested 3 deep, the curves at most 1: first-o"),
-        (timed, motion(LOW, HIGH, 1.47), "turns back after 0.1 rad, the curves after"),
-        (timed, motion(LOW, HIGH, LOW, rate=1.0), "moves at up to 1 rad/s, the curves"),
-        (timed, motion(*[LOW, HIGH] * 3), "goes through 2 whole cycles, a curve"),
-        (untimed, motion(LOW, HIGH, LOW, rate=1.0), "come without their time"),
+    curves, fast = first_order(rate=0.1), motion(LOW, HIGH, LOW, rate=1.0)
+    for needed, words in [
+        (motion(0.1, 1.9, 0.1), "from 0.1 to 1.9 rad, the curves from 0.52 to 1.57 rad: below"),
+        (motion(LOW, HIGH, 0.9, 1.4, 0.97), "nested 3 deep, the curves at most 1: first-order"),
+        (motion(LOW, HIGH, 1.47), "turns back after 0.1 rad, the curves after"),
+        (fast, "moves at up to 1 rad/s, the curves"),
+        (motion(*[LOW, HIGH] * 3), "goes through 2 whole cycles, a curve"),
     ]:
         (sentence,) = shortfalls(curves, motion_coverage([needed]))
         assert words in sentence
         assert "measure" in sentence
+    (sentence,) = shortfalls(first_order(), motion_coverage([fast]))
+    assert "come without their time" in sentence
     rising = motion_coverage([motion(LOW, HIGH)])
-    assert "that never turn back do not identify loops" in shortfalls(rising, timed)[0]
+    assert "that never turn back do not identify loops" in shortfalls(rising, curves)[0]
 
 
 def test_deeper_than_the_record_is_not_required():
@@ -161,18 +162,12 @@ def test_bad_motions():
     assert_refused(motion_coverage, rows)
 
 
-def test_reversals_come_nearer_from_both_ends():
+def test_reversals_come_nearer_from_both_ends_and_all_are_remembered():
     points = 4.5 * (np.array(nested_motion(-1, 1).points) + 1)
     np.testing.assert_allclose(points, [0, 9, 1, 8, 2, 7, 3, 6, 4, 5, 0], atol=1e-12)
-    np.testing.assert_allclose(np.abs(np.diff(points))[:BRANCHES], np.arange(9, 0, -1))
-
-
-def test_every_depth_is_remembered():
-    found = nested_motion(LOW, HIGH)
-    cover = motion_coverage([Motion(found.time, found.angle)])
-    assert cover.nesting == BRANCHES
+    cover = record()
+    assert (cover.nesting, cover.reversals) == (BRANCHES, len(points) - 2)
     assert cover.range == pytest.approx((LOW, HIGH))
-    assert cover.reversals == len(found.points) - 2
 
 
 def test_rates_are_kept_and_spread():

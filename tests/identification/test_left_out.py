@@ -1,14 +1,11 @@
 """What is left out of a fit: whole curves, or the end of one record; and what needs no memory."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from activesuit.hysteresis import BoucWen
 from activesuit.identification import Curve, identify, select
 from activesuit.identification.baselines import baseline_errors, predictions
 from activesuit.identification.left_out import questions
-from helpers import along, assert_refused, sweep
+from helpers import along, assert_refused, spring, sweep
 
 LONG = (0.52, *[1.57, 0.52] * 3, *[1.2, 0.7] * 3, *[1.57, 0.52] * 2)  # two amplitudes
 
@@ -89,48 +86,23 @@ def test_models_without_memory_answer_the_same_questions(elbow):
     assert min(fitted.values()) > 0.02
 
 
-SPRING = BoucWen(elastic=5.0, hysteretic=0.0, beta=5.0, gamma=0.0, n=1.0, rest_angle=0.52)
-NOTHING = replace(SPRING, elastic=0.0)
-
-
 def described(model, noise):
     rng, ways = np.random.default_rng(3), [(0.52, turn, 0.52) for turn in (0.9, 1.2, 1.57)]
     return [along(model, *way, name=str(way[1]), noise=noise, rng=rng, samples=80) for way in ways]
 
 
 def test_auto_says_that_a_spring_needs_no_memory():
-    fit = select(described(SPRING, 0.1)).fit
+    fit = select(described(spring(5.0), 0.1)).fit
     assert fit.verdict == "does not describe the curves"
     assert any("show no memory that needs one" in str(remark) for remark in fit.remarks)
 
 
 @pytest.mark.parametrize("method", ["certified", "auto"])
 def test_noise_alone_is_not_described(method):
-    curves = described(NOTHING, 1.0)
+    curves = described(spring(0.0), 1.0)
     fit = select(curves).fit if method == "auto" else identify(curves)
     assert fit.verdict == "does not describe the curves"
     assert any("explains next to nothing of the torque" in str(remark) for remark in fit.remarks)
-
-
-def with_outliers(elbow, count, seed=0):
-    curves, rng = [], np.random.default_rng(seed)
-    for turn in (0.9, 1.2, 1.57):
-        one = record(elbow, turns=(0.52, turn, 0.52), seed=rng.integers(1000))
-        torque = one.torque.copy()
-        torque[rng.choice(np.arange(5, torque.size - 5, 9), count, replace=False)] += 1.0
-        curves.append(Curve(one.angle, torque, f"{turn}"))
-    return curves
-
-
-@pytest.mark.slow
-def test_outliers_are_counted_and_noise_has_none(elbow):
-    fit = identify(with_outliers(elbow, 2))
-    said = [remark for remark in fit.remarks if remark.code == "outliers"]
-    assert len(said) == 1
-    assert said[0].sentence.startswith("6 samples are up to")
-    for seed in range(10):
-        fit = identify(with_outliers(elbow, 0, seed))
-        assert not [remark for remark in fit.remarks if remark.code == "outliers"]
 
 
 def test_a_record_that_begins_elsewhere_than_the_model_gets_a_remark(elbow):

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.hysteresis import JilesAtherton
-from activesuit.identification import Curve, CurveObjective, first_order_motions, measure
+from activesuit.identification import Curve, CurveObjective
 from activesuit.identification.curves import noise_floor
-from helpers import TABLE_2, assert_refused
+from helpers import TABLE_2, assert_refused, family
 from scipy.optimize import minimize
 
 ROWS = np.array([TABLE_2["elbow-sa-pso"], TABLE_2["elbow-mpso"]])
 POLE = [22.0, 30.0, 9.0, 6.0, 20.0]
+NOISE = 0.057  # [N·m], 1 % of the peak
 LOSSES = ("nrmse", "paper", "sse", "robust")
 
 
@@ -21,11 +22,6 @@ def unequal(small_family):
     """Curves of different weight and torque."""
     weights = (2.0, 0.5, 7.0, 1.0)
     return [replace(one, weight=w) for one, w in zip(small_family, weights, strict=True)]
-
-
-def family(model, *, noise=0.01, seed=0, initial_torque=0.0):
-    motions = first_order_motions((0.87, 1.22, 1.57), start_angle=0.52, angle_step=0.01)
-    return measure(model, motions, noise_fraction=noise, initial_torque=initial_torque, rng=seed)
 
 
 def transcribed(loss, normalize, curves, row):
@@ -102,42 +98,40 @@ def test_only_the_ratios_of_weights_count(unequal):
             )
 
 
-def fitted_nrmse(curves, loss, clean):
-    """NRMSE on clean curves of the fit to others, by Nelder-Mead in relative parameters."""
-    objective, truth = CurveObjective(curves, loss=loss), ROWS[0]
-    found = minimize(
-        lambda scale: objective(truth * scale)[0],
-        np.full(5, 1.1),
-        method="Nelder-Mead",
-        options={"maxfev": 1500, "xatol": 1e-6, "fatol": 1e-10},
-    )
-    return CurveObjective(clean).nrmse(truth * found.x)[0]
-
-
 def test_the_robust_loss_ignores_gross_outliers(elbow):
-    clean, rng = family(elbow, noise=0.0), np.random.default_rng(1)
+    clean, rng = CurveObjective(family(elbow)), np.random.default_rng(1)
     spoiled = []
-    for curve in family(elbow):
+    for curve in family(elbow, noise=NOISE):
         torque = curve.torque.copy()
         hit = rng.choice(torque.size, round(0.05 * torque.size), replace=False)
         torque[hit] += 20.0  # the sensor's cable, always to one side
-        spoiled.append(Curve(curve.angle, torque, curve.name))
-    without = fitted_nrmse(family(elbow), "nrmse", clean)
-    robust, squares = (fitted_nrmse(spoiled, loss, clean) for loss in ("robust", "nrmse"))
-    assert without < 0.003
-    assert robust < 0.005
-    assert squares > 0.02
+        spoiled.append(replace(curve, torque=torque))
+
+    def fitted_nrmse(curves, loss):
+        """NRMSE on clean curves of the fit to others, by Nelder-Mead in relative parameters."""
+        objective, options = CurveObjective(curves, loss=loss), {"maxfev": 1500, "fatol": 1e-10}
+        found = minimize(
+            lambda scale: objective(ROWS[0] * scale)[0],
+            np.full(5, 1.1),
+            method="Nelder-Mead",
+            options=options | {"xatol": 1e-6},
+        )
+        return clean.nrmse(ROWS[0] * found.x)[0]
+
+    assert fitted_nrmse(family(elbow, noise=NOISE), "nrmse") < 0.003
+    assert fitted_nrmse(spoiled, "robust") < 0.005
+    assert fitted_nrmse(spoiled, "nrmse") > 0.02
 
 
 def test_the_robust_loss_has_a_scale_without_noise(elbow):
-    right, wrong = CurveObjective(family(elbow, noise=0.0), loss="robust")(ROWS)
+    right, wrong = CurveObjective(family(elbow), loss="robust")(ROWS)
     assert right < 1e-9
     assert wrong > 1e-3
 
 
 def test_initial_torques(elbow):
     for first in [0.0, -1.5, 3.0]:
-        curves = family(elbow, initial_torque=first)
+        curves = family(elbow, first=first, noise=NOISE)
         expected = np.concatenate([elbow.response(curve.angle, first) for curve in curves])
         fixed = CurveObjective(curves, initial_torque=first)
         identified = CurveObjective(curves, initial_torque="identified")

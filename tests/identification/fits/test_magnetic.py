@@ -1,7 +1,6 @@
 """Fits of B-H loops: the form comes back, with the parameters that were published."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from activesuit.identification import (
     save_curves,
 )
 from activesuit.identification.methods import method_of
-from helpers import assert_refused, fails, run
+from helpers import assert_refused, fails, run, sweep
 
 # Ms [A/m], a [A/m], alpha, c, k [A/m], and the largest field [A/m]; see docs/golden.md.
 MATERIALS = {
@@ -46,8 +45,7 @@ def truth(material, form):
 def loops(material, form, noise=2e-3, start=0.0, **options):
     """The initial curve, the major loop and loops inside it."""
     turns = np.array([0, 1, -1, 1, -0.3, 0.5, -0.25, 0.2]) * MATERIALS[material][-1] / FIELD
-    field = np.concatenate([np.linspace(*ends, 60)[1:] for ends in pairwise(turns)])
-    field = np.append(0.0, field)
+    field = sweep(*turns, samples=60)
     M = truth(material, form).response(field, start)
     M += noise * np.random.default_rng(0).standard_normal(M.size)
     return Curve(field, M, material, **options)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from activesuit.hysteresis import Backlash, Viscoelastic
-from activesuit.identification import Corrections, Curve, identify
+from activesuit.hysteresis import Backlash
+from activesuit.identification import Corrections, identify
 from activesuit.identification.fits.play import play_of
 from activesuit.identification.fits.registry import fit_model
 from helpers import family
@@ -49,17 +49,3 @@ def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     low, high = known.intervals[known.names.index("gap")]
     assert low < GAP < high
     assert [play_of(model) for model in known.samples] == ["fit"] * 2
-
-
-@pytest.mark.slow
-def test_a_dashpot_is_found_around_the_play(elbow):
-    truth = Viscoelastic(model=Backlash(model=elbow, gap=GAP), damping=0.3)
-    rng, curves = np.random.default_rng(0), []
-    for curve, speed in zip(measured(truth, noise=0.0), (0.3, 1.0, 0.5, 2.0), strict=True):
-        way = np.abs(np.diff(curve.angle)) * (1 + 0.5 * np.sin(np.arange(158) / 20)) / speed
-        time = np.concatenate([[0.0], np.cumsum(way)])
-        torque = truth.response(curve.angle, time=time) + 0.03 * rng.standard_normal(159)
-        curves.append(Curve(curve.angle, torque, curve.name, time=time))
-    found = fit_model("bouc-wen", curves, rng, rate="viscous", play="fit").model
-    assert found.damping == pytest.approx(0.3, rel=0.1)
-    assert found.model.gap == pytest.approx(GAP, rel=0.15)

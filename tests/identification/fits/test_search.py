@@ -52,13 +52,6 @@ def test_it_finds_the_optimum_and_keeps_the_margin(exact):
     assert 0.5 - 0.005 <= search.best[0] <= 0.52
 
 
-def test_derivatives_agree_with_differences():
-    one, other = (search_of(Bowl(wall=0.5), 100, exact) for exact in (True, False))
-    for point in (np.array([0.2, 0.4]), np.array([0.7, -0.6])):
-        other.residual(point)
-        np.testing.assert_allclose(one.jacobian(point), other.jacobian(point), atol=1e-4)
-
-
 def test_the_budget_is_kept():
     problem = Bowl()
     for budget in (9, 10, 20):

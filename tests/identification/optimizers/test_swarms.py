@@ -17,7 +17,6 @@ from activesuit.identification.optimizers.pso import (
 from activesuit.identification.optimizers.rank_distance_mpso import (
     RankDistanceMPSO,
     rank_distance_mpso,
-    survivors,
 )
 from activesuit.identification.optimizers.sa_pso import SAPSO, sa_pso, selection_probability
 from helpers import assert_refused
@@ -353,18 +352,6 @@ def test_the_decay_scale_falls_only_without_improvement():
     assert scales[0] == 0.7
     # 0.0087 an iteration, were there 100
     assert min(-np.diff(np.unique(scales)[::-1])[:-1]) == pytest.approx(0.0086875 * 100 / 40)
-
-
-def test_survivors_by_hand():
-    error = np.array([1.0, 4.0, 2.0, 3.0])
-    position = np.array([[0.0], [9.0], [1.0], [5.0]])
-    # RE 1 4 2 3; far RD 4 1 3 2: scores with rho 0.7 3.8 4.7 4.1 4.4, with rho 2: 9 6 8 7
-    assert survivors(error, position, 0.7, far_first=True).tolist() == [0, 2]
-    # the best is not among the first two and takes the place of the last
-    assert survivors(error, position, 2.0, far_first=True).tolist() == [1, 0]
-    assert survivors(error, position, 2.0, far_first=False).tolist() == [0, 2]
-    # equal errors: in order
-    assert survivors(np.ones(4), np.zeros((4, 1)), 0.5, far_first=True).tolist() == [0, 1]
 
 
 def test_both_stop_rules_of_rank_distance():
