@@ -9,7 +9,7 @@ from activesuit.assets import Suit
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Clipped
 from activesuit.identification import Curve, first_order_motions, nested_motion, select
-from activesuit.identification.ensemble import NEARLY, ensemble, excess, shared
+from activesuit.identification.ensemble import NEARLY, ensemble, excess
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.residual.noise import estimate_noise, slow_noise
 from helpers import along, assert_refused, sweep
@@ -138,13 +138,6 @@ def test_drawn_models_are_of_all_kinds_by_weight(found, elbow):
     assert models == found.uncertainty(samples=9, seed=3).samples
     suit = Suit.from_fits({"elbow_flexion": found.fit}, samples={"elbow_flexion": models})
     assert len({type(one) for one in suit.joints["elbow_flexion"].samples}) > 1
-
-
-def test_numbers_are_shared_by_weight():
-    assert shared([0.5, 0.3, 0.2], 10) == [5, 3, 2]
-    assert shared([0.5, 0.3, 0.2], 1) == [1, 0, 0]
-    assert shared([0.4, 0.35, 0.25], 2) == [1, 1, 0]
-    assert shared([0.6, 0.4], 0) == [0, 0]
 
 
 def test_it_is_plain_in_json(found):

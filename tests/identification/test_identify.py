@@ -30,20 +30,11 @@ from helpers import TABLE_2, assert_refused, family
 from scipy.optimize import OptimizeResult
 
 
-def published_nrmse(name, curves):
-    """NRMSE of the parameters that the curves were made from: the noise floor of the file."""
-    return float(CurveObjective(curves).nrmse(TABLE_2[f"{name}-sa-pso"])[0])
-
-
-def fitted(name):
-    return load_curves(curves_path(name)).fitted()
-
-
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
 def test_certified_fit_reaches_the_noise_floor(joint):
     curves = load_curves(curves_path(joint))
-    measured = fitted(joint)
-    floor = published_nrmse(joint, measured)
+    measured = curves.fitted()
+    floor = CurveObjective(measured).nrmse(TABLE_2[f"{joint}-sa-pso"])[0]  # made from these
     fits = [certified_fit(measured, rng=seed) for seed in range(40)]
     assert sum(fit.nrmse <= 1.05 * floor for fit in fits) >= 38
     assert max(fit.evaluations for fit in fits) <= 200
