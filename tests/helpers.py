@@ -7,6 +7,7 @@ from dataclasses import replace
 from importlib import import_module
 from itertools import count, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -89,7 +90,7 @@ def along(
     noise: float = 0.0,
     rng: int | np.random.Generator = 0,
     samples: int = 200,
-    **fields: object,
+    **fields: Any,
 ) -> Curve:
     """Returns the curve through `turns` [rad], with white noise [N·m]."""
     angle = sweep(*turns, samples=samples)

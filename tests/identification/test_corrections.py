@@ -91,7 +91,7 @@ def test_the_figure_shows_the_curves_that_were_fitted(elbow):
     np.testing.assert_allclose(measured, modeled, atol=0.01)
 
 
-FIT = Corrections(softening="fit")
+SOFTENING = Corrections(softening="fit")
 TURNS = (0.52, *(1.57, 0.52) * 4, *(1.2, 0.7) * 4)
 
 
@@ -112,7 +112,7 @@ def record(model, first=1.2, cycles=2.0, noise=0.01, seed=0):
 def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
     plain = identify([record(elbow, first)])
     assert ("softening", "fit") in [remark.option for remark in plain.remarks]
-    fit = identify([record(elbow, first)], corrections=FIT)
+    fit = identify([record(elbow, first)], corrections=SOFTENING)
     found = fit.softening
     assert found.first / found.steady == pytest.approx(first, abs=0.01)
     assert found.cycles == pytest.approx(2, rel=0.25)
@@ -126,7 +126,7 @@ def test_the_change_is_found_and_the_model_describes_the_rest(elbow, first):
 
 
 def test_a_suit_of_the_fit_softens(elbow):
-    fit = identify([record(elbow)], corrections=FIT)
+    fit = identify([record(elbow)], corrections=SOFTENING)
     joint = SuitJoint.from_fit(fit)
     new, used = joint.after(0).response([1.57])[0], joint.after(np.inf).response([1.57])[0]
     assert new / used == pytest.approx(1.2, abs=0.01)
@@ -150,7 +150,7 @@ def test_a_curve_that_tests_the_model_is_freed_from_the_change_too(elbow):
     parts = []
     for name, turns in (("fit", slice(0, 12 * 59 + 1)), ("predict", slice(12 * 59, None))):
         parts.append(Curve(whole.angle[turns], whole.torque[turns], name, name))
-    fit = identify(parts, corrections=FIT, initial_torque="measured")
+    fit = identify(parts, corrections=SOFTENING, initial_torque="measured")
     count = Count(Curves(parts))
     factor = fit.softening.factor(count(parts[1]))
     np.testing.assert_allclose(fit.curves[1].torque * factor, parts[1].torque)
@@ -158,14 +158,14 @@ def test_a_curve_that_tests_the_model_is_freed_from_the_change_too(elbow):
 
 def test_nothing_is_found_where_nothing_changes(elbow):
     for seed in range(5):
-        fit = identify([record(elbow, 1.0, seed=seed)], corrections=FIT)
+        fit = identify([record(elbow, 1.0, seed=seed)], corrections=SOFTENING)
         assert fit.softening is None
         said = [one.sentence for one in fit.remarks if one.option == ("softening", "none")]
         assert said == ["no change from cycle to cycle was found"]
 
 
 def test_a_change_that_is_not_complete_is_reported(elbow):
-    fit = identify([record(elbow, first=1.5, cycles=10.0)], corrections=FIT)
+    fit = identify([record(elbow, first=1.5, cycles=10.0)], corrections=SOFTENING)
     assert not fit.softening.is_complete
     assert any("is extrapolated: measure more cycles" in str(remark) for remark in fit.remarks)
 
@@ -174,7 +174,7 @@ def test_two_cycles_less_a_sample_are_two(elbow):
     whole = record(elbow, first=1.4, cycles=1.0)
     short = replace(whole, angle=whole.angle[: 4 * 59], torque=whole.torque[: 4 * 59])
     assert 1.99 < gone(short.angle)[-1] < 2
-    assert identify([short], corrections=FIT).softening.first > 1.1
+    assert identify([short], corrections=SOFTENING).softening.first > 1.1
 
 
 @pytest.mark.slow
@@ -182,18 +182,18 @@ def test_a_change_beyond_the_limits_of_a_suit_is_limited(elbow):
     angle = record(elbow, noise=0.0).angle
     gone_part = gone(angle) / gone(angle)[-1]
     curve = Curve(angle, elbow.response(angle) * (4 * (1 - gone_part) + 0.05), "record")
-    fit = identify([curve], corrections=FIT)
+    fit = identify([curve], corrections=SOFTENING)
     assert fit.softening.first / fit.softening.steady == pytest.approx(9.99)
     assert SuitJoint.from_fit(fit).softening.first == fit.softening.first
     trebled = replace(curve, torque=elbow.response(angle) * (0.3 + 0.7 * gone_part))
-    fit = identify([trebled], corrections=FIT)
+    fit = identify([trebled], corrections=SOFTENING)
     assert fit.softening.first == pytest.approx(0.3, abs=0.03)
 
 
 @pytest.mark.slow
 def test_every_kind_of_model_and_auto_take_it(elbow):
-    one = identify([record(elbow)], model="bouc-wen", corrections=FIT)
-    for fit in (one, select([record(elbow)], corrections=FIT).fit):
+    one = identify([record(elbow)], model="bouc-wen", corrections=SOFTENING)
+    for fit in (one, select([record(elbow)], corrections=SOFTENING).fit):
         assert fit.softening.first / fit.softening.steady == pytest.approx(1.2, abs=0.03)
 
 
