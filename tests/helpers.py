@@ -15,7 +15,7 @@ import pytest
 from activesuit.assets import Suit
 from activesuit.envs.tasks import TASKS, Task
 from activesuit.errors import InputError
-from activesuit.hysteresis import HysteresisModel
+from activesuit.hysteresis import HysteresisModel, PrandtlIshlinskii
 from activesuit.identification import Curve
 from activesuit.plots import Plot
 from activesuit.published import LI_TABLE_2 as TABLE_2  # noqa: F401  (for the tests)
@@ -82,6 +82,29 @@ def family(
         torque = model.response(angle, first) + noise * rng.standard_normal(angle.size)
         curves.append(Curve(angle, torque, f"{turn}", role))
     return curves
+
+
+def along(
+    model: HysteresisModel,
+    *turns: float,
+    name: str = "A",
+    first: float = 0.0,
+    noise: float = 0.0,
+    rng: int | np.random.Generator = 0,
+    samples: int = 200,
+    **fields: Any,
+) -> Curve:
+    """Returns the curve through `turns` [rad], with white noise [N·m]."""
+    angle = sweep(*turns, samples=samples)
+    errors = noise * np.random.default_rng(rng).standard_normal(angle.size)
+    return Curve(angle, model.response(angle, first) + errors, name, **fields)
+
+
+def spring(stiffness: float, rest_angle: float = 0.52) -> HysteresisModel:
+    """Returns a model without memory, of that stiffness [N·m/rad]."""
+    return PrandtlIshlinskii(
+        stiffness=stiffness, thresholds=[1.0], weights=[0.0], rest_angle=rest_angle
+    )
 
 
 def one_sentence(refusal: pytest.ExceptionInfo) -> bool:

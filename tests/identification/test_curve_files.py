@@ -65,8 +65,7 @@ LAYOUTS = {
     "foot-pounds": (
         "time_s\tposition [deg]\ttorque [ft-lbs]\n"
         + table(
-            "{:.2f}\t{:.2f}\t{:.9f}",
-            rows=[(t, a, m / 1.3558179483314004) for t, a, m in ROWS],
+            "{:.2f}\t{:.2f}\t{:.9f}", rows=[(t, a, m / 1.3558179483314004) for t, a, m in ROWS]
         ),
         {},
     ),
@@ -189,42 +188,27 @@ def test_several_files_are_one_family(tmp_path):
 
 
 def test_bad_files(tmp_path):
+    plain, odd = "angle_deg,torque_nm\n0,0\n", "angle [furlong],torque_nm\n0,0\n"
     rows = [
         ("t,x,y\n0,1,2\n1,2,3\n", {}, "has the columns 't', 'x', 'y': use the header 'curve,angle"),
         ("0,1,2\n1,2,3\n", {}, "has no header: use the header .*, or angle=2 for the second one"),
         ("nothing\n", {}, "no line with two numbers, and begins with 'nothing'"),
         ("angle,torque_nm\n0,0\n", {}, "'angle' names no unit: give it, as angle=deg among"),
-        ("angle [furlong],torque_nm\n0,0\n", {}, "columns 'angle .furlong.', 'torque_nm': use"),
-        (
-            "angle [furlong],torque_nm\n0,0\n",
-            {"columns": {"angle": "angle [furlong]"}},
-            "names no unit: give it",
-        ),
-        (
-            "angle_deg,torque_nm\n0,0\n",
-            {"units": {"angle": "Nm"}},
-            "a unit of torque, not of angle",
-        ),
-        (
-            "angle_deg,torque_nm\n0,0\n",
-            {"units": {"torque": "stone"}},
-            "no unit of torque: use N·m",
-        ),
-        ("angle_deg,torque_nm\n0,0\n", {"units": {"force": "N"}}, "unknown quantity with a unit"),
-        ("angle_deg,torque_nm\n0,0\n", {"columns": {"tork": "a"}}, "did you mean 'torque'"),
-        (
-            "angle_deg,torque_nm\n0,0\n",
-            {"columns": {"time": "Zeit"}},
-            "has the columns 'angle_deg'",
-        ),
+        (odd, {}, "columns 'angle .furlong.', 'torque_nm': use"),
+        (odd, {"columns": {"angle": "angle [furlong]"}}, "names no unit: give it"),
+        (plain, {"units": {"angle": "Nm"}}, "a unit of torque, not of angle"),
+        (plain, {"units": {"torque": "stone"}}, "no unit of torque: use N·m"),
+        (plain, {"units": {"force": "N"}}, "unknown quantity with a unit"),
+        (plain, {"columns": {"tork": "a"}}, "did you mean 'torque'"),
+        (plain, {"columns": {"time": "Zeit"}}, "has the columns 'angle_deg'"),
         ("angle [deg],torque [Nm]\nrad,Nm\n0,0\n", {}, "in deg by its name and in rad by the row"),
-        ("angle_deg,position_deg,torque_nm\n0,0,0\n", {}, "2 columns for the angle"),
+        ("angle_deg,angle_rad,torque_nm\n0,0,0\n", {}, "2 columns for the angle, 'angle_deg' and "),
         ("angle_deg,torque_nm,torque_nm\n0,0,0\n", {}, "the column 'torque_nm' twice: keep one"),
         ("angle_deg,torque_nm\n0,5,1,2\n", {}, "a comma cannot be both separator and decimal mark"),
         ("angle [deg];torque [Nmm]\n1,250;2,500\n", {}, "line 2: '1,250' has either thousands or"),
         ("angle [deg];torque [Nmm]\n1,25;2.5\n", {}, "line 2: '2.5' is no number with the decimal"),
-        ("angle_deg,torque_nm\n0,0\n", {"decimal": "'"}, "decimal is \"'\": give '.' or ','"),
-        ("angle_deg,torque_nm\n0,0\n", {"units": {"torque": "0 Nm/V"}}, "'0 Nm/V' is no unit"),
+        (plain, {"decimal": "'"}, "decimal is \"'\": give '.' or ','"),
+        (plain, {"units": {"torque": "0 Nm/V"}}, "'0 Nm/V' is no unit"),
     ]
     path = tmp_path / "rig.csv"
 
@@ -236,12 +220,7 @@ def test_bad_files(tmp_path):
 
 
 def test_the_decimal_mark_can_be_given(tmp_path):
-    for decimal, peak in [(",", 2.5e-3), (".", 2.5)]:
-        path = tmp_path / "rig.csv"
-        path.write_text("angle [deg];torque [Nmm]\n0;0\n1;1,250\n2;2,500\n")
-        assert load_curves(path, decimal=decimal).peak == pytest.approx(peak)
-
-
-def test_there_is_a_file():
-    with pytest.raises(InputError, match="no file of curves: give at least one"):
-        load_curves()
+    path = tmp_path / "rig.csv"
+    path.write_text("angle [deg];torque [Nmm]\n0;0\n1;1,250\n2;2,500\n")
+    assert load_curves(path, decimal=",").peak == pytest.approx(2.5e-3)
+    assert load_curves(path, decimal=".").peak == pytest.approx(2.5)

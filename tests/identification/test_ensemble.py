@@ -9,16 +9,17 @@ from activesuit.assets import Suit
 from activesuit.errors import InputError
 from activesuit.hysteresis import BoucWen, Clipped
 from activesuit.identification import Curve, first_order_motions, nested_motion, select
-from activesuit.identification.ensemble import NEARLY, ensemble, excess, shared
+from activesuit.identification.ensemble import NEARLY, ensemble, excess
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.residual.noise import estimate_noise, slow_noise
+from helpers import along, assert_refused, sweep
 
 START, END, NOISE = 0.52, 1.57, 0.1
 TURNS = (0.73, 0.94, 1.15, 1.36, 1.57)
 
 
-def measured(torque, *, nested=False, seed=0):
-    rng = np.random.default_rng(seed)
+def measured(torque, *, nested=False):
+    rng = np.random.default_rng(0)
     motions = first_order_motions(TURNS, start_angle=START, angle_step=0.015)
     if nested:
         points = np.array(nested_motion(START, END).points)
@@ -29,11 +30,15 @@ def measured(torque, *, nested=False, seed=0):
     ]
 
 
+def covered(found, truth):
+    """The share of a curve's own torque inside the band, and the band."""
+    low, high = found.band(truth)
+    return np.mean((low <= truth.torque) & (truth.torque <= high)), low, high
+
+
 @pytest.fixture(scope="module")
 def unseen():
-    return np.concatenate(
-        [np.linspace(*leg, 50) for leg in ((0.52, 1.4), (1.4, 0.8), (0.8, 1.2), (1.2, 0.9))]
-    )
+    return sweep(0.52, 1.4, 0.8, 1.2, 0.9, samples=50)
 
 
 @pytest.fixture(scope="module")
@@ -58,11 +63,11 @@ def test_members_are_the_candidates_that_predict_nearly_as_well(found):
 
 
 def test_the_band_holds_a_truth_in_the_class_and_is_narrow(found, elbow, unseen):
-    right = elbow.response(unseen)
-    low, high = found.band(Curve(unseen, 0 * unseen, "unseen"))
-    assert np.mean((low <= right) & (right <= high)) >= 0.9
+    truth = Curve(unseen, elbow.response(unseen), "unseen")
+    inside, low, high = covered(found, truth)
+    assert inside >= 0.9
     assert np.mean(high - low) / 2 < 1.5 * NOISE
-    wide = found.band(Curve(unseen, 0 * unseen, "unseen"), level=0.99)
+    wide = found.band(truth, level=0.99)
     assert (wide[0] < low).all()
     assert (wide[1] > high).all()
 
@@ -84,14 +89,11 @@ def test_first_order_curves_alone_give_a_band_along_first_order_curves_only(elbo
     found = select(measured(elbow.response))
     assert not found.ensemble.tested
     assert found.ensemble.nested == ()
+    members = {one.name for one in found.ensemble.members}
     for one in found.candidates:
         error = np.sqrt(np.mean(one.prediction_errors**2))
-        inside = error <= NEARLY * found.ensemble.members[0].error
-        assert (one.name in {member.name for member in found.ensemble.members}) == inside
-    angle = np.concatenate([np.linspace(0.52, 1.2, 50), np.linspace(1.2, 0.52, 50)])
-    low, high = found.band(Curve(angle, 0 * angle, "first-order"))
-    right = elbow.response(angle)
-    assert np.mean((low <= right) & (right <= high)) >= 0.9
+        assert (one.name in members) == (error <= NEARLY * found.ensemble.members[0].error)
+    assert covered(found, along(elbow, 0.52, 1.2, 0.52, samples=50))[0] >= 0.9
     with pytest.raises(InputError, match="there is no band; measure also the"):
         found.band(Curve(unseen, 0 * unseen, "unseen"))
 
@@ -105,11 +107,10 @@ def test_a_nested_record_widens_the_band_where_models_fail_beyond(unseen):
         rate = np.array([1.0, 1.0, 0.1, 3.0, 0.3, 2.0, 0.2, 1.5, 0.5, 2.5, 0.4])[turned]
         return soft.response(angle) + rate * np.sign(np.gradient(angle))
 
-    right, curve = torque(unseen), Curve(unseen, 0 * unseen, "unseen")
     found = select(measured(torque, nested=True))
     assert found.ensemble.nested == ("nested",)
-    low, high = found.band(curve)
-    assert np.mean((low <= right) & (right <= high)) > 0.85
+    inside, low, high = covered(found, Curve(unseen, torque(unseen), "unseen"))
+    assert inside > 0.85
     assert np.mean(high - low) > 4 * NOISE
 
 
@@ -139,33 +140,24 @@ def test_drawn_models_are_of_all_kinds_by_weight(found, elbow):
     assert len({type(one) for one in suit.joints["elbow_flexion"].samples}) > 1
 
 
-def test_numbers_are_shared_by_weight():
-    assert shared([0.5, 0.3, 0.2], 10) == [5, 3, 2]
-    assert shared([0.5, 0.3, 0.2], 1) == [1, 0, 0]
-    assert shared([0.4, 0.35, 0.25], 2) == [1, 1, 0]
-    assert shared([0.6, 0.4], 0) == [0, 0]
-
-
 def test_it_is_plain_in_json(found):
     content = json.loads(json.dumps(found.ensemble.to_dict()))
-    assert [one["name"] for one in content["members"]] == [
-        one.name for one in found.ensemble.members
-    ]
-    assert content["excess"] == found.ensemble.excess
-    assert content["nested"] == ["nested"]
+    names = [one.name for one in found.ensemble.members]
+    assert [one["name"] for one in content["members"]] == names
+    assert (content["excess"], content["nested"]) == (found.ensemble.excess, ["nested"])
     assert content["tested"] is True
 
 
-def test_bad_input(found, elbow):
-    curve = found.fit.curves[0]
-    for level in (0, 1, 90, -0.1):
-        with pytest.raises(InputError, match=rf"level is {level}: give a share between 0 and 1"):
-            found.band(curve, level)
-    with pytest.raises(InputError, match=r"curve is .*: give a Curve"):
-        found.band(curve.angle)
-    endless = replace(found, ensemble=None)
-    with pytest.raises(InputError, match="every model meets its pole on the curves: there is no"):
-        endless.band(curve)
+def test_bad_input(found):
+    curve, endless = found.fit.curves[0], replace(found, ensemble=None)
+    rows = [
+        (found, curve.angle, 0.9, r"curve is .*: give a Curve"),
+        (endless, curve, 0.9, "every model meets its pole on the curves: there is no"),
+        (found, curve, 0, "level is 0: give a share between 0 and 1"),
+        (found, curve, 1, "level is 1: give a share between 0 and 1"),
+        (found, curve, 90, "level is 90: give a share between 0 and 1"),
+    ]
+    assert_refused(lambda selection, *given: selection.band(*given), rows)
     assert endless.uncertainty(samples=0).names
 
 

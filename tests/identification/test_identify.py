@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from activesuit.assets import curves_path
 from activesuit.errors import InputError
-from activesuit.hysteresis import BoucWen, Clipped, JilesAtherton
+from activesuit.hysteresis import BoucWen
 from activesuit.hysteresis.jiles_atherton.model import PARAMETERS
 from activesuit.identification import (
     Certified,
+    Corrections,
     Curve,
     CurveObjective,
     Search,
@@ -21,29 +22,19 @@ from activesuit.identification import (
     register_optimizer,
     select,
 )
-from activesuit.identification.curves import noise_floor
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.methods import method_names, method_of
 from activesuit.identification.optimizers.registry import OPTIMIZERS
 from activesuit.published import LI_BOUNDS
-from helpers import TABLE_2, assert_refused, sweep
+from helpers import TABLE_2, assert_refused, family
 from scipy.optimize import OptimizeResult
-
-
-def published_nrmse(name, curves):
-    """NRMSE of the parameters that the curves were made from: the noise floor of the file."""
-    return float(CurveObjective(curves).nrmse(TABLE_2[f"{name}-sa-pso"])[0])
-
-
-def fitted(name):
-    return load_curves(curves_path(name)).fitted()
 
 
 @pytest.mark.parametrize("joint", ["shoulder", "elbow"])
 def test_certified_fit_reaches_the_noise_floor(joint):
     curves = load_curves(curves_path(joint))
-    measured = fitted(joint)
-    floor = published_nrmse(joint, measured)
+    measured = curves.fitted()
+    floor = CurveObjective(measured).nrmse(TABLE_2[f"{joint}-sa-pso"])[0]  # made from these
     fits = [certified_fit(measured, rng=seed) for seed in range(40)]
     assert sum(fit.nrmse <= 1.05 * floor for fit in fits) >= 38
     assert max(fit.evaluations for fit in fits) <= 200
@@ -53,37 +44,10 @@ def test_certified_fit_reaches_the_noise_floor(joint):
     assert max(fit.prediction_errors.values()) < 0.35  # the noise itself reaches 0.3
 
 
-def test_a_model_that_is_safe_in_its_range_only_is_constant_outside():
-    curves = fitted("shoulder")
-    model = identify(curves).model
-    assert isinstance(model, Clipped)
-    assert model.angle_range == (0.35, 1.22)
-    assert not bare(model).certificate().certified
-    rng = np.random.default_rng(0)
-    for _ in range(50):
-        torque = model.response(np.concatenate([[0.35], rng.normal(0.8, 1, 50)]))
-        assert np.abs(torque).max() <= model.certificate().torque_bound
-    assert isinstance(identify(fitted("elbow")).model, JilesAtherton)
-
-
 def test_certified_fit_recovers_a_certified_truth_without_noise(table_2):
-    truth = table_2["elbow-mpso"]
-    curves = [
-        Curve(angle, truth.response(angle), str(i))
-        for i, angle in enumerate(
-            np.concatenate([np.linspace(0.52, top, 80), np.linspace(top, 0.52, 80)[1:]])
-            for top in (0.87, 1.22, 1.57)
-        )
-    ]
-    fit = certified_fit(curves, rng=0, budget=1000)
+    fit = certified_fit(family(table_2["elbow-mpso"], samples=80), rng=0, budget=1000)
     assert fit.nrmse < 2e-4
     assert fit.history[-1][1] == fit.nrmse
-
-
-def test_noise_estimate():
-    for name in ("elbow", "shoulder"):
-        curves = load_curves(curves_path(name))
-        assert noise_floor(curves) / curves.peak == pytest.approx(0.01, rel=0.1)
 
 
 @pytest.mark.parametrize("method", ["sa-pso", "mpso", "pso"])
@@ -97,38 +61,29 @@ def test_swarm_identification(small_family, method):
     low, high = np.array(LI_BOUNDS).T
     for trial in fit.trials:
         parameters = [getattr(trial.model, name) for name in PARAMETERS]
-        assert (low <= parameters).all()
-        assert (parameters <= high).all()
+        assert ((low <= parameters) & (parameters <= high)).all()
         assert len(trial.history) == 16
         assert trial.history[-1] == trial.loss
-    alone = identify(small_family, method=search, seed=7, workers=1)
-    assert alone.trials == fit.trials
-    other = identify(small_family, method=search, seed=8)
-    assert other.trials != fit.trials
+    assert identify(small_family, method=search, seed=7, workers=1).trials == fit.trials
+    assert identify(small_family, method=search, seed=8).trials != fit.trials
 
 
 def test_interrupt_keeps_finished_trials(small_family):
     def interrupt(trial):
         raise KeyboardInterrupt
 
-    fit = identify(
-        small_family,
-        method=Search("mpso", trials=6, swarm_size=5, max_iterations=3),
-        workers=1,
-        on_trial=interrupt,
-    )
+    search = Search("mpso", trials=6, swarm_size=5, max_iterations=3)
+    fit = identify(small_family, method=search, workers=1, on_trial=interrupt)
     assert fit.interrupted
     assert 1 <= len(fit.trials) < 6
 
 
 def test_bad_options(small_family):
+    other, twice = {"model": "bouc-wen", "method": "pso"}, {"model": "preisach"}
     rows = [
         ({"method": "sapso"}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
         ({"model": "preisac"}, "unknown model 'preisac'.*did you mean 'preisach'"),
-        (
-            {"model": "bouc-wen", "method": "pso"},
-            "method is 'pso': model 'bouc-wen' has the method 'certified' only",
-        ),
+        (other, "method is 'pso': model 'bouc-wen' has the method 'certified' only"),
         ({"method": "auto"}, r"'auto' was a name of version 0.2: write 'select\(curves\)'"),
         ({"objective": "sse"}, r"'objective' was a name of version 0.2: write 'method=Search"),
         ({"tare": 0.2}, r"'tare' was a name .* write 'corrections=Corrections\(tare=\.\.\.\)'"),
@@ -136,11 +91,8 @@ def test_bad_options(small_family):
         ({"method": Search("pso", objective="ssee")}, "unknown loss 'ssee'"),
         ({"initial_torque": "measurd"}, "unknown initial_torque 'measurd'"),
         ({"initial_torque": float("nan")}, "initial_torque is nan"),
-        ({"model": "preisach", "initial_torque": 0.5}, "initial_torque is 0.5.*identify it"),
-        (
-            {"model": "preisach", "method": Certified(trials=3)},
-            "trials is 3: the fit of 'preisach'",
-        ),
+        (twice | {"initial_torque": 0.5}, "initial_torque is 0.5.*identify it"),
+        (twice | {"method": Certified(trials=3)}, "trials is 3: the fit of 'preisach'"),
         ({"method": Certified(swarm_size=9)}, "unknown certified option 'swarm_size': use one of"),
         ({"method": Search("pso", swarmsize=9)}, "did you mean 'swarm_size'"),
         ({"seed": -1}, "seed is -1: use at least 0"),
@@ -149,30 +101,47 @@ def test_bad_options(small_family):
         ({"method": Certified(budget=10)}, "budget is 10: use at least 33"),
     ]
     assert_refused(lambda options: identify(small_family, **options), rows)
+    rows = [
+        (Certified, {"trials": 0}, "trials is 0: use at least 1"),
+        (partial(Search, "pso"), {"trials": 0}, "trials is 0: use at least 1"),
+        (partial(Search, "sapso"), {}, "unknown method 'sapso'.*did you mean 'sa-pso'"),
+        (partial(Search, "ga"), {}, "method 'ga' is an example since version 0.3: exam"),
+        (partial(method_of, "ga"), {}, "method 'ga' is an example since version 0.3: exam"),
+        (partial(bare, TRUTH), {}, "model is 'bouc-wen': give a Jiles-Atherton model"),
+    ]
+    assert_refused(lambda call, options: call(**options), rows)
 
 
-def test_bad_methods():
-    for method in (Certified, partial(Search, "pso")):
-        with pytest.raises(InputError, match="trials is 0: use at least 1"):
-            method(trials=0)
-    with pytest.raises(InputError, match=r"unknown method 'sapso'.*did you mean 'sa-pso'"):
-        Search("sapso")
+def test_bad_corrections(small_family):
+    negated = [replace(one, torque=-one.torque) for one in small_family]
+    rows = [
+        ({"play": "fit"}, {"method": "pso"}, "play is 'fit', which the method 'pso' does not fit"),
+        ({"play": "fitted"}, {}, "unknown play 'fitted': use one of fit, none"),
+        ({"rate": "viscous"}, {"method": "pso"}, "rate is 'viscous', which the method 'pso' does"),
+        ({"rate": "viscous"}, {}, "no times, and the model depends on the rate: add the"),
+        ({"rate": "visc"}, {}, r"'visc'.*did you mean 'viscous'"),
+        ({"tare": "fit"}, {"model": "bouc-wen"}, "fits these curves with any offset"),
+        ({"tare": "fit"}, {"curves": negated}, "change its sign"),
+        ({"tare": "zeros"}, {}, "tare is 'zeros': give a number"),
+        ({"tare": np.array([1.0, 2.0])}, {}, "tare is array"),
+        ({"tare": float("nan")}, {}, "tare is nan"),
+        ({"softening": "fitted"}, {}, "unknown softening 'fitted': use one of fit, none"),
+        ({"softening": "fit", "tare": "fit"}, {}, "tare and softening are both 'fit': fit"),
+        ({"softening": "fit"}, {"curves": small_family[:1]}, "cycles of their range: .* least 2"),
+        ({"softening": "fit", "average_cycles": True}, {}, "hides what softening looks for"),
+    ]
+
+    def tried(corrections, options):
+        identify(**{"curves": small_family} | options, corrections=Corrections(**corrections))
+
+    assert_refused(tried, rows)
 
 
 @pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        pytest.param({"method": Search("mpso", trials=2)}, marks=pytest.mark.slow),
-    ],
+    "options", [{}, pytest.param({"method": Search("mpso", trials=2)}, marks=pytest.mark.slow)]
 )
 def test_the_beginning_of_the_curves(elbow, options):
-    rng = np.random.default_rng(0)
-    angles = [sweep(0.52, turn, 0.52, samples=60) for turn in (0.87, 1.22, 1.57)]
-    loaded = [
-        Curve(angle, elbow.response(angle, 0.4) + 0.03 * rng.standard_normal(angle.size), str(i))
-        for i, angle in enumerate(angles)
-    ]
+    loaded = family(elbow, first=0.4, noise=0.03)
     fits = {
         given: identify(loaded, initial_torque=given, **options)
         for given in (0.0, 0.4, "identified", "measured")
@@ -214,18 +183,7 @@ def test_weights_count_or_are_refused(small_family):
             fit(weighted)
 
 
-def test_bare_gives_jiles_atherton_only(small_family):
-    with pytest.raises(InputError, match="model is 'bouc-wen': give a Jiles-Atherton model"):
-        bare(identify(small_family, model="bouc-wen").model)
-
-
-def test_nothing_to_fit(small_family):
-    only = [curve for curve in small_family if curve.role == "predict"]
-    with pytest.raises(InputError, match="no curve to fit"):
-        identify(only)
-    flat = [Curve(np.linspace(0, 1, 20), np.zeros(20), "flat")]
-    with pytest.raises(InputError, match="every torque is zero"):
-        identify(flat)
+TRUTH = BoucWen(elastic=2.0, hysteretic=4.0, beta=4.0, gamma=1.0, n=1.0, rest_angle=0.52)
 
 
 def test_a_fit_from_outside_the_package(small_family, monkeypatch):
@@ -233,21 +191,23 @@ def test_a_fit_from_outside_the_package(small_family, monkeypatch):
     del FITS["soft"]
 
     def soft(curves, scale: float = 1.0):
-        return BoucWen(elastic=scale, hysteretic=4.0, beta=4.0, gamma=1.0, n=1.0, rest_angle=0.52)
+        return replace(TRUTH, elastic=scale)
 
     register_fit("soft", soft)
     register_fit("soft", soft)
     fit = identify(small_family, method=Certified(scale=2.0), model="soft")
     assert (fit.model_name, fit.model.elastic) == ("soft", 2.0)
     assert fit.evaluations is None
-    with pytest.raises(InputError, match="unknown certified option 'size': use one of scale"):
-        identify(small_family, method=Certified(size=2), model="soft")
-    with pytest.raises(InputError, match="trials is 2: the fit of 'soft' is made once"):
-        identify(small_family, method=Certified(trials=2), model="soft")
-    with pytest.raises(InputError, match="model 'bouc-wen' has a fit already"):
-        register_fit("bouc-wen", soft)
-    with pytest.raises(InputError, match="fit of 'hard' is 3: give a function"):
-        register_fit("hard", 3)
+    rows = [
+        ({"size": 2}, "unknown certified option 'size': use one of scale"),
+        ({"trials": 2}, "trials is 2: the fit of 'soft' is made once"),
+    ]
+    assert_refused(lambda o: identify(small_family, method=Certified(**o), model="soft"), rows)
+    rows = [
+        ("bouc-wen", soft, "model 'bouc-wen' has a fit already"),
+        ("hard", 3, "fit of 'hard' is 3: give a function"),
+    ]
+    assert_refused(register_fit, rows)
 
 
 def test_an_optimizer_from_outside_the_package(small_family, monkeypatch):
@@ -255,8 +215,7 @@ def test_an_optimizer_from_outside_the_package(small_family, monkeypatch):
     del OPTIMIZERS["drawn"]
 
     def drawn(objective, bounds, rng, count: int = 200):
-        low, high = np.array(bounds).T
-        points = rng.uniform(low, high, (count, len(low)))
+        points = rng.uniform(*np.transpose(bounds), (count, len(bounds)))
         values = objective(points)
         best = np.minimum.accumulate(values)
         return OptimizeResult(x=points[values.argmin()], fun=values.min(), history=best)
@@ -264,19 +223,10 @@ def test_an_optimizer_from_outside_the_package(small_family, monkeypatch):
     register_optimizer("drawn", drawn)
     register_optimizer("drawn", drawn)
     assert "drawn" in method_names()
-    fit = identify(small_family, method=Search("drawn", trials=2, count=300))
-    assert (fit.trials[0].evaluations, len(fit.trials[0].history)) == (300, 300)
-    assert fit.trials[0].loss != fit.trials[1].loss
-    with pytest.raises(InputError, match="unknown drawn option 'size': use one of count"):
-        identify(small_family, method=Search("drawn", size=2))
-    for name in ("mpso", "certified"):
-        with pytest.raises(InputError, match=f"there is another method '{name}'"):
-            register_optimizer(name, drawn)
-    with pytest.raises(InputError, match="optimizer 'hard' is 3: give a function"):
-        register_optimizer("hard", 3)
-
-
-def test_an_optimizer_of_another_library_is_an_example():
-    for made in (Search, method_of):
-        with pytest.raises(InputError, match=r"method 'ga' is an example since version 0.3: exam"):
-            made("ga")
+    one, two = identify(small_family, method=Search("drawn", trials=2, count=300)).trials
+    assert (one.evaluations, len(one.history)) == (300, 300)
+    assert one.loss != two.loss
+    wrong = [(Search("drawn", size=2), "unknown drawn option 'size': use one of count")]
+    assert_refused(lambda method: identify(small_family, method=method), wrong)
+    rows = [(name, drawn, f"there is another method '{name}'") for name in ("mpso", "certified")]
+    assert_refused(register_optimizer, [*rows, ("hard", 3, "optimizer 'hard' is 3: give a func")])

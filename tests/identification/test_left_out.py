@@ -5,7 +5,7 @@ import pytest
 from activesuit.identification import Curve, identify, select
 from activesuit.identification.baselines import baseline_errors, predictions
 from activesuit.identification.left_out import questions
-from helpers import assert_refused, sweep
+from helpers import along, assert_refused, spring, sweep
 
 LONG = (0.52, *[1.57, 0.52] * 3, *[1.2, 0.7] * 3, *[1.57, 0.52] * 2)  # two amplitudes
 
@@ -15,10 +15,8 @@ def record(model, *, turns=LONG, drift=0.0, offset=0.0, noise=0.01, seed=0):
     angle = sweep(*turns, samples=70)
     cycles = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(angle)))]) / (2 * np.ptp(angle))
     torque = model.response(angle) * (1 - drift * cycles) + offset
-    noisy = torque + noise * np.abs(torque).max() * np.random.default_rng(seed).standard_normal(
-        angle.size
-    )
-    return Curve(angle, noisy, "record", time=np.linspace(0, 60, angle.size))
+    errors = np.abs(torque).max() * np.random.default_rng(seed).standard_normal(angle.size)
+    return Curve(angle, torque + noise * errors, "record", time=np.linspace(0, 60, angle.size))
 
 
 def test_each_curve_but_the_farthest_is_left_out(elbow):
@@ -70,23 +68,14 @@ def test_auto_takes_one_record_with_two_amplitudes(elbow):
     assert fit.fitted_start
     assert fit.nrmse < 0.011
     assert fit.verdict.startswith("describes the curves")
-
-
-@pytest.mark.slow
-def test_the_drift_of_one_record_is_named(elbow):
-    fit = select([record(elbow, drift=0.02)]).fit
-    (drift,) = [one for one in fit.judgement.causes if one.name == "drift"]
+    assert not [one for one in fit.judgement.causes if one.name == "drift"]
+    drifting = select([record(elbow, drift=0.02)]).fit
+    (drift,) = [one for one in drifting.judgement.causes if one.name == "drift"]
     assert drift.size == pytest.approx(-0.02, abs=0.006)
-    assert any("cycle to cycle" in str(remark) for remark in fit.remarks)
-    still = select([record(elbow)]).fit
-    assert not [one for one in still.judgement.causes if one.name == "drift"]
-
-
-@pytest.mark.slow
-def test_auto_takes_a_record_with_an_offset(elbow):
-    fit = select([record(elbow, offset=1.3)]).fit
-    assert fit.initial_torque == pytest.approx(1.3, abs=0.2)
-    assert fit.nrmse < 0.012
+    assert any("cycle to cycle" in str(remark) for remark in drifting.remarks)
+    above = select([record(elbow, offset=1.3)]).fit
+    assert above.initial_torque == pytest.approx(1.3, abs=0.2)
+    assert above.nrmse < 0.012
 
 
 def test_models_without_memory_answer_the_same_questions(elbow):
@@ -97,62 +86,27 @@ def test_models_without_memory_answer_the_same_questions(elbow):
     assert min(fitted.values()) > 0.02
 
 
-def elastic(turn, seed):
-    angle = sweep(0.52, turn, 0.52, samples=80)
-    noise = 0.1 * np.random.default_rng(seed).standard_normal(angle.size)
-    return Curve(angle, 5 * (angle - 0.52) + noise, f"{turn}")
+def described(model, noise):
+    rng, ways = np.random.default_rng(3), [(0.52, turn, 0.52) for turn in (0.9, 1.2, 1.57)]
+    return [along(model, *way, name=str(way[1]), noise=noise, rng=rng, samples=80) for way in ways]
 
 
 def test_auto_says_that_a_spring_needs_no_memory():
-    fit = select([elastic(turn, i) for i, turn in enumerate((0.9, 1.2, 1.57))]).fit
+    fit = select(described(spring(5.0), 0.1)).fit
     assert fit.verdict == "does not describe the curves"
     assert any("show no memory that needs one" in str(remark) for remark in fit.remarks)
 
 
 @pytest.mark.parametrize("method", ["certified", "auto"])
 def test_noise_alone_is_not_described(method):
-    rng, curves = np.random.default_rng(3), []
-    for turn in (0.9, 1.2, 1.57):
-        angle = sweep(0.52, turn, 0.52, samples=80)
-        curves.append(Curve(angle, rng.standard_normal(angle.size), f"{turn}"))
+    curves = described(spring(0.0), 1.0)
     fit = select(curves).fit if method == "auto" else identify(curves)
     assert fit.verdict == "does not describe the curves"
     assert any("explains next to nothing of the torque" in str(remark) for remark in fit.remarks)
 
 
-def with_outliers(elbow, count, seed=0):
-    curves, rng = [], np.random.default_rng(seed)
-    for turn in (0.9, 1.2, 1.57):
-        one = record(elbow, turns=(0.52, turn, 0.52), seed=rng.integers(1000))
-        torque = one.torque.copy()
-        torque[rng.choice(np.arange(5, torque.size - 5, 9), count, replace=False)] += 1.0
-        curves.append(Curve(one.angle, torque, f"{turn}"))
-    return curves
-
-
-@pytest.mark.slow
-def test_outliers_are_counted_and_noise_has_none(elbow):
-    fit = identify(with_outliers(elbow, 2))
-    said = [remark for remark in fit.remarks if remark.code == "outliers"]
-    assert len(said) == 1
-    assert said[0].sentence.startswith("6 samples are up to")
-    for seed in range(10):
-        fit = identify(with_outliers(elbow, 0, seed))
-        assert not [remark for remark in fit.remarks if remark.code == "outliers"]
-
-
-@pytest.mark.slow
-def test_the_starts_that_agree_are_reported(elbow):
-    curves = with_outliers(elbow, 0)
-    fit = identify(curves)
-    assert fit.agreed >= 1
-    assert identify(curves, model="preisach").agreed is None
-
-
 def test_a_record_that_begins_elsewhere_than_the_model_gets_a_remark(elbow):
-    angle = sweep(0.9, 1.57, 0.52, 1.57, 0.52, samples=70)
-    noise = 0.05 * np.random.default_rng(0).standard_normal(angle.size)
-    curves = [Curve(angle, elbow.response(angle, 2.0) + noise, "bench")]
+    curves = [along(elbow, 0.9, 1.57, 0.52, 1.57, 0.52, first=2.0, noise=0.05, samples=70)]
     said = " ".join(map(str, identify(curves).remarks))
     assert "begin at 2" in said
     assert "initial_torque='identified'" in said

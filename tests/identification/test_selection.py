@@ -14,21 +14,12 @@ from activesuit.identification.fits import registry as own_fits
 from activesuit.identification.fits.beginning import common_torque
 from activesuit.identification.fits.registry import FITS
 from activesuit.identification.residual.verdict import DESCRIBES, NOT_BEYOND
-from helpers import sweep
+from helpers import along, assert_refused, sweep
 
 START = 0.52
 THREE, SIX = (0.87, 1.22, 1.57), (0.7, 0.87, 1.05, 1.22, 1.4, 1.57)
 UNSEEN = (0.78, 1.0, 1.13, 1.3, 1.48)
-NAMES = {
-    "jiles-atherton",
-    "asymmetric",
-    "bouc-wen",
-    "dahl",
-    "duhem",
-    "hinged-stops",
-    "prandtl-ishlinskii",
-    "preisach",
-}
+NAMES = set(FITS)
 
 
 def known_preisach():
@@ -118,17 +109,10 @@ def test_the_choice_follows_its_rule_and_says_so(truths):
     assert fit.nrmse == pytest.approx(simplest.fit_nrmse)
     assert [trial.model for trial in fit.trials] == [fit.model]
     assert "jiles-atherton predicts data left out of its fit" in found.why
-    parameters = {candidate.name: candidate.parameters for candidate in found.candidates}
-    assert parameters == {
-        "jiles-atherton": 5,
-        "bouc-wen": 6,
-        "dahl": 6,
-        "duhem": 7,
-        "asymmetric": 9,
-        "prandtl-ishlinskii": 22,
-        "hinged-stops": 23,
-        "preisach": 230,
-    }
+    counts = {one.name: one.parameters for one in found.candidates}
+    one_state = {"jiles-atherton": 5, "bouc-wen": 6, "dahl": 6, "duhem": 7, "asymmetric": 9}
+    many = {"prandtl-ishlinskii": 22, "hinged-stops": 23, "preisach": 230}
+    assert counts == one_state | many
 
 
 def test_a_simpler_model_within_a_tenth_is_preferred(monkeypatch):
@@ -167,17 +151,12 @@ def test_a_candidate_that_fails_is_listed(truths, monkeypatch):
 
 def test_the_first_torque_is_known_better_than_its_sample(truths):
     truth = truths["preisach"]
-    errors = []
-    for seed in range(20):
-        curves = family(truth, THREE, 0.01, seed, start=0.4)
-        errors.append(common_torque(truth, curves) - 0.4)
-    assert np.std(errors) < 0.2 * 0.01 * peak(truth)
+    families = [family(truth, THREE, 0.01, seed, start=0.4) for seed in range(20)]
+    assert np.std([common_torque(truth, one) for one in families]) < 0.2 * 0.01 * peak(truth)
 
 
 def test_a_model_never_begins_outside_its_certificate(elbow):
-    angle = sweep(START, 1.2, START)
-    curve = Curve(angle, elbow.response(angle, 8.0), "A")
-    torque = common_torque(elbow, [curve])
+    torque = common_torque(elbow, [along(elbow, START, 1.2, START, first=8.0)])
     assert torque < 8
     assert elbow.start_is_certified(elbow.start(START, torque))
     assert not elbow.start_is_certified(elbow.start(START, torque + 0.02))
@@ -207,14 +186,13 @@ def test_curves_that_begin_with_some_torque(truths):
 
 def test_bad_input(truths):
     curves = family(truths["bouc-wen"], THREE)
-    with pytest.raises(InputError, match=r"there is one curve with role 'fit'.*or 2 curves"):
-        select(curves[:1])
-    with pytest.raises(InputError, match="seed is -1"):
-        select(curves, seed=-1)
-    with pytest.raises(InputError, match=r"initial_torque is 'measured'.*identify it"):
-        select(curves, initial_torque="measured")
-    with pytest.raises(InputError, match=r"'tare' was a name of version 0.2: write 'corrections="):
-        select(curves, tare=0.1)
+    rows = [
+        (curves[:1], {}, r"there is one curve with role 'fit'.*or 2 curves"),
+        (curves, {"seed": -1}, "seed is -1"),
+        (curves, {"initial_torque": "measured"}, r"initial_torque is 'measured'.*identify it"),
+        (curves, {"tare": 0.1}, r"'tare' was a name of version 0.2: write 'corrections="),
+    ]
+    assert_refused(lambda given, options: select(given, **options), rows)
 
 
 def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
@@ -237,14 +215,12 @@ def test_ctrl_c_keeps_the_models_tried(truths, monkeypatch):
 
 def test_outliers_stop_no_fit(truths):
     """Where a pole or a model that cannot begin as measured is met on the way."""
-    curves = family(truths["jiles-atherton"], THREE, 0.01)
-    rng = np.random.default_rng(0)
-    spoiled = []
-    for curve in curves:
+    rng, spoiled = np.random.default_rng(0), []
+    for curve in family(truths["jiles-atherton"], THREE, 0.01):
         torque = curve.torque.copy()
         torque[rng.integers(0, torque.size, 5)] += 50 * rng.choice([-1, 1], 5)
         torque[0] = -25
-        spoiled.append(Curve(curve.angle, torque, curve.name))
+        spoiled.append(replace(curve, torque=torque))
     found = select(spoiled)
     assert all(one.model or "cannot begin" in one.reason for one in found.candidates)
     assert np.isfinite(found.fit.nrmse)
@@ -252,14 +228,11 @@ def test_outliers_stop_no_fit(truths):
 
 @pytest.mark.slow
 def test_the_verdict_extends_to_loops_on_which_a_tested_band_is_narrow(elbow):
-    rng = np.random.default_rng(0)
-    ways = {"A": (0.52, 1.0, 0.52), "B": (0.52, 1.3, 0.52), "C": (0.52, 1.57, 0.52)}
-    ways["loops"] = (0.52, 1.5, 0.7, 1.3, 0.9)
-    curves = []
-    for name, way in ways.items():
-        angle = sweep(*way, samples=60)
-        noise = 0.05 * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, elbow.response(angle) + noise, name))
+    rng, ways = np.random.default_rng(0), {top: (0.52, top, 0.52) for top in (1.0, 1.3, 1.57)}
+    curves = [
+        along(elbow, *way, name=str(name), noise=0.05, rng=rng, samples=60)
+        for name, way in (ways | {"loops": (0.52, 1.5, 0.7, 1.3, 0.9)}).items()
+    ]
     deeper = Motion(None, sweep(0.52, 1.55, 0.6, 1.45, 0.7, 1.35, 0.8, 1.2, 0.95))
     found = select(curves, intended=[deeper])
     assert found.fit.shortfalls  # seven reversals within each other, the curves have three

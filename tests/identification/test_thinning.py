@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from activesuit.errors import InputError
-from activesuit.identification import Curve, Curves, fit_preisach, identify
+from activesuit.identification import Curves, fit_preisach, identify
 from activesuit.identification.figures import compared, loops_plot
 from activesuit.identification.thinning import (
     drawn_note,
@@ -14,16 +14,15 @@ from activesuit.identification.thinning import (
     thinned,
     thinning_note,
 )
-from helpers import sweep
+from helpers import along
 
 
-def long_family(model, samples, noise=0.05):
-    rng = np.random.default_rng(0)
-    curves = []
-    for turn, role in ((0.87, "fit"), (1.22, "fit"), (1.40, "predict"), (1.57, "fit")):
-        angle = sweep(0.52, turn, 0.52, samples=samples // 2)
-        torque = model.response(angle) + noise * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn:.2f}", role))
+def long_family(model, samples, timed=False):
+    rng, curves = np.random.default_rng(0), []
+    for turn, role in (("0.87", "fit"), ("1.22", "fit"), ("1.40", "predict"), ("1.57", "fit")):
+        options = {"noise": 0.05, "rng": rng, "samples": samples // 2, "name": turn, "role": role}
+        one = along(model, 0.52, float(turn), 0.52, **options)
+        curves.append(replace(one, time=np.arange(one.angle.size)) if timed else one)
     return Curves(curves, source="elbow.csv", sha256="5e5f")
 
 
@@ -36,26 +35,16 @@ def test_ordinary_curves_stay_as_they_are(small_family):
         np.testing.assert_array_equal(indices, np.arange(curve.angle.size))
 
 
-def test_ends_and_turning_points_stay(elbow):
-    family = long_family(elbow, 10_000)
+def test_ends_and_turning_points_stay_with_their_times(elbow):
+    family = long_family(elbow, 10_000, timed=True)
     short = thinned(family, 2000)
     assert (short.source, short.sha256, short.names) == ("elbow.csv", "5e5f", family.names)
     assert 2000 <= sum(curve.angle.size for curve in short) <= 2020
     for curve, whole in zip(short, family, strict=True):
-        assert (curve.angle[0], curve.angle[-1]) == (whole.angle[0], whole.angle[-1])
-        assert curve.angle.max() == whole.angle.max()
-        assert set(zip(curve.angle, curve.torque, strict=True)) <= set(
-            zip(whole.angle, whole.torque, strict=True)
-        )
-
-
-def test_times_stay_with_their_samples(elbow):
-    (curve,) = long_family(elbow, 4000)[:1]
-    timed = replace(curve, time=np.arange(curve.angle.size) / 1000)
-    (short,) = thinned([timed], 500)
-    at = np.round(1000 * short.time).astype(int)
-    np.testing.assert_array_equal(short.angle, curve.angle[at])
-    np.testing.assert_array_equal(short.torque, curve.torque[at])
+        assert {0, whole.angle.argmax(), whole.angle.size - 1} <= set(curve.time)
+        at = curve.time.astype(int)
+        np.testing.assert_array_equal(curve.angle, whole.angle[at])
+        np.testing.assert_array_equal(curve.torque, whole.torque[at])
 
 
 def test_there_are_never_too_many_turning_points():
@@ -72,7 +61,7 @@ def test_a_long_record_is_fitted_thinned_and_says_so(elbow):
     fit = identify(family)
     assert [remark.sentence for remark in fit.remarks] == [
         "40,005 of 119,997 samples are used: one in 3 of each curve, its ends and its turning "
-        "points, in the fit; errors are those of all",
+        "points, in the fit; errors are those of all"
     ]
     assert fit.curves is not family
     assert fit.curves.fitted()[0].angle.size == 39_999

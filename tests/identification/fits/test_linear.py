@@ -6,7 +6,7 @@ from activesuit.hysteresis.prandtl_ishlinskii.model import PrandtlIshlinskii
 from activesuit.hysteresis.preisach.model import Preisach
 from activesuit.identification import Curve
 from activesuit.identification.fits.linear import fit_prandtl_ishlinskii, fit_preisach
-from helpers import assert_refused, family, sweep
+from helpers import family, sweep
 
 START, TURNS = 0.5, (0.7, 0.9, 1.1, 1.3, 1.5)
 LEVELS = [0.3, *np.arange(0.5, 1.51, 0.2)]
@@ -95,28 +95,3 @@ def test_what_no_curve_tells_is_smooth():
     found = fit_preisach(curves_of(known_stops(), (0.9, 1.3)), [*np.linspace(0.4, 1.3, 10), 3.0])
     assert np.isfinite(found.response(sweep(0.5, 2.9, 0.5))).all()
     assert found.elastic[-1] == pytest.approx(found.elastic[-2], rel=0.2)
-
-
-BENT = Curve(sweep(0.5, 1.0, 0.5, samples=9), np.sin(np.arange(17)), "bent")
-
-
-def test_bad_levels():
-    rows = [
-        (1, "levels is 1: use at least 2"),
-        (0.5, "levels is 0.5: give at least one number"),
-        ([1.0], "give at least 2 angles"),
-        ([0.6, 0.5, 0.9], r"levels\[1\] is 0.5 rad"),
-        ([2.0, 3.0], "the levels go from 2 to 3 rad and the curves from 0.5 to 1: give levels"),
-    ]
-    assert_refused(lambda levels: fit_preisach([BENT], levels), rows)
-
-
-def test_bad_thresholds():
-    rows = [
-        (0, "thresholds is 0: use at least 1"),
-        ([0.1, -0.2], "positive thresholds"),
-        ([0.2, 0.1], "increasing order"),
-        ([], "give at least one number"),
-        (0.5, "give at least one number"),
-    ]
-    assert_refused(lambda thresholds: fit_prandtl_ishlinskii([BENT], thresholds), rows)

@@ -1,7 +1,6 @@
 """Fits of B-H loops: the form comes back, with the parameters that were published."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from activesuit.identification import (
     save_curves,
 )
 from activesuit.identification.methods import method_of
-from activesuit.scripts.main import main
+from helpers import assert_refused, fails, run, sweep
 
 # Ms [A/m], a [A/m], alpha, c, k [A/m], and the largest field [A/m]; see docs/golden.md.
 MATERIALS = {
@@ -46,8 +45,7 @@ def truth(material, form):
 def loops(material, form, noise=2e-3, start=0.0, **options):
     """The initial curve, the major loop and loops inside it."""
     turns = np.array([0, 1, -1, 1, -0.3, 0.5, -0.25, 0.2]) * MATERIALS[material][-1] / FIELD
-    field = np.concatenate([np.linspace(*ends, 60)[1:] for ends in pairwise(turns)])
-    field = np.append(0.0, field)
+    field = sweep(*turns, samples=60)
     M = truth(material, form).response(field, start)
     M += noise * np.random.default_rng(0).standard_normal(M.size)
     return Curve(field, M, material, **options)
@@ -118,30 +116,27 @@ def test_the_certified_fit_names_the_method():
 
 
 def test_what_is_no_magnet_is_refused():
-    with pytest.raises(InputError, match=r"the loops take work .* as those of a joint do"):
-        identify(load_curves(curves_path("elbow")), method="magnetic")
-    curve = loops("iron", "original")
-    with pytest.raises(InputError, match=r"budget is 64: use at least 65"):
-        identify([curve], method=Magnetic(budget=64))
-    with pytest.raises(InputError, match="model 'dahl' has the method 'certified' only"):
-        identify([curve], method="magnetic", model="dahl")
-    with pytest.raises(InputError, match="tare is 'fit', which the method 'magnetic' does not fit"):
-        identify([curve], method="magnetic", corrections=Corrections(tare="fit"))
-    with pytest.raises(InputError, match="method 'magnetic' has one per form; leave it out"):
-        method_of("magnetic", trials=2)
-    with pytest.raises(InputError, match="objective is 'sse'"):
-        method_of("magnetic", objective="sse")
-    with pytest.raises(InputError, match="weights from 1 to 2"):
-        identify([curve, replace(curve, name="2", weight=2.0)], method="magnetic")
+    one = [loops("iron", "original")]
+    weighted = [*one, replace(one[0], name="2", weight=2.0)]
+    joint, offset = load_curves(curves_path("elbow")), Corrections(tare="fit")
+    rows = [
+        (joint, {}, r"the loops take work .* as those of a joint do"),
+        (one, {"method": Magnetic(budget=64)}, "budget is 64: use at least 65"),
+        (one, {"model": "dahl"}, "model 'dahl' has the method 'certified' only"),
+        (one, {"corrections": offset}, "tare is 'fit', which the method 'magnetic' does not fit"),
+        (weighted, {}, "weights from 1 to 2"),
+    ]
+    assert_refused(
+        lambda curves, options: identify(curves, **{"method": "magnetic"} | options), rows
+    )
+    rows = [({"trials": 2}, "has one per form; leave it out"), ({"objective": "sse"}, "is 'sse'")]
+    assert_refused(lambda options: method_of("magnetic", **options), rows)
 
 
 def test_the_command_line_has_it(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     save_curves("bh.csv", [loops("iron", "original")])
-    main(["identify", "bh.csv", "--method", "magnetic"])
-    assert "original" in capsys.readouterr().out
-    with pytest.raises(SystemExit) as stopped:
-        main(["identify", "bh.csv", "--method", "magnetic", "--out", "found"])
-    assert stopped.value.code == 2
-    assert "a suit file has joints" in capsys.readouterr().err
+    command = ("identify", "bh.csv", "--method", "magnetic")
+    assert "original" in run(capsys, *command)
+    assert "a suit file has joints" in fails(capsys, *command, "--out", "found")
     assert not (tmp_path / "found").exists()

@@ -2,25 +2,19 @@
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
-from activesuit.hysteresis import Backlash, Viscoelastic
-from activesuit.identification import Corrections, Curve, identify
+from activesuit.hysteresis import Backlash
+from activesuit.identification import Corrections, identify
 from activesuit.identification.fits.play import play_of
 from activesuit.identification.fits.registry import fit_model
+from helpers import family
 
 GAP = 0.05
 
 
 def measured(truth, seed=0, noise=0.01):
     """Returns first-order curves with white noise, a share of the peak."""
-    rng, curves = np.random.default_rng(seed), []
     peak = np.abs(truth.response([0.52, 1.57])).max()
-    for turn in (0.8, 1.1, 1.4, 1.57):
-        legs = np.linspace(0.52, turn, 80), np.linspace(turn, 0.52, 80)[1:]
-        angle = np.concatenate(legs)
-        torque = truth.response(angle) + noise * peak * rng.standard_normal(angle.size)
-        curves.append(Curve(angle, torque, f"{turn} rad", time=np.arange(angle.size) * 0.05))
-    return curves
+    return family(truth, (0.8, 1.1, 1.4, 1.57), noise=noise * peak, seed=seed, samples=80)
 
 
 @pytest.mark.parametrize(("gap", "seed"), [(0.02, 0), (0.05, 1), (0.08, 2)])
@@ -55,25 +49,3 @@ def test_a_fit_that_knows_the_play_is_better_and_draws_models_with_play(elbow):
     low, high = known.intervals[known.names.index("gap")]
     assert low < GAP < high
     assert [play_of(model) for model in known.samples] == ["fit"] * 2
-
-
-@pytest.mark.slow
-def test_a_dashpot_is_found_around_the_play(elbow):
-    truth = Viscoelastic(model=Backlash(model=elbow, gap=GAP), damping=0.3)
-    rng, curves = np.random.default_rng(0), []
-    for curve, speed in zip(measured(truth, noise=0.0), (0.3, 1.0, 0.5, 2.0), strict=True):
-        way = np.abs(np.diff(curve.angle)) * (1 + 0.5 * np.sin(np.arange(158) / 20)) / speed
-        time = np.concatenate([[0.0], np.cumsum(way)])
-        torque = truth.response(curve.angle, time=time) + 0.03 * rng.standard_normal(159)
-        curves.append(Curve(curve.angle, torque, curve.name, time=time))
-    found = fit_model("bouc-wen", curves, rng, rate="viscous", play="fit").model
-    assert found.damping == pytest.approx(0.3, rel=0.1)
-    assert found.model.gap == pytest.approx(GAP, rel=0.15)
-
-
-def test_what_cannot_be_fitted_is_refused(elbow):
-    curves = measured(elbow)
-    with pytest.raises(InputError, match="play is 'fit', which the method 'pso' does not fit"):
-        identify(curves, method="pso", corrections=Corrections(play="fit"))
-    with pytest.raises(InputError, match=r"unknown play 'fitted': use one of fit, none"):
-        Corrections(play="fitted")

@@ -6,7 +6,6 @@ import pickle
 
 import numpy as np
 import pytest
-from activesuit.errors import InputError
 from activesuit.identification.optimizers.mpso import MPSO, mpso, scheduled_coefficients
 from activesuit.identification.optimizers.pso import (
     KAO_FUNG,
@@ -25,19 +24,12 @@ from helpers import assert_refused
 SWARMS = {"pso": pso, "sa_pso": sa_pso, "mpso": mpso, "rank_distance": rank_distance_mpso}
 CORES = {"pso": PSO, "sa_pso": SAPSO, "mpso": MPSO, "rank_distance": RankDistanceMPSO}
 BOUNDS = [(-5.0, 5.0)] * 3
+WIDE = [(-5.0, 5.0), (0.0, 300.0), (-1e-3, 1e-3)]
 COLD = {"sa_pso": {"temperature": "ln5"}}  # as printed, the roulette never cools
 
 
 def tanh_coefficients(k, K):
     return tanh_inertia(k, K), 2.0, 2.0
-
-
-def kao_fung_coefficients(k, K):
-    return 0.65, 0.7, 2.05
-
-
-def linear_coefficients(k, K):
-    return 0.9 - 0.5 / K * k, 0.7, 2.05
 
 
 def sphere(x):
@@ -90,10 +82,11 @@ def transcription(objective, bounds, size, iterations, seed, coefficients, tempe
 
 
 def test_each_step_is_the_papers():
+    linear = KAO_FUNG | {"inertia": "linear"}
     for swarm, coefficients, options, temperature, d in [
         (pso, tanh_coefficients, {}, None, 1),
-        (pso, kao_fung_coefficients, KAO_FUNG, None, 3),
-        (pso, linear_coefficients, KAO_FUNG | {"inertia": "linear"}, None, 3),
+        (pso, lambda k, K: (0.65, 0.7, 2.05), KAO_FUNG, None, 3),
+        (pso, lambda k, K: (0.9 - 0.5 / K * k, 0.7, 2.05), linear, None, 3),
         (mpso, scheduled_coefficients, {}, None, 1),
         (sa_pso, tanh_coefficients, {"temperature": "paper"}, math.exp(-10), 1),
         (sa_pso, tanh_coefficients, {"temperature": "ln5"}, math.log(5), 1),
@@ -130,24 +123,11 @@ def test_the_printed_temperature_leaves_the_roulette_uniform():
 
 
 @pytest.mark.parametrize("name", SWARMS)
-def test_finds_the_sphere(name):
-    result = SWARMS[name](sphere, BOUNDS, max_iterations=300, rng=1, **COLD.get(name, {}))
-    assert result.fun < 1e-6
-    np.testing.assert_allclose(result.x, 0.7, atol=1e-3)
-    assert result.success
-    assert result.nfev == 50 * 301
-    assert len(result.history) == 301
-    assert (np.diff(result.history) <= 0).all()
-
-
-@pytest.mark.parametrize("name", SWARMS)
 def test_seed_target_callback(name):
-    swarm = SWARMS[name]
+    swarm, seen = SWARMS[name], []
     first, again = (swarm(sphere, BOUNDS, max_iterations=20, rng=3) for _ in range(2))
-    np.testing.assert_array_equal(first.history, again.history)
-    np.testing.assert_array_equal(first.x, again.x)
+    same(first, again)
     assert swarm(sphere, BOUNDS, target=0.5, rng=3).fun < 0.5
-    seen = []
 
     def stop(intermediate):
         seen.append(intermediate.fun)
@@ -155,8 +135,7 @@ def test_seed_target_callback(name):
             raise StopIteration
 
     stopped = swarm(sphere, BOUNDS, max_iterations=20, rng=3, callback=stop)
-    assert stopped.nit == 5
-    assert not stopped.success
+    assert (stopped.nit, stopped.success) == (5, False)
     assert seen[-1] == stopped.fun == first.history[5]
 
 
@@ -179,30 +158,30 @@ def test_stays_in_bounds_and_discards_nan(name):
 
 def test_bad_input():
     rows = [
-        (sphere, [(1.0, -1.0)], {}, r"bounds\[0\] are \(1, -1\): .*low < high"),
-        (sphere, [(0.0, np.inf)], {}, "give finite numbers"),
-        (sphere, [1.0, 2.0], {}, r"bounds have shape \(2,\)"),
-        (sphere, BOUNDS, {"swarm_size": 1}, "swarm_size is 1"),
-        (sphere, BOUNDS, {"max_iterations": 0}, "max_iterations 0"),
-        (sphere, BOUNDS, {"velocity_limit": 2.0}, "velocity_limit 2.0"),
-        (sphere, BOUNDS, {"inertia": "fast"}, "inertia is 'fast'"),
-        (sphere, BOUNDS, {"inertia": math.nan}, "inertia is nan"),
-        (sphere, BOUNDS, {"cognitive": -1.0}, "cognitive is -1.0"),
-        (sphere, BOUNDS, {"social": math.inf}, "social is inf"),
-        (lambda x: np.full(len(x), np.nan), BOUNDS, {}, "no finite value at any of the 50"),
-        (lambda x: x, BOUNDS, {}, r"returned shape \(50, 3\)"),
+        (pso, [(1.0, -1.0)], {}, r"bounds\[0\] are \(1, -1\): .*low < high"),
+        (pso, [(-1e308, 1e308)], {}, r"bounds\[0\] are .*low < high"),
+        (pso, [(0.0, np.inf)], {}, "give finite numbers"),
+        (pso, [1.0, 2.0], {}, r"bounds have shape \(2,\)"),
+        (pso, BOUNDS, {"swarm_size": 1}, "swarm_size is 1"),
+        (pso, BOUNDS, {"max_iterations": 0}, "max_iterations 0"),
+        (pso, BOUNDS, {"max_iterations": math.nan}, "max_iterations nan"),
+        (pso, BOUNDS, {"velocity_limit": 2.0}, "velocity_limit 2.0"),
+        (pso, BOUNDS, {"inertia": "fast"}, "inertia is 'fast'"),
+        (pso, BOUNDS, {"inertia": math.nan}, "inertia is nan"),
+        (pso, BOUNDS, {"cognitive": -1.0}, "cognitive is -1.0"),
+        (pso, BOUNDS, {"social": math.inf}, "social is inf"),
+        (sa_pso, BOUNDS, {"temperature": "hot"}, "temperature is"),
+        (sa_pso, BOUNDS, {"temperature": -1.0}, "temperature is"),
+        (rank_distance_mpso, BOUNDS, {"distance_rank": "middle"}, "'middle': use 'far' or"),
+        (rank_distance_mpso, BOUNDS, {"patience": 0}, "patience is 0: use at least 1"),
+        (rank_distance_mpso, BOUNDS, {"inertia": -0.1}, "inertia is -0.1"),
     ]
-    assert_refused(
-        lambda objective, bounds, options: pso(objective, bounds, rng=0, **options), rows
-    )
-
-
-def test_bad_temperature():
-    wrong = ["hot", -1.0, math.nan, 0]
-    assert_refused(
-        lambda temperature: sa_pso(sphere, BOUNDS, temperature=temperature),
-        [(one, "temperature is") for one in wrong],
-    )
+    assert_refused(lambda swarm, bounds, options: swarm(sphere, bounds, **options), rows)
+    wrong = [
+        (lambda x: np.full(len(x), np.nan), "no finite value at any of the 50"),
+        (lambda x: x, r"returned shape \(50, 3\)"),
+    ]
+    assert_refused(lambda objective: pso(objective, BOUNDS, rng=0), wrong)
 
 
 @pytest.mark.parametrize("name", SWARMS)
@@ -214,6 +193,9 @@ def test_finds_known_optima(name):
         best = SWARMS[name](objective, BOUNDS[:2], **options)
         assert best.fun < reached
         np.testing.assert_allclose(best.x, optimum, atol=0.03)
+        assert best.success
+        assert (best.nfev, len(best.history)) == (100 * 401, 401)
+        assert (np.diff(best.history) <= 0).all()
 
 
 def hurdles(x):
@@ -266,52 +248,126 @@ def test_every_generator_resumes():
 
 def test_ask_and_tell_contract():
     swarm = PSO(BOUNDS, swarm_size=4, max_iterations=1, rng=0)
-    with pytest.raises(InputError, match="no result before the first tell"):
-        _ = swarm.result
-    with pytest.raises(InputError, match="tell was called before ask"):
-        swarm.tell(np.zeros(4))
+    early = [(np.zeros(4), "tell was called before ask")]
+    assert_refused(lambda: swarm.result, [("no result before the first tell",)])
+    assert_refused(swarm.tell, early)
     positions = swarm.ask()
     assert positions.shape == (4, 3)
-    with pytest.raises(InputError, match=r"returned shape \(3,\) for positions of shape \(4, 3\)"):
-        swarm.tell(np.zeros(3))
+    wrong = r"returned shape \(3,\) for positions of shape \(4, 3\)"
+    assert_refused(swarm.tell, [(np.zeros(3), wrong)])
     swarm.tell(sphere(positions))
     assert not swarm.result.success
-    with pytest.raises(InputError, match="tell was called before ask"):
-        swarm.tell(np.zeros(4))
+    assert_refused(swarm.tell, early)
     swarm.tell(sphere(swarm.ask()))
     assert swarm.stopped == "ran all iterations"
-    with pytest.raises(InputError, match=r"ask after the end \(ran all iterations\)"):
-        swarm.ask()
+    assert_refused(swarm.ask, [(r"ask after the end \(ran all iterations\)",)])
 
 
 def test_bad_states():
     state = PSO(BOUNDS, rng=0).state()
-    with pytest.raises(InputError, match="the state is of a PSO, not of a MPSO"):
-        MPSO.from_state(state)
-    with pytest.raises(InputError, match="the state has no 'rng'"):
-        PSO.from_state({key: value for key, value in state.items() if key != "rng"})
-    with pytest.raises(InputError, match="the state has no 'swarm'"):
-        PSO.from_state({})
-    short = state | {"changing": state["changing"] | {"_position": [[0.0]]}}
-    with pytest.raises(InputError, match=r"_position has shape \(1, 1\) instead of \(50, 3\)"):
-        PSO.from_state(short)
-    with pytest.raises(InputError, match="generator is 'dice'"):
-        PSO.from_state(state | {"rng": {"bit_generator": "dice"}})
+    short = {"changing": state["changing"] | {"_position": [[0.0]]}}
+    rows = [
+        (MPSO, {}, "the state is of a PSO, not of a MPSO"),
+        (PSO, short, r"_position has shape \(1, 1\) instead of \(50, 3\)"),
+        (PSO, {"rng": {"bit_generator": "dice"}}, "generator is 'dice'"),
+        (PSO, {"rng": {"bit_generator": "PCG64"}}, "the state does not fit"),
+        (PSO, {"options": state["options"] | {"unknown": 1}}, "the state does not fit"),
+        (PSO, {"options": {"swarm_size": 5}}, "the state does not fit"),
+    ]
+    assert_refused(lambda core, changes: core.from_state(state | changes), rows)
+    del state["rng"]
+    assert_refused(PSO.from_state, [(state, "has no 'rng'"), ({}, "has no 'swarm'")])
 
 
-def test_numbers_that_would_never_end_or_overflow_are_refused():
-    for core in CORES.values():
-        with pytest.raises(InputError, match="max_iterations nan"):
-            core([(0, 1)], max_iterations=float("nan"))
-        for bounds in ((-1e308, 1e308), (0, float("inf")), (float("nan"), 1), (1, 1)):
-            with pytest.raises(InputError, match=r"bounds\[0\] are .*low < high"):
-                core([bounds])
+def valleys(x):
+    unit = x / [5.0, 300.0, 1e-3]
+    return np.sum(unit**2 + 0.3 * np.sin(12 * unit) ** 2, axis=1)
 
 
-def test_a_state_of_other_options_is_refused():
-    state = PSO([(0, 1)], rng=0).state()
-    for options in (state["options"] | {"unknown": 1}, {"swarm_size": 5}):
-        with pytest.raises(InputError, match="the state does not fit"):
-            PSO.from_state(state | {"options": options})
-    with pytest.raises(InputError, match="the state does not fit"):
-        PSO.from_state(state | {"rng": {"bit_generator": "PCG64"}})
+def rank_transcription(objective, bounds, size, iterations, seed, distance_rank, inertia=None):
+    """Kao and Fung 2009, eq. (3)-(9): one (x, v, pbest, F(pbest), F(x)) and one rank at a time."""
+    rng = np.random.default_rng(seed)
+    low, high = np.array(bounds).T
+    vmax = 0.2 * (high - low)
+    X = [row * (high - low) + low for row in rng.random((size, len(low)))]
+    V = [row * (2 * vmax) - vmax for row in rng.random((size, len(low)))]
+    F = [float(objective(x[None])[0]) for x in X]
+    parents = [(x, v, x, f, f) for x, v, f in zip(X, V, F, strict=True)]
+    history, scales = [min(F)], [0.7]
+    for t in range(iterations):
+        w = 0.65 if inertia is None else 0.9 - 0.5 * t / iterations  # (4)
+        gbest = min(parents, key=lambda one: one[3])[2]
+        rand = rng.random((2, size, len(low)))
+        offspring = []
+        for j, (x_old, v_old, pbest, f_pbest, _) in enumerate(parents):
+            own, group = rand[:, j]
+            v = 0.7 * own * (pbest - x_old) + 2.05 * group * (gbest - x_old) + w * v_old  # (3)
+            v = np.clip(v, -vmax, vmax)
+            x = np.clip(x_old + v, low, high)
+            f = float(objective(x[None])[0])
+            offspring.append((x, v, x, f, f) if f < f_pbest else (x, v, pbest, f_pbest, f))
+        both = parents + offspring  # 2 PS individuals
+        best = min(both, key=lambda one: one[4])
+        distance = [np.linalg.norm((one[0] - best[0]) / (high - low)) for one in both]  # (6)
+        RE = [0] * len(both)
+        RD = [0] * len(both)
+        for rank, k in enumerate(sorted(range(len(both)), key=lambda k: both[k][4]), start=1):
+            RE[k] = rank
+        sign = -1 if distance_rank == "far" else 1
+        for rank, k in enumerate(sorted(range(len(both)), key=lambda k: sign * distance[k]), 1):
+            RD[k] = rank
+        score = [RE[k] + scales[-1] * RD[k] for k in range(len(both))]  # (5)
+        order = sorted(range(len(both)), key=lambda k: score[k])
+        parents = [both[k] for k in order[:size]]
+        if not any(one is best for one in parents):
+            parents[-1] = best
+        history.append(best[4])
+        step = 1.25 * (0.7 - 0.005) / iterations  # (7)
+        scale = scales[-1] - step if history[-1] == history[-2] else scales[-1]  # (8)
+        scales.append(0.005 if scales[-1] - step < 0.005 else scale)  # (9)
+    return history, scales, np.array([one[0] for one in parents])
+
+
+@pytest.mark.parametrize("distance_rank", ["far", "near"])
+@pytest.mark.parametrize("inertia", [None, "linear"])
+def test_each_step_of_rank_distance_is_the_papers(distance_rank, inertia):
+    options = {} if inertia is None else {"inertia": inertia}
+    swarm = RankDistanceMPSO(
+        WIDE, swarm_size=8, max_iterations=40, distance_rank=distance_rank, rng=2, **options
+    )
+    result = swarm.minimize(valleys)
+    history, _, population = rank_transcription(valleys, WIDE, 8, 40, 2, distance_rank, inertia)
+    np.testing.assert_allclose(result.history, history, rtol=1e-9)
+    np.testing.assert_allclose(result.population, population, rtol=1e-7, atol=1e-12)
+
+
+def test_the_decay_scale_falls_only_without_improvement():
+    swarm = RankDistanceMPSO(WIDE, swarm_size=8, max_iterations=40, rng=2)
+    scales = []
+    while not swarm.stopped:
+        swarm.tell(valleys(swarm.ask()))
+        scales.append(swarm.state()["changing"]["_decay"])
+    _, expected, _ = rank_transcription(valleys, WIDE, 8, 40, 2, "far")
+    np.testing.assert_allclose(scales, expected, rtol=1e-12)
+    assert scales[0] == 0.7
+    # 0.0087 an iteration, were there 100
+    assert min(-np.diff(np.unique(scales)[::-1])[:-1]) == pytest.approx(0.0086875 * 100 / 40)
+
+
+def test_both_stop_rules_of_rank_distance():
+    def flat(x):
+        return np.ones(len(x))
+
+    waited = rank_distance_mpso(flat, WIDE, patience=7, rng=0)
+    assert (waited.nit, waited.message) == (7, "no improvement in 7 iterations")
+    assert waited.success
+    full = rank_distance_mpso(flat, WIDE, max_iterations=6, patience=7, rng=0)
+    assert (full.nit, full.message) == (6, "ran all iterations")
+    assert rank_distance_mpso(flat, WIDE, rng=0).nit == 100
+
+
+@pytest.mark.parametrize("distance_rank", ["far", "near"])
+def test_rank_distance_keeps_the_best(distance_rank):
+    result = rank_distance_mpso(valleys, WIDE, distance_rank=distance_rank, rng=8)
+    assert result.fun == valleys(result.x[None])[0] == result.history[-1]
+    assert (result.population == result.x).all(axis=1).any()

@@ -58,16 +58,6 @@ def test_slow_noise_has_its_correlation_from_the_first_sample_on():
     np.testing.assert_allclose(np.corrcoef(many.T)[0], [1, 0.8, 0.64], atol=0.02)
 
 
-def test_drawn_noise_is_of_the_grid():
-    weight = np.zeros(len(GRID))
-    weight[30] = 1.0
-    noise = Noise(weight=weight, variance=np.full(len(GRID), 0.04), freedom=100)
-    drawn = noise.draw(np.ones(10_000), [5000, 5000], np.random.default_rng(0))
-    memory, white = GRID[30]
-    assert drawn.std() == pytest.approx(0.2, rel=0.1)
-    assert np.corrcoef(drawn[:-1], drawn[1:])[0, 1] == pytest.approx((1 - white) * memory, abs=0.05)
-
-
 def test_columns_that_depend_on_others_count_once():
     one, two = np.random.default_rng(0).standard_normal((2, 40))
     basis = independent(np.column_stack([one, two, one + 2 * two, np.zeros(40)]))
@@ -93,11 +83,15 @@ def test_noise_in_proportion_to_the_torque_is_distinguished_from_even_noise():
     assert uneven_noise(np.zeros(720), torque, sizes) == EVEN
 
 
-def test_noise_in_words():
-    one = np.eye(len(GRID))[0]
-    noise = Noise(one, np.full(len(GRID), 4e-4), 100)
+def test_noise_in_words_and_drawn():
+    weights, rng = np.eye(len(GRID)), np.random.default_rng(0)
+    noise = Noise(weights[0], np.full(len(GRID), 4e-4), 100)
     assert str(noise) == "0.02 N·m"
-    uneven = Uneven(ratio=0.75, square=1.0)
-    assert str(replace(noise, uneven=uneven)) == "0.02 N·m and 1.5 % of the torque"
-    drawn = replace(noise, uneven=uneven).draw(np.full(9000, 4.0), [9000], np.random.default_rng(0))
+    uneven = replace(noise, uneven=Uneven(ratio=0.75, square=1.0))
+    assert str(uneven) == "0.02 N·m and 1.5 % of the torque"
+    drawn = uneven.draw(np.full(9000, 4.0), [9000], rng)
     assert np.std(drawn) == pytest.approx(0.02 * np.hypot(1, 3), rel=0.05)
+    drawn = replace(noise, weight=weights[30]).draw(np.ones(10_000), [5000, 5000], rng)
+    memory, white = GRID[30]
+    assert drawn.std() == pytest.approx(0.02, rel=0.1)
+    assert np.corrcoef(drawn[:-1], drawn[1:])[0, 1] == pytest.approx((1 - white) * memory, abs=0.05)
