@@ -81,8 +81,7 @@ def test_a_file_may_name_the_folder_of_a_run(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
-    [({"suit": "nosuch"}, "nosuch"), ({"pressure": 900.0}, "900")],
+    ("options", "message"), [({"suit": "nosuch"}, "nosuch"), ({"pressure": 900.0}, "900")]
 )
 def test_a_wrong_belief_is_reported_even_for_a_class_that_never_asks(options, message, monkeypatch):
     class Careless:

@@ -79,11 +79,7 @@ def test_pressure_scales_the_share_of_the_gas_where_it_is_known():
 
 
 def test_a_preconditioned_suit_is_drawn_with_its_memory(sampled):
-    env = ArmEnv(
-        suit=sampled,
-        preconditioned=True,
-        randomize={"suit": "samples", "pressure": 0.3},
-    )
+    env = ArmEnv(suit=sampled, preconditioned=True, randomize={"suit": "samples", "pressure": 0.3})
     drawn = []
     for seed in range(6):
         _, info = env.reset(seed=seed)

@@ -12,12 +12,7 @@ from activesuit.envs.vector_env import ArmVectorEnv
 from gymnasium.wrappers import TimeLimit
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import EvalCallback
-from stable_baselines3.common.vec_env import (
-    DummyVecEnv,
-    VecFrameStack,
-    VecMonitor,
-    VecNormalize,
-)
+from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecMonitor, VecNormalize
 
 ROWS, SHORT = 3, 11
 
@@ -34,11 +29,7 @@ def pair():
 
 @pytest.mark.parametrize(
     "wrap",
-    [
-        lambda env: env,
-        lambda env: VecFrameStack(env, 3),
-        lambda env: VecNormalize(VecMonitor(env)),
-    ],
+    [lambda env: env, lambda env: VecFrameStack(env, 3), lambda env: VecNormalize(VecMonitor(env))],
     ids=["bare", "stack", "both"],
 )
 def test_it_is_what_single_ones_are(wrap):

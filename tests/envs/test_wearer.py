@@ -29,9 +29,7 @@ class Again(RandomMoves):
 
 
 STILL = RandomMoves(
-    name="Still",
-    hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)},
-    duration=2.0,
+    name="Still", hold={"shoulder_flexion": (0.8, 0.9), "elbow_flexion": (0.8, 0.9)}, duration=2.0
 )
 AGAIN = Again(name="Again", span=ARM_TRACKING.span, duration=4.0)
 MOTION = "Test/Again-v0"

@@ -203,10 +203,7 @@ def test_results_go_through_a_file(tmp_path):
 
 def test_results_that_cannot_be_merged(tmp_path):
     rows = [
-        (
-            lines([made(protocol={"contract": "x"})]),
-            "contract 'x', and those before .*'abc'",
-        ),
+        (lines([made(protocol={"contract": "x"})]), "contract 'x', and those before .*'abc'"),
         (lines([made(effort=(0.3, 0.3))]), "different results of none in Scoop at nominal"),
         ("{}\n", "line 1, is no result of the benchmark"),
         (lines([made(effort=(0.1,))]), "series of different lengths"),

@@ -28,10 +28,6 @@ print(*(len(kernel.overloads) for kernel in (before, after, judge)))
 def test_arms_without_a_suit_or_an_exoskeleton_need_no_kernels_of_their_own():
     environment = {**os.environ, ALONE: "1", "PYTHONPATH": str(ROOT)}
     found = subprocess.run(
-        [sys.executable, "-c", PROGRAM],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
+        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
     )
     assert found.stdout.split() == ["1", "1", "1"]

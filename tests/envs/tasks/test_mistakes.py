@@ -54,11 +54,7 @@ def test_plans_are_checked():
         (Planned, MOTION, r"the task's plan is \(.*\): return a Plan"),
         (Planned, None, "the task's plan is None: return a Plan"),
         (Planned, Plan(("bent", STILL, STILL)), "the task's motion is 'bent': give numbers"),
-        (
-            Planned,
-            Plan((9 * HELD, STILL, STILL)),
-            "motion takes shoulder_flexion from 7.2 to ",
-        ),
+        (Planned, Plan((9 * HELD, STILL, STILL)), "motion takes shoulder_flexion from 7.2 to "),
         (Planned, Plan((HELD[1:], STILL, STILL)), r"shape \(10, 4\), .*: give .*\(11, 4\) each"),
         (Planned, Plan((HELD * np.nan, STILL, STILL)), "finite numbers"),
         (Idle, Plan(MOTION, mass=np.ones(SAMPLES)), "plan has a mass: set carries = True in its"),
