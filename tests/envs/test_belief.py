@@ -44,17 +44,6 @@ def test_it_does_not_depend_on_what_is_drawn():
     assert max(errors) > 0.1
 
 
-def test_a_state_keeps_its_memory():
-    env = ArmEnv(sensors=SENSORS)
-    env.reset(seed=5)
-    for _ in range(40):
-        env.step(np.full(2, 0.2))
-    state = env.get_state()
-    first = [env.step(np.full(2, 0.1))[0] for _ in range(40)]
-    env.set_state(state)
-    np.testing.assert_array_equal(first, [env.step(np.full(2, 0.1))[0] for _ in range(40)])
-
-
 @pytest.fixture
 def viscous_suit(elbow):
     joint = Viscoelastic(model=elbow, damping=0.5, relaxation_stiffness=4, relaxation_time=0.3)
